@@ -1,0 +1,41 @@
+"""Files that a scene takes in: pictures, environment maps, meshes."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from pydantic import Field
+
+from .errors import InputError
+from .model import Model
+
+
+class Asset(Model):
+    """A file of somebody else's that the scene uses, pinned by its content.
+
+    In a data set the file lies in ``assets/`` beside ``scenes/``, named by its digest, so the data set carries
+    everything that its scenes need.
+    """
+
+    path: Path = Field(description="Where the file is (absolute while a scene is drawn; relative in a scene file)")
+    sha256: str = Field(pattern="^[0-9a-f]{64}$", description="Digest of the content")
+    source: str = Field(description="Name of the file where it came from, without its folder")
+    licence: str = Field(default="unknown", description="Licence, if the folder it came from says so")
+
+
+def asset(path: Path) -> Asset:
+    """Return the pinned record of a file; InputError where it cannot be read."""
+    try:
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(path, "a readable file", error.strerror) from error
+    return Asset(path=path.resolve(), sha256=digest, source=path.name)
+
+
+def checked_path(item: Asset) -> Path:
+    """Return the asset's path after checking that the file is there and is the one that was pinned."""
+    found = asset(item.path).sha256
+    if found != item.sha256:
+        raise InputError(item.path, f"the file with SHA-256 {item.sha256[:12]}...", f"{found[:12]}...")
+    return item.path

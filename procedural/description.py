@@ -1,0 +1,110 @@
+"""The description of a scene: frozen, typed, free of any renderer.
+
+Metres, radians; world frame right-handed, z up, table top at z = 0. ``a_T_b`` takes coordinates in b to coordinates
+in a. These models are what ``scene.json`` holds (`procedural.scene_file` reads and writes it).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from .materials.description import OpaqueMaterial
+from .mesh import Mesh, joined, turned
+from .model import Matrix4, MeshField, Model, Profile, Vector3
+from .optics.medium import Medium
+from .surroundings.description import AreaLight, Camera, Environment, Table
+
+#: Version of the description; the last part changes when an old reader would be misled.
+SCENE_SCHEMA = "glassware/scene/1"
+#: Instance ids: 0 is nothing, 1 the table, objects from 2 (a vessel and its liquid are one instance).
+TABLE_ID, FIRST_OBJECT_ID = 1, 2
+
+
+class Interface(Model):
+    """A surface between two media. Its normals point from `back` to `front`."""
+
+    part: Literal["outside", "wet_wall", "liquid_surface"] = Field(
+        description="air|glass, glass|liquid, liquid|air: which two media it parts"
+    )
+    mesh: MeshField
+    front: Medium = Field(description="The medium that the normals point into")
+    back: Medium = Field(description="The medium behind")
+    roughness: float = Field(default=0.0, ge=0.0, le=1.0, description="GGX alpha; 0 is smooth")
+
+
+class Liquid(Model):
+    """What a vessel holds."""
+
+    medium: Medium
+    level: float = Field(description="Height of the surface in the object frame [m]")
+    fill: float = Field(gt=0.0, le=1.0, description="Share of the vessel's brimful volume")
+    volume: float = Field(gt=0.0, description="Volume [m^3]")
+
+
+class Vessel(Model):
+    """A glass solid of revolution about its z axis; the frame's origin is the centre of its bounding box."""
+
+    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
+    name: str = Field(description="Unique in the scene")
+    category: str = Field(description="Such as 'tumbler', 'bowl', 'bottle'")
+    glass: Medium
+    roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
+    wall: float = Field(gt=0.0, description="Smallest thickness of the glass, across the wall [m]")
+    outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
+    inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
+    liquid: Liquid | None = None
+    interfaces: tuple[Interface, ...] = Field(description="The surfaces that light meets, each once")
+    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
+    world_T_object: Matrix4
+
+
+class Prop(Model):
+    """An opaque object; the frame's origin is the centre of its bounding box."""
+
+    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
+    name: str = Field(description="Unique in the scene")
+    category: str = Field(description="Shape, or the file that the mesh came from")
+    mesh: MeshField
+    material: OpaqueMaterial
+    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
+    symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    world_T_object: Matrix4
+
+
+class Picture(Model):
+    """How the pictures are computed."""
+
+    spp: int = Field(default=64, ge=1, le=1_048_576, description="Samples per pixel")
+    max_depth: int = Field(default=64, ge=1, le=1024, description="Longest path, in surfaces met")
+    rr_depth: int = Field(default=16, ge=1, description="Surfaces met before Russian roulette begins")
+    denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
+
+
+class Scene(Model):
+    """Everything that light can meet, and how it is looked at."""
+
+    schema_version: Literal["glassware/scene/1"] = SCENE_SCHEMA
+    seed: int = Field(ge=0, description="Seed of the data set")
+    scene_id: int = Field(ge=0, description="Number of the scene in the data set")
+    table: Table
+    vessels: tuple[Vessel, ...]
+    props: tuple[Prop, ...]
+    environment: Environment
+    lights: tuple[AreaLight, ...]
+    cameras: tuple[Camera, ...] = Field(min_length=1)
+    picture: Picture
+
+    @property
+    def objects(self) -> tuple[Vessel | Prop, ...]:
+        """Vessels and props in the order of their ids."""
+        return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
+
+
+def glass_solid(vessel: Vessel) -> Mesh:
+    """Return the closed surface of the glass alone, object frame, normals out of the glass."""
+    parts = [
+        i.mesh if i.back == vessel.glass else turned(i.mesh) for i in vessel.interfaces if i.part != "liquid_surface"
+    ]
+    return joined(parts, f"{vessel.name}-glass")

@@ -1,0 +1,1 @@
+"""Opaque materials and the textures they are painted with."""

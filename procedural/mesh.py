@@ -1,0 +1,91 @@
+"""Triangle meshes as frozen data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh in the frame of its object.
+
+    Vertices may stand twice where the surface has a crease or a seam (two normals, two texture coordinates), with
+    bit-identical positions. Counter-clockwise faces look along the outward normal.
+
+    Parameters
+    ----------
+    name : str
+        File stem of the mesh inside a scene's folder, unique in the scene: letters, digits, ``-`` and ``_``.
+    vertices : (n, 3) float32
+        Positions [m].
+    faces : (m, 3) int32
+        Indices into ``vertices``.
+    normals : (n, 3) float32, optional
+        Unit shading normals; None asks for flat shading.
+    uv : (n, 2) float32, optional
+        Texture coordinates.
+    """
+
+    name: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray | None = None
+    uv: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", _frozen(self.vertices, np.float32, 3, f"vertices of mesh {self.name}"))
+        object.__setattr__(self, "faces", _frozen(self.faces, np.int32, 3, f"faces of mesh {self.name}"))
+        for field, width in (("normals", 3), ("uv", 2)):
+            value = getattr(self, field)
+            if value is not None:
+                value = _frozen(value, np.float32, width, f"{field} of mesh {self.name}")
+                if len(value) != len(self.vertices):
+                    raise ValueError(
+                        f"{field} of mesh {self.name}: expected {len(self.vertices)} rows, got {len(value)}"
+                    )
+                object.__setattr__(self, field, value)
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Smallest and largest coordinates, (2, 3) float64 [m]."""
+        return np.stack([self.vertices.min(0), self.vertices.max(0)]).astype(np.float64)
+
+
+def joined(meshes: tuple[Mesh, ...] | list[Mesh], name: str) -> Mesh:
+    """Return one mesh with the faces of all, positions and faces only."""
+    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
+    faces = np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)])
+    return Mesh(name, vertices, faces)
+
+
+def turned(mesh: Mesh, name: str | None = None) -> Mesh:
+    """Return the mesh with faces and normals turned round."""
+    normals = None if mesh.normals is None else -mesh.normals
+    return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv)
+
+
+def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trimesh:
+    """Return a `trimesh.Trimesh` of the positions, with doubled vertices welded.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    transform : (4, 4) float, optional
+        ``a_T_b`` applied to the positions, e.g. ``world_T_object``.
+    """
+    welded, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    solid = trimesh.Trimesh(welded.astype(np.float64), index.reshape(-1)[mesh.faces], process=False)
+    return solid if transform is None else solid.apply_transform(transform)
+
+
+def _frozen(values: np.ndarray, dtype: type, width: int, what: str) -> np.ndarray:
+    array = np.array(values, dtype=dtype, order="C")
+    if array.ndim != 2 or array.shape[1] != width:
+        raise ValueError(f"{what}: expected shape (n, {width}), got {array.shape}")
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,1 @@
+"""Optical media: refractive index and absorption, with their sources."""

@@ -1,0 +1,1 @@
+"""Opaque props: procedural shapes and meshes from a folder."""

@@ -1,0 +1,1 @@
+"""Everything around the objects: table, environments, area lights, cameras."""

@@ -1,0 +1,1 @@
+"""Vessels: outline, wall, surface of revolution, interfaces, liquid."""
