@@ -1,0 +1,210 @@
+"""Materials drawn at random: what things on tables, and tables, are made of.
+
+Reflectances of dielectrics stay between sRGB 30 and 240, and metals take measured colours at normal incidence, as
+W. McDermott, "The PBR Guide" (Adobe, 2018) and Lagarde & de Rousiers, "Moving Frostbite to PBR" (SIGGRAPH 2014
+course notes) advise from measurements. Roughness is Burley's perceptual one ("Physically-based shading at Disney",
+SIGGRAPH 2012): about 0.05-0.2 for glaze and polish, 0.3-0.6 for lacquer, plastic and brushed metal, 0.7-1 for raw
+stone, paper and cloth.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..assets import asset
+from ..model import Reflectance
+from .description import OpaqueMaterial, PictureTexture, ProceduralTexture, Texture, UniformTexture
+from .picture_files import srgb_to_linear
+
+#: Darkest and brightest reflectance of a dielectric, linear: sRGB 30 and 240 (McDermott 2018).
+DIELECTRIC_RANGE = (0.013, 0.871)
+#: Reflectance of metals at normal incidence, linear Rec.709 (Akenine-Moeller et al., "Real-Time Rendering", 4th
+#: edition, 2018, table 9.2). Steel takes iron's.
+METALS: dict[str, Reflectance] = {
+    "steel": (0.562, 0.565, 0.578),
+    "aluminium": (0.913, 0.922, 0.924),
+    "copper": (0.955, 0.638, 0.538),
+    "brass": (0.910, 0.778, 0.423),
+}
+#: Share of props that take a picture where the user gives a folder: enough to be seen, and most stay procedural.
+PICTURE_SHARE = 0.25
+#: Side of a picture on a table or prop where the file does not say [m]: table-top pictures show 0.3-1 m.
+PICTURE_SIDE = (0.3, 1.0)
+#: Standard deviation of a colour's overall and of its channels' reflectance between two specimens, relative: about
+#: what two batches of the same wood or stone differ by to the eye.
+BATCH_SPREAD, CHANNEL_SPREAD = 0.15, 0.04
+
+
+@dataclass(frozen=True)
+class Family:
+    """Materials of one kind.
+
+    Parameters
+    ----------
+    name : str
+        What it imitates.
+    textures : tuple of str
+        Kinds of texture, each as likely; "uniform" is one colour.
+    palettes : tuple
+        Sets of colours to choose from, linear Rec.709; empty draws paint colours instead.
+    roughness : (float, float)
+        Range of the principled roughness.
+    tile : (float, float)
+        Range of the side of one texture tile [m].
+    metallic : float
+        0 dielectric, 1 metal.
+    """
+
+    name: str
+    textures: tuple[str, ...]
+    palettes: tuple[tuple[Reflectance, ...], ...]
+    roughness: tuple[float, float]
+    tile: tuple[float, float] = (0.2, 0.4)
+    metallic: float = 0.0
+
+
+# Palettes: tones read from sight of common specimens and kept in DIELECTRIC_RANGE; woods run light to dark.
+_OAK = ((0.45, 0.29, 0.15), (0.17, 0.085, 0.036))
+_WALNUT = ((0.17, 0.088, 0.045), (0.045, 0.022, 0.013))
+_BEECH = ((0.60, 0.40, 0.24), (0.33, 0.19, 0.10))
+_WHITE_MARBLE = ((0.80, 0.79, 0.77), (0.58, 0.58, 0.57), (0.14, 0.14, 0.16))
+_GREEN_MARBLE = ((0.035, 0.075, 0.055), (0.07, 0.13, 0.10), (0.45, 0.50, 0.44))
+_GRANITE = ((0.05, 0.05, 0.055), (0.22, 0.21, 0.20), (0.42, 0.40, 0.38))
+_CONCRETE = ((0.22, 0.21, 0.20), (0.42, 0.40, 0.37))
+_SANDSTONE = ((0.30, 0.21, 0.13), (0.52, 0.41, 0.28))
+_TERRAZZO = ((0.68, 0.66, 0.62), (0.28, 0.14, 0.10), (0.10, 0.11, 0.11), (0.50, 0.44, 0.30))
+_CARDBOARD = ((0.32, 0.20, 0.11), (0.40, 0.27, 0.16))
+_TERRACOTTA = ((0.40, 0.15, 0.075), (0.52, 0.23, 0.13))
+_LINEN = ((0.62, 0.58, 0.49), (0.74, 0.71, 0.64))
+_DENIM = ((0.045, 0.075, 0.16), (0.45, 0.47, 0.50))
+_CREAM_TILES = ((0.66, 0.62, 0.53), (0.60, 0.55, 0.47), (0.28, 0.27, 0.25))
+_SLATE_TILES = ((0.075, 0.08, 0.085), (0.12, 0.12, 0.125), (0.26, 0.25, 0.24))
+_WOODS, _STONES = (_OAK, _WALNUT, _BEECH), (_GRANITE, _SANDSTONE, _CONCRETE)
+
+PROP_FAMILIES = (
+    Family("painted wood", ("uniform", "noise"), (), (0.3, 0.6)),
+    Family("wood", ("wood",), _WOODS, (0.3, 0.65), (0.15, 0.3)),
+    Family("glazed ceramic", ("uniform", "noise", "stripes"), (), (0.05, 0.2), (0.1, 0.25)),
+    Family("matte plastic", ("uniform",), (), (0.4, 0.7)),
+    Family("glossy plastic", ("uniform", "stripes", "checker"), (), (0.12, 0.35), (0.1, 0.3)),
+    Family("rubber", ("uniform",), (((0.02, 0.02, 0.02), (0.06, 0.06, 0.06)),), (0.7, 0.95)),
+    Family(
+        "brushed metal", ("uniform",), tuple((colour, colour) for colour in METALS.values()), (0.25, 0.5), metallic=1.0
+    ),
+    Family("stone", ("noise", "terrazzo"), _STONES, (0.6, 0.95), (0.15, 0.4)),
+    Family("polished stone", ("marble",), (_WHITE_MARBLE, _GREEN_MARBLE), (0.08, 0.3), (0.15, 0.35)),
+    Family("terracotta", ("noise",), (_TERRACOTTA,), (0.75, 0.95)),
+    Family("cloth", ("fabric",), (), (0.85, 1.0), (0.06, 0.12)),
+    Family("cardboard", ("noise",), (_CARDBOARD,), (0.75, 0.95)),
+    Family("printed paper", ("checker", "stripes"), (), (0.45, 0.8), (0.1, 0.3)),
+)
+TABLE_FAMILIES = (
+    Family("wood", ("wood",), _WOODS, (0.25, 0.6), (0.6, 1.1)),
+    Family("painted wood", ("noise",), (), (0.3, 0.6), (0.5, 1.0)),
+    Family("laminate", ("noise",), (_WHITE_MARBLE[:2], _CONCRETE), (0.2, 0.45), (0.4, 0.8)),
+    Family("polished stone", ("marble",), (_WHITE_MARBLE, _GREEN_MARBLE), (0.08, 0.3), (0.7, 1.2)),
+    Family("terrazzo", ("terrazzo",), (_TERRAZZO,), (0.15, 0.4), (0.4, 0.8)),
+    Family("tiles", ("tiles",), (_CREAM_TILES, _SLATE_TILES), (0.1, 0.4), (0.5, 0.9)),
+    Family("concrete", ("noise",), (_CONCRETE,), (0.6, 0.9), (0.6, 1.2)),
+    Family("table cloth", ("fabric",), (_LINEN, _DENIM), (0.85, 1.0), (0.10, 0.18)),
+    Family("checked cloth", ("checker",), (), (0.8, 1.0), (0.2, 0.5)),
+)
+
+
+def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
+    """Draw the material of a prop.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of all draws.
+    texture_files : sequence of Path
+        Pictures that it may take instead (`PICTURE_SHARE` of the time).
+
+    Returns
+    -------
+    OpaqueMaterial
+        Its `repeats` are per metre; who maps texture coordinates otherwise scales them.
+    """
+    picture = rng.random() < PICTURE_SHARE
+    if texture_files and picture:
+        return _picture_material(rng, texture_files)
+    return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
+
+
+def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
+    """Draw the material of a table, a picture where any is given; `repeats` are per metre."""
+    if texture_files:
+        return _picture_material(rng, texture_files)
+    return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
+
+
+def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
+    """Draw a material of one colour: painted, plastic or glazed."""
+    plain = ("painted wood", "matte plastic", "glazed ceramic")
+    family = next(item for item in PROP_FAMILIES if item.name == plain[rng.integers(len(plain))])
+    colour = UniformTexture(colour=_paint(rng))
+    return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
+
+
+def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> OpaqueMaterial:
+    path = files[rng.integers(len(files))]
+    return OpaqueMaterial(
+        name=f"picture {path.stem}",
+        base_colour=PictureTexture(asset=asset(path)),
+        repeats=1.0 / rng.uniform(*PICTURE_SIDE),
+        roughness=rng.uniform(0.3, 0.7),  # lacquered to raw: a picture does not tell
+    )
+
+
+def _family_material(rng: np.random.Generator, family: Family) -> OpaqueMaterial:
+    kind = family.textures[rng.integers(len(family.textures))]
+    return OpaqueMaterial(
+        name=family.name,
+        base_colour=_texture(rng, family, kind),
+        repeats=1.0 / rng.uniform(*family.tile),
+        roughness=rng.uniform(*family.roughness),
+        metallic=family.metallic,
+    )
+
+
+def _texture(rng: np.random.Generator, family: Family, kind: str) -> Texture:
+    if family.palettes:
+        palette = family.palettes[rng.integers(len(family.palettes))]
+        colours = palette if family.metallic else _specimen(rng, palette)
+    else:
+        colours = _paints(rng, kind)
+    if kind == "uniform":
+        return UniformTexture(colour=colours[0])
+    return ProceduralTexture(kind=kind, colours=colours, seed=int(rng.integers(2**31)))
+
+
+def _specimen(rng: np.random.Generator, palette: Sequence[Reflectance]) -> tuple[Reflectance, ...]:
+    """Return a palette with the spread between specimens: all colours shift together."""
+    factor = np.exp(rng.normal(0.0, BATCH_SPREAD) + rng.normal(0.0, CHANNEL_SPREAD, 3))
+    return tuple(_dielectric(np.array(colour) * factor) for colour in palette)
+
+
+def _paints(rng: np.random.Generator, kind: str) -> tuple[Reflectance, ...]:
+    """Return the colours of something painted, dyed or printed."""
+    first = _paint(rng)
+    if kind == "noise":
+        # One coat, a little uneven.
+        return first, _dielectric(np.array(first) * rng.uniform(1.08, 1.25))
+    return first, _paint(rng), *((_paint(rng),) if kind == "fabric" else ())
+
+
+def _paint(rng: np.random.Generator) -> Reflectance:
+    """Return a pigment: any hue, from nearly grey to saturated, from dark to light (HSV of sRGB)."""
+    saturation, value = rng.uniform(0.0, 0.85), rng.uniform(0.25, 0.95)
+    return _dielectric(srgb_to_linear(np.array(colorsys.hsv_to_rgb(rng.random(), saturation, value))))
+
+
+def _dielectric(colour: np.ndarray) -> Reflectance:
+    red, green, blue = np.clip(colour, *DIELECTRIC_RANGE)
+    return float(red), float(green), float(blue)

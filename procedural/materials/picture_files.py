@@ -1,0 +1,84 @@
+"""Pictures from a user's folder: which there are, and how one is read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ..errors import InputError
+
+#: Formats that OpenCV's wheel reads on every platform and that hold 8 or 16 bits a channel.
+PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
+#: Longest side of a texture [px]. A prop or a table fills a view of at most a few thousand pixels; 4096 is 200 MB.
+LONGEST_SIDE = 4096
+
+
+def picture_files(folder: Path) -> tuple[Path, ...]:
+    """Return the pictures under a folder, ordered by their relative paths.
+
+    Raises
+    ------
+    InputError
+        Where the folder is missing, holds no picture, or holds a file that is named like one but is none.
+    """
+    if not folder.is_dir():
+        raise InputError(folder, "a folder of pictures", "no such folder")
+    files = [path for path in folder.rglob("*") if path.suffix.lower() in PICTURE_SUFFIXES and path.is_file()]
+    if not files:
+        raise InputError(folder, f"pictures ({' '.join(PICTURE_SUFFIXES)})", "none")
+    for path in files:
+        if not cv2.haveImageReader(str(path)):
+            raise InputError(path, "a picture", "something else")
+    return tuple(sorted(files, key=lambda path: path.relative_to(folder).as_posix()))
+
+
+def read_picture(path: Path) -> np.ndarray:
+    """Return an sRGB picture as linear reflectances, first row at the top.
+
+    Grey becomes three equal channels, transparency is ignored, and what is larger than `LONGEST_SIDE` is reduced.
+
+    Returns
+    -------
+    (h, w, 3) float32
+        In [0, 1], linear Rec.709.
+
+    Raises
+    ------
+    InputError
+        Where the file is missing, broken, or does not hold 8 or 16 bits a channel.
+    """
+    stored = _decoded(path)
+    if stored.dtype not in (np.uint8, np.uint16):
+        raise InputError(path, "a picture of 8 or 16 bits a channel", f"{stored.dtype}")
+    if stored.ndim == 2 or stored.shape[2] < 3:
+        # Grey, or grey with transparency.
+        grey = stored if stored.ndim == 2 else stored[..., 0]
+        stored = np.repeat(grey[..., None], 3, axis=2)
+    encoded = stored[..., 2::-1].astype(np.float32) / np.iinfo(stored.dtype).max
+    linear = srgb_to_linear(encoded)
+    height, width = linear.shape[:2]
+    if max(height, width) > LONGEST_SIDE:
+        scale = LONGEST_SIDE / max(height, width)
+        size = (max(1, round(width * scale)), max(1, round(height * scale)))
+        linear = cv2.resize(linear, size, interpolation=cv2.INTER_AREA)
+    return np.clip(linear, 0.0, 1.0)
+
+
+def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
+    """Return linear values of sRGB-encoded ones in [0, 1] (IEC 61966-2-1:1999)."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(encoded.dtype)
+
+
+def _decoded(path: Path) -> np.ndarray:
+    try:
+        content = np.frombuffer(path.read_bytes(), np.uint8)
+        picture = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+    except OSError as error:
+        raise InputError(path, "a readable picture", error.strerror) from error
+    except cv2.error as error:
+        raise InputError(path, "a readable picture", "an empty or oversized file") from error
+    if picture is None:
+        raise InputError(path, "a readable picture", "a broken file")
+    return picture
