@@ -1,0 +1,65 @@
+"""Open Image Denoise: a noisy picture and its guides -> a clean picture."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pyoidn
+
+
+def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Return the picture without its noise.
+
+    The guides are cleaned first, so that the coin tosses in the glass do not reach the picture through them
+    (Open Image Denoise's documentation, "prefiltering").
+
+    Parameters
+    ----------
+    colour : (H, W, 3) float32
+        Linear radiance.
+    albedo : (H, W, 3) float32
+        Reflectance guide in [0, 1].
+    normal : (H, W, 3) float32
+        Normal guide, components in [-1, 1].
+
+    Returns
+    -------
+    (H, W, 3) float32
+        Linear radiance, >= 0.
+    """
+    clean_albedo = _filtered({pyoidn.OIDN_IMAGE_ALBEDO: albedo})
+    clean_normal = _filtered({pyoidn.OIDN_IMAGE_NORMAL: normal})
+    guides = {pyoidn.OIDN_IMAGE_ALBEDO: clean_albedo, pyoidn.OIDN_IMAGE_NORMAL: clean_normal}
+    return _filtered({pyoidn.OIDN_IMAGE_COLOR: colour, **guides}, hdr=True, clean_guides=True)
+
+
+def _filtered(images: dict[str, np.ndarray], hdr: bool = False, clean_guides: bool = False) -> np.ndarray:
+    device = _device()
+    images = {name: np.ascontiguousarray(image, dtype=np.float32) for name, image in images.items()}
+    result = np.zeros_like(next(iter(images.values())))
+    with pyoidn.Filter(device, pyoidn.OIDN_FILTER_TYPE_RT) as task:
+        for name, image in (*images.items(), (pyoidn.OIDN_IMAGE_OUTPUT, result)):
+            task.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
+        task.set_bool("hdr", hdr)
+        task.set_bool("cleanAux", clean_guides)
+        task.set_quality(pyoidn.OIDN_QUALITY_HIGH)
+        task.commit()
+        task.execute()
+        _check(device)
+    return result
+
+
+@cache
+def _device() -> pyoidn.Device:
+    # The CPU device even where there is a GPU: one machine's pictures then equal another's.
+    device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
+    device.commit()
+    _check(device)
+    return device
+
+
+def _check(device: pyoidn.Device) -> None:
+    message = device.get_error()
+    if message is not None:
+        raise RuntimeError(f"Open Image Denoise: {message}")

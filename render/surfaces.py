@@ -1,0 +1,73 @@
+"""What each surface parts: per-shape tables that the ray loops read by the shape's registry id."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..procedural.optics.medium import AIR, Medium
+
+#: Index of air in every table of media.
+AIR_INDEX = 0
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One shape as the ray loops see it. `front` and `back` are equal for opaque surfaces."""
+
+    instance: int  #: instance id; 0 for lights
+    object: int  #: position in `Scene.objects`, or -1 for the table and the lights
+    opaque: bool
+    front: Medium  #: the medium that the geometric normal points into
+    back: Medium
+    alpha: float  #: GGX roughness of an interface
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceTable:
+    """Columns of the table, Dr.Jit arrays indexed by registry id, and the media that they refer to."""
+
+    instance: mi.UInt32
+    object: mi.Int32
+    opaque: mi.Bool
+    front: mi.UInt32
+    back: mi.UInt32
+    alpha: mi.Float
+    eta: mi.Float  #: by medium
+    sigma_a: mi.Float  #: by medium and colour, 3 numbers each [1/m]
+    media: tuple[Medium, ...]
+
+
+def surface_table(surfaces: dict[int, Surface]) -> SurfaceTable:
+    """Return the table of the surfaces given by registry id."""
+    media = [AIR]
+    for surface in surfaces.values():
+        media += [medium for medium in (surface.front, surface.back) if medium not in media]
+    rows = [surfaces.get(index) for index in range(max(surfaces) + 1)]
+    blank = Surface(0, -1, True, AIR, AIR, 0.0)
+    rows = [blank if row is None else row for row in rows]
+
+    def column(kind: type, values: list) -> object:
+        array = kind(np.array(values))
+        dr.make_opaque(array)
+        return array
+
+    return SurfaceTable(
+        instance=column(mi.UInt32, [row.instance for row in rows]),
+        object=column(mi.Int32, [row.object for row in rows]),
+        opaque=column(mi.Bool, [row.opaque for row in rows]),
+        front=column(mi.UInt32, [media.index(row.front) for row in rows]),
+        back=column(mi.UInt32, [media.index(row.back) for row in rows]),
+        alpha=column(mi.Float, [row.alpha for row in rows]),
+        eta=column(mi.Float, [medium.eta for medium in media]),
+        sigma_a=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
+        media=tuple(media),
+    )
+
+
+def registry_id(shape: mi.ShapePtr) -> mi.UInt32:
+    """Return the registry id of each shape pointer, the row of the table (0 where there is none)."""
+    return dr.reinterpret_array(mi.UInt32, shape)

@@ -1,0 +1,51 @@
+"""One view of a scene: both pictures, denoised, and the geometry that labels come from."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+from ..procedural.randomness import stream_seed
+from .denoise import denoise
+from .frame import Frame
+from .geometry import trace_geometry
+from .kernel import Kernel
+from .picture import Noisy, trace_picture
+
+
+def render_view(kernel: Kernel, view: int) -> Frame:
+    """Render a view of the loaded scene.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The loaded scene.
+    view : int
+        Index into the scene's cameras.
+
+    Returns
+    -------
+    Frame
+        Depends on the scene's description and the view alone: not on other views or what was rendered before.
+    """
+    scene = kernel.description
+    camera, seconds = scene.cameras[view], {}
+    start = perf_counter()
+    seeds = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in ("left", "right")}
+    left, right = (trace_picture(kernel, camera, eye, seed) for eye, seed in seeds.items())
+    seconds["picture"] = perf_counter() - start
+
+    start = perf_counter()
+    geometry = trace_geometry(kernel, camera)
+    seconds["geometry"] = perf_counter() - start
+
+    start = perf_counter()
+    pictures = [_clean(noisy) if scene.picture.denoise else noisy.radiance for noisy in (left, right)]
+    seconds["denoise"] = perf_counter() - start
+    kept = (left.radiance, right.radiance) if scene.picture.denoise else (None, None)
+    return Frame(*pictures, *kept, geometry, seconds)
+
+
+def _clean(noisy: Noisy) -> np.ndarray:
+    return denoise(noisy.radiance, np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
