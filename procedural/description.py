@@ -6,6 +6,7 @@ in a. These models are what ``scene.json`` holds (`procedural.scene_file` reads 
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
@@ -100,6 +101,19 @@ class Scene(Model):
     def objects(self) -> tuple[Vessel | Prop, ...]:
         """Vessels and props in the order of their ids."""
         return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
+
+    def save(self, path: Path, assets_dir: Path | None = None) -> None:
+        """Write ``scene.json`` with its meshes and assets (`procedural.scene_file.save_scene`)."""
+        from .scene_file import save_scene
+
+        save_scene(self, path, assets_dir)
+
+    @classmethod
+    def load(cls, path: Path) -> Scene:
+        """Read ``scene.json`` (`procedural.scene_file.load_scene`); InputError where it is damaged or unknown."""
+        from .scene_file import load_scene
+
+        return load_scene(path)
 
 
 def glass_solid(vessel: Vessel) -> Mesh:

@@ -1,0 +1,157 @@
+"""Checks of per-pixel geometry alone: ids, background, normals, and the two cameras of a pair against each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..procedural.description import TABLE_ID, Scene
+from ..procedural.surroundings.description import Camera
+from ..render.frame import Geometry
+from .projection import disparity, pixel_rays, unproject
+from .violation import Violation, at_pixels
+
+#: Rounding of float32 depth that two walks along one ray may differ by (relative): some steps of 2^-24.
+DEPTH_TOLERANCE = 1e-6
+#: Rounding of a float32 unit vector's length, after a rotation.
+UNIT_TOLERANCE = 1e-5
+#: Largest angle between a label's normal and the depth's own [rad]. Smooth shading of a tessellated surface turns the
+#: normal from its facet's by up to half the angle between facets, and differences across a pixel do the rest.
+NORMAL_TOLERANCE = np.deg2rad(10.0)
+#: Largest angle between the surface to the left and right (above and below) of a pixel that still counts as smooth.
+SMOOTH_TOLERANCE = np.deg2rad(10.0)
+#: Steepest view on which a finite difference is still a normal: beyond it one pixel spans too much surface [rad].
+STEEPEST_VIEW = np.deg2rad(75.0)
+#: Share of smooth pixels that may miss: creases that run within a pixel of the centre look smooth to differences.
+OUTLIERS = 0.02
+#: Disparity that interpolation between two pixels of the right view may miss on a curved surface [px].
+DISPARITY_TOLERANCE = 0.05
+#: Steps of disparity between two neighbouring pixels beyond which there is an edge between them [px].
+DISPARITY_EDGE = 0.5
+#: Largest share of pixels where the right camera may see a nearer fold of the same object (a handle, a cup's far wall).
+HIDDEN = 0.1
+
+
+def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
+    """Check ids against the scene, against depth, and against the silhouettes."""
+    opaque = [TABLE_ID, *(prop.id for prop in scene.props)]
+    known = [*opaque, *(vessel.id for vessel in scene.vessels)]
+    found = [
+        *at_pixels("ids", ~np.isin(geometry.id, [0, *known]), f"0 or one of {known}", geometry.id, "id"),
+        *at_pixels(
+            "ids", ~np.isin(geometry.background_id, [0, *opaque]), f"0 or one of {opaque}", geometry.background_id
+        ),
+        *at_pixels("ids", (geometry.id == 0) != np.isinf(geometry.Z), "id 0 where Z is infinite", geometry.id, "id"),
+        *at_pixels(
+            "ids",
+            (geometry.background_id == 0) != np.isinf(geometry.background_Z),
+            "background id 0 where its Z is infinite",
+            geometry.background_id,
+        ),
+    ]
+    for index, item in enumerate(scene.objects):
+        visible, reached, crossed = geometry.id == item.id, geometry.reached[index], geometry.crossed[index]
+        where = f"object {item.id}"
+        found += at_pixels("ids", visible & ~reached, "a visible pixel to be reached", reached, where)
+        found += at_pixels("ids", reached & ~crossed, "a reached pixel to be crossed", crossed, where)
+    return found
+
+
+def check_background(geometry: Geometry) -> list[Violation]:
+    """Check that the background is never before the first surface, and is it where that is opaque."""
+    first, behind = geometry.Z, geometry.background_Z
+    same = (geometry.id == geometry.background_id) & np.isfinite(first)
+    outside = ~((geometry.transmittance >= 0.0) & (geometry.transmittance <= 1.0)).all(axis=-1)
+    return [
+        *at_pixels("background", behind < first * (1.0 - DEPTH_TOLERANCE), "Z >= that of the first surface", behind),
+        *at_pixels(
+            "background",
+            same & (np.abs(behind - first) > first * DEPTH_TOLERANCE),
+            "the first surface's Z where that is opaque",
+            behind,
+        ),
+        *at_pixels("background", outside, "transmittance in [0, 1]", geometry.transmittance),
+    ]
+
+
+def check_normals(geometry: Geometry, K: np.ndarray) -> list[Violation]:
+    """Check that normals are unit and face the camera where there is a surface, and are 0 elsewhere."""
+    normal = geometry.normal.astype(np.float64)
+    hit = np.isfinite(geometry.Z)
+    length = np.linalg.norm(normal, axis=-1)
+    facing = (normal * pixel_rays(*hit.shape, K)).sum(axis=-1) <= UNIT_TOLERANCE
+    return [
+        *at_pixels("normals", hit & ~(np.abs(length - 1.0) <= UNIT_TOLERANCE), "length 1", length),
+        *at_pixels("normals", ~hit & (length != 0.0), "0 where there is no surface", normal),
+        *at_pixels("normals", hit & ~facing, "a normal that faces the camera", normal),
+    ]
+
+
+def check_normals_against_depth(geometry: Geometry, K: np.ndarray, opaque_ids: list[int]) -> list[Violation]:
+    """Check normals against differences of depth, where the surface is smooth and opaque.
+
+    A pixel counts where its four neighbours are on the same object, where the two differences across it agree in each
+    direction, and where it is not seen at a grazing angle.
+    """
+    found = []
+    estimate, smooth = _depth_normals(geometry, K)
+    cosine = np.clip((estimate * geometry.normal[1:-1, 1:-1]).sum(axis=-1), -1.0, 1.0)
+    for object_id in (TABLE_ID, *opaque_ids):
+        counted = smooth & (geometry.id[1:-1, 1:-1] == object_id)
+        wrong = counted & ~(np.arccos(cosine) <= NORMAL_TOLERANCE)
+        if wrong.sum() > OUTLIERS * counted.sum():
+            expected = f"normals within {np.rad2deg(NORMAL_TOLERANCE):.0f} degrees of the depth's"
+            angle = np.pad(np.rad2deg(np.arccos(cosine)), 1)
+            found += at_pixels("normals against depth", np.pad(wrong, 1), expected, angle, f"object {object_id}")
+    return found
+
+
+def check_disparity(left: Geometry, right: Geometry, camera: Camera) -> list[Violation]:
+    """Check ``u_left - u_right = f b / Z`` against the right camera's own geometry.
+
+    What the left camera sees at ``(u, v)`` stands at ``(u - f b / Z, v)`` in the right picture, with the same Z. There
+    the right camera sees it, or something nearer, but never something farther. Pixels that land on an edge or out of
+    the right picture do not count.
+    """
+    height, width = left.Z.shape
+    d_left = disparity(left.Z, camera.focal, camera.baseline)
+    d_right = disparity(right.Z, camera.focal, camera.baseline)
+    u = np.arange(width)[None, :] - d_left
+    column = np.clip(np.floor(u).astype(int), 0, width - 2)
+    row = np.arange(height)[:, None]
+    near, far = d_right[row, column], d_right[row, column + 1]
+    same = (right.id[row, column] == left.id) & (right.id[row, column + 1] == left.id)
+    counted = (u >= 0) & (u <= width - 1) & np.isfinite(left.Z) & (np.abs(near - far) < DISPARITY_EDGE)
+    share = u - column
+    expected = near * (1.0 - share) + far * share
+    slack = DISPARITY_TOLERANCE + np.abs(near - far) / 2.0
+    farther = counted & (expected < d_left - slack)
+    found = at_pixels("disparity", farther, "nothing farther in the right view", d_left - expected)
+    # Where both cameras see one object there, its own folds hide little: most pixels have to agree.
+    differs = counted & same & (np.abs(expected - d_left) > slack)
+    if differs.sum() > HIDDEN * (counted & same).sum():
+        found += at_pixels("disparity", differs, "f b / Z in both views", d_left - expected)
+    return found
+
+
+def _depth_normals(geometry: Geometry, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return normals from central differences, (H-2, W-2, 3), and where they can be trusted, (H-2, W-2) bool."""
+    point = unproject(geometry.Z, K)
+    centre = point[1:-1, 1:-1]
+    before_u, after_u = centre - point[1:-1, :-2], point[1:-1, 2:] - centre
+    before_v, after_v = centre - point[:-2, 1:-1], point[2:, 1:-1] - centre
+    # In OpenCV axes the product of the steps along u and v points away from the camera.
+    normal = -np.cross(before_u + after_u, before_v + after_v)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        view = -(normal * centre).sum(axis=-1) / np.linalg.norm(centre, axis=-1)
+        smooth = _aligned(before_u, after_u) & _aligned(before_v, after_v) & (view > np.cos(STEEPEST_VIEW))
+    ids = geometry.id
+    one = ids[1:-1, 1:-1]
+    for other in (ids[1:-1, :-2], ids[1:-1, 2:], ids[:-2, 1:-1], ids[2:, 1:-1]):
+        smooth &= one == other
+    return normal, smooth
+
+
+def _aligned(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    cosine = (a * b).sum(axis=-1) / (np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1))
+    return cosine > np.cos(SMOOTH_TOLERANCE)

@@ -1,0 +1,209 @@
+"""The labels of a view, as ``labels.json`` holds them."""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+import numpy as np
+from pydantic import Field
+
+from ..procedural.description import Scene
+from ..procedural.model import Matrix4, Model, Vector3
+from ..procedural.surroundings.description import Camera
+from ..render.frame import Geometry
+from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
+from .keypoints import KeypointState, SceneKeypoints, keypoint_states
+from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
+from .projection import inverse_pose, project_camera, transformed
+from .surface import Object, hull_vertices
+
+LABELS_SCHEMA = "glassware/labels/1"
+
+Pixel = tuple[float, float]
+
+
+class LineOfSight(Protocol):
+    """What rays from the left camera through all keypoints meet, in the order of `SceneKeypoints.world`."""
+
+    @property
+    def first_distance(self) -> np.ndarray:
+        """Distance to the first surface, (n k,) float [m]; +inf for none."""
+        ...
+
+    @property
+    def opaque_distance(self) -> np.ndarray:
+        """Distance to the first opaque surface, (n k,) float [m]; +inf for none."""
+        ...
+
+
+class Box2d(Model):
+    """Boxes ``(left, top, right, bottom)`` [px]; a pixel reaches half a pixel to each side of its coordinates."""
+
+    modal: Box | None = Field(description="Round the visible pixels; null where none is visible")
+    amodal: Box | None = Field(description="Round the projection of the whole object, also out of the picture")
+    amodal_clipped: Box | None = Field(description="The part of the amodal box that lies in the picture")
+
+
+class Rle(Model):
+    """A mask in COCO's compressed run-length encoding."""
+
+    size: tuple[int, int] = Field(description="Height and width [px]")
+    counts: str = Field(description="COCO's compressed counts, ASCII")
+
+
+class Pixels(Model):
+    """Pixels of the silhouette in the frame."""
+
+    silhouette: int = Field(ge=0, description="The straight ray meets the object")
+    visible: int = Field(ge=0, description="The object is the first surface")
+    seen_through: int = Field(ge=0, description="Only transparent surfaces are before it")
+    occluded: int = Field(ge=0, description="An opaque surface is before it")
+
+
+class Fractions(Model):
+    """Shares of the silhouette in the frame; they sum to exactly 1."""
+
+    visible: float = Field(ge=0.0, le=1.0)
+    seen_through: float = Field(ge=0.0, le=1.0)
+    occluded: float = Field(ge=0.0, le=1.0)
+
+
+class Keypoint(Model):
+    """A point of the object's surface, number for number as in ``objects.json``."""
+
+    pixel: Pixel | None = Field(description="Image coordinates (u, v) [px]; null behind the camera")
+    Z: float = Field(description="Planar depth [m]")
+    state: KeypointState
+
+
+class Centroid(Model):
+    """The centre of the object's bounding box, which is the origin of its frame."""
+
+    point: Vector3 = Field(description="Camera frame [m]")
+    pixel: Pixel | None = Field(description="Image coordinates (u, v) [px]; null behind the camera")
+
+
+class ObjectLabel(Model):
+    """One object in one view (the left camera's)."""
+
+    id: int
+    name: str
+    category: str
+    camera_T_object: Matrix4
+    box2d: Box2d
+    box3d: tuple[Vector3, ...] = Field(
+        min_length=8, max_length=8, description="Corners, camera frame [m]; bits 0, 1, 2 of a corner's number: +x +y +z"
+    )
+    mask_amodal: Rle = Field(description="The whole silhouette in the frame")
+    mask_seen: Rle = Field(description="The part with nothing opaque before it: visible or through glass")
+    pixels: Pixels
+    fractions: Fractions | None = Field(description="null where the silhouette has no pixel")
+    keypoints: tuple[Keypoint, ...]
+    centroid: Centroid
+
+
+class Labels(Model):
+    """All objects of a scene in one view, in the order of their ids."""
+
+    schema_version: Literal["glassware/labels/1"] = LABELS_SCHEMA
+    objects: tuple[ObjectLabel, ...]
+
+
+def annotate(
+    scene: Scene, camera: Camera, geometry: Geometry, points: SceneKeypoints, line_of_sight: LineOfSight
+) -> Labels:
+    """Return the labels of the left camera's view.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    camera : Camera
+        One of its cameras.
+    geometry : Geometry
+        What the rays through the pixel centres of the left camera meet.
+    points : SceneKeypoints
+        From `keypoints.scene_keypoints`, once for all views.
+    line_of_sight : LineOfSight
+        What the rays from the left camera through ``points.world.reshape(-1, 3)`` meet.
+    """
+    count = points.world.shape[1]
+    expected = (len(scene.objects) * count,)
+    first, opaque = (np.asarray(a) for a in (line_of_sight.first_distance, line_of_sight.opaque_distance))
+    if first.shape != expected or opaque.shape != expected:
+        raise ValueError(f"line of sight: expected shape {expected}, got {first.shape} and {opaque.shape}")
+    camera_T_world = inverse_pose(camera.world_T_camera)
+    labels = []
+    for index, item in enumerate(scene.objects):
+        rows = slice(index * count, (index + 1) * count)
+        seen = transformed(camera_T_world, points.world[index])
+        found = _keypoints(seen, first[rows], opaque[rows], camera)
+        labels.append(_object_label(item, index, camera_T_world @ item.world_T_object, camera, geometry, found))
+    return Labels(objects=tuple(labels))
+
+
+def _object_label(
+    item: Object,
+    index: int,
+    camera_T_object: np.ndarray,
+    camera: Camera,
+    geometry: Geometry,
+    found: tuple[Keypoint, ...],
+) -> ObjectLabel:
+    counts = pixel_counts(geometry, index, item.id)
+    amodal = amodal_box(transformed(camera_T_object, hull_vertices(item)), camera.K)
+    corners = transformed(camera_T_object, box_corners(item.size))
+    return ObjectLabel(
+        id=item.id,
+        name=item.name,
+        category=item.category,
+        camera_T_object=camera_T_object,
+        box2d=Box2d(
+            modal=modal_box(instance_mask(geometry, item.id)),
+            amodal=amodal,
+            amodal_clipped=clipped_box(amodal, camera.width, camera.height),
+        ),
+        box3d=tuple(tuple(corner) for corner in corners.tolist()),
+        mask_amodal=_rle(geometry.crossed[index]),
+        mask_seen=_rle(geometry.reached[index]),
+        pixels=_pixels(counts),
+        fractions=_fractions(counts),
+        keypoints=found,
+        centroid=_centroid(camera_T_object[:3, 3], camera.K),
+    )
+
+
+def _keypoints(seen: np.ndarray, first: np.ndarray, opaque: np.ndarray, camera: Camera) -> tuple[Keypoint, ...]:
+    pixels, Z = project_camera(seen, camera.K)
+    states = keypoint_states(pixels, np.linalg.norm(seen, axis=1), first, opaque, (camera.width, camera.height))
+    rows = zip(pixels, Z.tolist(), states, strict=True)
+    return tuple(Keypoint(pixel=_pixel(pixel), Z=depth, state=state) for pixel, depth, state in rows)
+
+
+def _centroid(point: np.ndarray, K: np.ndarray) -> Centroid:
+    x, y, z = point.tolist()
+    return Centroid(point=(x, y, z), pixel=_pixel(project_camera(point[None], K)[0][0]))
+
+
+def _pixel(pixel: np.ndarray) -> Pixel | None:
+    u, v = pixel.tolist()
+    return None if np.isnan(u) else (u, v)
+
+
+def _rle(mask: np.ndarray) -> Rle:
+    height, width = mask.shape
+    return Rle(size=(height, width), counts=encode_mask(mask))
+
+
+def _pixels(counts: PixelCounts) -> Pixels:
+    return Pixels(
+        silhouette=counts.silhouette,
+        visible=counts.visible,
+        seen_through=counts.seen_through,
+        occluded=counts.occluded,
+    )
+
+
+def _fractions(counts: PixelCounts) -> Fractions | None:
+    shares = fractions(counts)
+    return None if shares is None else Fractions(visible=shares[0], seen_through=shares[1], occluded=shares[2])

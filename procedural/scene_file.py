@@ -1,0 +1,194 @@
+"""Scenes on disk: ``scene.json``, its meshes beside it, and the files of others that it uses.
+
+::
+
+    <data set>/assets/<sha16>-<name>         environment maps and pictures, named by their content
+    <data set>/scenes/000007/scene.json
+    <data set>/scenes/000007/meshes/*.ply
+
+Nothing that a scene file says is used as a path before it is checked: meshes are named by a plain word, and assets lie
+in one of two folders, inside the data set, with the content that the scene pins.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from .assets import Asset, checked_path
+from .description import SCENE_SCHEMA, Scene
+from .errors import InputError
+from .mesh import Mesh
+from .mesh_file import read_mesh, write_mesh
+from .model import Model
+
+MESHES_FOLDER = "meshes"
+ASSETS_FOLDER = "assets"
+_MESH_NAME = re.compile(r"[A-Za-z0-9_-]+")
+#: Where an asset of a scene file may lie: beside the scene (a scene saved alone), or beside ``scenes/``.
+_ASSET_PATH = re.compile(rf"(?:\.\./\.\./)?{ASSETS_FOLDER}/[0-9a-f]{{16}}-[A-Za-z0-9._-]+")
+#: Longest tail of a file's own name that is kept in its name in the data set [characters].
+_KEPT_NAME = 80
+
+M = TypeVar("M", bound=Model)
+V = TypeVar("V")
+
+
+def save_scene(scene: Scene, path: Path, assets_dir: Path | None = None) -> None:
+    """Write a scene, its meshes and the assets it uses.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene; its assets are absolute paths of files with the pinned content.
+    path : Path
+        The JSON file to write; meshes go to ``meshes/`` beside it.
+    assets_dir : Path, optional
+        Where assets go: ``assets/`` beside the scene file (the default) or beside its grandparent, which is the data
+        set's folder. A file that is there already stays.
+
+    Raises
+    ------
+    InputError
+        Where an asset is missing or has changed since the scene was drawn.
+    """
+    assets_dir = path.parent / ASSETS_FOLDER if assets_dir is None else assets_dir
+    meshes: dict[str, Mesh] = {}
+    stored = _with_assets(scene, lambda item: _store_asset(item, assets_dir, path))
+    data = stored.model_dump(mode="json", context={"write_mesh": lambda mesh: _collected(mesh, meshes)})
+    folder = path.parent / MESHES_FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, mesh in meshes.items():
+        write_mesh(mesh, folder / f"{name}.ply")
+    path.write_text(json_text(data), encoding="utf-8")
+
+
+def load_scene(path: Path) -> Scene:
+    """Read a scene that `save_scene` wrote; assets come back as absolute paths, their content checked.
+
+    Raises
+    ------
+    InputError
+        For a damaged or unknown file, a missing mesh, or an asset that is missing, changed or outside the data set.
+    """
+    data = read_json(path)
+    check_schema(path, data, SCENE_SCHEMA)
+    folder = path.parent / MESHES_FOLDER
+    scene = parsed(Scene, data, path, {"read_mesh": lambda name: _read_named(name, folder)})
+    return _with_assets(scene, lambda item: _found_asset(item, path))
+
+
+def assets_of(scene: Scene) -> tuple[Asset, ...]:
+    """Return every asset that a scene uses, each content once, in the order of their digests."""
+    found: dict[str, Asset] = {}
+    _with_assets(scene, lambda item: found.setdefault(item.sha256, item))
+    return tuple(found[digest] for digest in sorted(found))
+
+
+def json_text(data: object) -> str:
+    """Return JSON with sorted keys and floats that read back exactly; NaN and infinity are refused."""
+    return json.dumps(data, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file; InputError where it is missing or damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+    except OSError as error:
+        raise InputError(path, "a readable file", error.strerror) from error
+    except ValueError as error:
+        raise InputError(path, "a JSON file", f"{error}") from error
+
+
+def check_schema(path: Path, data: object, schema: str) -> None:
+    """Refuse data whose ``schema_version`` is not the one that this version reads."""
+    found = data.get("schema_version", "none") if isinstance(data, dict) else f"a {type(data).__name__}"
+    if found != schema:
+        raise InputError(f"{path}: schema_version", schema, found)
+
+
+def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | None = None) -> M:
+    """Validate JSON data as a model; the first thing wrong becomes one InputError with file and field."""
+    try:
+        return model.model_validate(data, strict=False, context=context)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        cause = first.get("ctx", {}).get("error")
+        if isinstance(cause, InputError):
+            raise cause from None
+        field = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{path}: {field}", first["msg"], repr(first["input"])[:80]) from None
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is not JSON")
+
+
+def _collected(mesh: Mesh, meshes: dict[str, Mesh]) -> str:
+    if not _MESH_NAME.fullmatch(mesh.name):
+        raise ValueError(f"mesh name: expected letters, digits, - and _, got {mesh.name!r}")
+    if meshes.setdefault(mesh.name, mesh) is not mesh:
+        raise ValueError(f"mesh name {mesh.name!r}: expected it once in a scene, got it twice")
+    return mesh.name
+
+
+def _read_named(name: object, folder: Path) -> Mesh:
+    if not isinstance(name, str) or not _MESH_NAME.fullmatch(name):
+        raise InputError(f"{folder}: mesh name", "letters, digits, - and _", repr(name)[:80])
+    return read_mesh(folder / f"{name}.ply", name)
+
+
+def _with_assets(value: V, change: Callable[[Asset], Asset]) -> V:
+    """Return a description with each asset in it changed."""
+    if isinstance(value, Asset):
+        return change(value)  # pyright: ignore[reportReturnType]
+    if isinstance(value, tuple):
+        return tuple(_with_assets(item, change) for item in value)  # pyright: ignore[reportReturnType]
+    if isinstance(value, Model):
+        fields = {name: getattr(value, name) for name in type(value).model_fields}
+        changed = {name: _with_assets(item, change) for name, item in fields.items()}
+        return value.model_copy(update={name: item for name, item in changed.items() if item is not fields[name]})
+    return value
+
+
+def _store_asset(item: Asset, assets_dir: Path, path: Path) -> Asset:
+    source = checked_path(item)
+    name = re.sub(r"[^A-Za-z0-9._-]", "_", item.source)[-_KEPT_NAME:]
+    target = assets_dir / f"{item.sha256[:16]}-{name}"
+    if not (target.is_file() and _digest(target) == item.sha256):
+        assets_dir.mkdir(parents=True, exist_ok=True)
+        # Beside and renamed, so that another process never reads half a file.
+        partial = assets_dir / f".{target.name}.partial-{os.getpid()}"
+        shutil.copyfile(source, partial)
+        partial.replace(target)
+    relative = Path(os.path.relpath(target.absolute(), path.parent.absolute()))
+    if not _ASSET_PATH.fullmatch(relative.as_posix()):
+        raise ValueError(f"assets_dir: expected ./assets or ../../assets from {path.parent}, got {assets_dir}")
+    return item.model_copy(update={"path": relative})
+
+
+def _found_asset(item: Asset, path: Path) -> Asset:
+    name = item.path.as_posix()
+    where = f"{path}: asset {item.source}"
+    if not _ASSET_PATH.fullmatch(name):
+        raise InputError(where, f"a path such as ../../{ASSETS_FOLDER}/0123456789abcdef-name", repr(name)[:80])
+    folder = path.parent.resolve()
+    root = folder.parent.parent if name.startswith("..") else folder
+    target = (folder / item.path).resolve()
+    if not target.is_relative_to(root):
+        raise InputError(where, f"a file inside {root}", f"a link to {target}")
+    found = item.model_copy(update={"path": target})
+    checked_path(found)
+    return found
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
