@@ -1,0 +1,91 @@
+"""From a profile to a triangle mesh of its surface of revolution."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh import Mesh
+from .curve import Curve
+
+
+def segments_for(radius: float, chord_error: float) -> int:
+    """Return how many segments a circle needs for its chords to stay within an error.
+
+    The sagitta of a chord over 2 pi / n is ``radius (1 - cos(pi / n))``. The count is a multiple of 8, so that the
+    mesh reaches the circle's bounding box exactly.
+
+    Parameters
+    ----------
+    radius : float
+        Largest radius [m].
+    chord_error : float
+        Largest sagitta [m].
+    """
+    return 8 * int(np.ceil(np.pi / np.arccos(1.0 - chord_error / radius) / 8.0))
+
+
+def revolved(curve: Curve, segments: int, name: str) -> Mesh:
+    """Return the surface of revolution of a curve about the z axis.
+
+    A point (r, z) becomes the ring ``float32(r * cos a), float32(r * sin a), float32(z)`` over the same angles in
+    every mesh of as many segments, so curves that share a point share a ring bit for bit. The last segment of a ring
+    uses the first vertices again: the seam closes exactly. A point on the axis is one vertex with a fan of triangles.
+    A point that stands twice makes two rings in the same place and no faces between them: a crease.
+
+    Parameters
+    ----------
+    curve : Curve
+        The profile, either way round; faces look along its normals. Only its ends may lie on the axis.
+    segments : int
+        Vertices per ring, a multiple of 8.
+    name : str
+        Name of the mesh.
+
+    Returns
+    -------
+    Mesh
+        With smooth normals, which are the curve's own turned about the axis.
+    """
+    if segments < 8 or segments % 8:
+        raise ValueError(f"segments: expected a positive multiple of 8, got {segments}")
+    on_axis = curve.points[:, 0] == 0.0
+    if on_axis[1:-1].any():
+        raise ValueError("curve: only its ends may lie on the axis")
+    counts = np.where(on_axis, 1, segments)
+    vertices = np.concatenate([_ring(p, p[0] == 0.0, segments) for p in curve.points])
+    normals = np.concatenate([_ring(n, at, segments) for n, at in zip(curve.normals, on_axis, strict=True)])
+    faces = _faces(curve, np.concatenate([[0], np.cumsum(counts)[:-1]]), on_axis, segments)
+    return Mesh(name, vertices, faces, normals)
+
+
+def unit_circle(segments: int) -> np.ndarray:
+    """Return (cos a, sin a) of `segments` equal steps, (n, 2), exactly symmetric in all eight octants."""
+    angles = 2.0 * np.pi * np.arange(segments // 8 + 1) / segments
+    octant = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    quarter = np.concatenate([octant[:-1], octant[:0:-1, ::-1]])
+    half = np.concatenate([quarter, np.stack([-quarter[:, 1], quarter[:, 0]], axis=-1)])
+    return np.concatenate([half, -half])
+
+
+def _ring(pair: np.ndarray, on_axis: bool, segments: int) -> np.ndarray:
+    """Turn one (radial, axial) pair about the axis, (segments, 3), or (1, 3) on the axis."""
+    if on_axis:
+        return np.array([[0.0, 0.0, pair[1]]])
+    return np.column_stack([pair[0] * unit_circle(segments), np.full(segments, pair[1])])
+
+
+def _faces(curve: Curve, first: np.ndarray, on_axis: np.ndarray, segments: int) -> np.ndarray:
+    around = np.arange(segments)
+    rows = []
+    for i, step in enumerate(np.diff(curve.points, axis=0)):
+        if not step.any():
+            continue
+        here, there = (first[k] + (0 * around if on_axis[k] else around) for k in (i, i + 1))
+        here_after, there_after = np.roll(here, -1), np.roll(there, -1)
+        # A triangle with two corners on the axis has no area: at a pole only one of the pair is kept.
+        band = [] if on_axis[i] else [np.stack([here, here_after, there_after], axis=-1)]
+        band += [] if on_axis[i + 1] else [np.stack([here, there_after, there], axis=-1)]
+        # These look to the right of the way along the curve, where (dz, -dr) points.
+        to_right = np.array([step[1], -step[0]]) @ (curve.normals[i] + curve.normals[i + 1])
+        rows += band if to_right > 0.0 else [triangles[:, ::-1] for triangles in band]
+    return np.concatenate(rows)
