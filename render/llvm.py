@@ -1,4 +1,8 @@
-"""Where LLVM libraries lie on this machine, newest first. Dr.Jit itself takes the first one it meets, good or not."""
+"""Find an LLVM library that works. Dr.Jit itself takes the first one it meets, good or not.
+
+Dr.Jit loads its LLVM when `drjit` is imported (not when a variant is set) and cannot change it afterwards. So the
+choice is made when `glassware.render` is imported, before any of its modules imports drjit.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,17 @@ import re
 import subprocess
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+
+from ..procedural.errors import InputError
+from .trial import library_passes
+
+#: The variant on LLVM, and the reference for reproducibility.
+LLVM = "llvm_ad_rgb"
+
+#: Dr.Jit reads the path of its LLVM library from here.
+LLVM_PATH = "DRJIT_LIBLLVM_PATH"
+
+_INSTALL = "install one and run again (Debian or Ubuntu: apt-get install libllvm19)"
 
 #: Newest and oldest major versions looked for. 14 is refused by Dr.Jit 1.5, 15 and 16 abort the process while compiling
 #: (measured: "Cannot select: fminimum"); 19 and 22 are known to work. What is found is tried out before it is used.
@@ -31,6 +46,50 @@ _VERSIONED = re.compile(r"libLLVM(?:\.so\.(\d+)[.\d]*|-(\d+)[.\d]*\.(?:so[.\d]*|
 
 #: The linker's cache is read in milliseconds; a listing that takes longer than this [s] is stuck.
 _LDCONFIG_TIMEOUT = 20
+
+
+def export_llvm_path() -> None:
+    """Point Dr.Jit at a library that works, unless the user has named one; `find_llvm` says later if there is none."""
+    if not os.environ.get(LLVM_PATH):
+        library, _ = _first_that_works()
+        if library:
+            os.environ[LLVM_PATH] = str(library)
+
+
+def find_llvm() -> Path:
+    """Return the library the user has named in ``DRJIT_LIBLLVM_PATH``, else the newest one that works.
+
+    Raises
+    ------
+    InputError
+        If the named library does not work, or no installed one does: the message says what to install.
+    """
+    named = os.environ.get(LLVM_PATH)
+    if named and not Path(named).is_file():
+        raise InputError(LLVM_PATH, "the path of an LLVM library", f"no file {named}; unset it, or {_INSTALL}")
+    if named and not _works(Path(named)):
+        expected = f"an LLVM library of version {OLDEST} or newer"
+        raise InputError(LLVM_PATH, expected, f"{named}, which does not work; unset it, or {_INSTALL}")
+    if named:
+        return Path(named)
+    library, refused = _first_that_works()
+    if library is None:
+        found = f"only {', '.join(map(str, refused))}, which do not work" if refused else "none"
+        raise InputError("backend", f"an LLVM library of version {OLDEST} or newer", f"{found}; {_INSTALL}")
+    return library
+
+
+def _first_that_works() -> tuple[Path | None, list[Path]]:
+    refused = []
+    for library in installed_libraries():
+        if _works(library):
+            return library, refused
+        refused.append(library)
+    return None, refused
+
+
+def _works(library: Path) -> bool:
+    return library_passes(LLVM, library, {LLVM_PATH: str(library)})
 
 
 def major_version(library: Path) -> int | None:
