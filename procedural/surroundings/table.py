@@ -1,0 +1,83 @@
+"""The table, drawn at random: a board with rounded edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ..materials.draw import draw_table_material
+from ..mesh import Mesh
+from ..model import Model
+from ..props.blocks import rounded_box
+from ..props.revolution import revolve, rounded
+from .description import Table
+
+#: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
+THICKNESS = (0.02, 0.05)
+#: Radius of the edge [m]: from eased with sandpaper to a half round of the thinnest board.
+EDGE_RADIUS = (0.002, 0.010)
+
+
+class TableSettings(Model):
+    """How the table is drawn."""
+
+    smallest: float = Field(default=0.9, ge=0.3, le=5.0, description="Least side or diameter of the table [m]")
+    largest: float = Field(default=1.8, ge=0.3, le=5.0, description="Greatest side or diameter of the table [m]")
+    round_share: float = Field(default=0.25, ge=0.0, le=1.0, description="Probability that the table is round")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> TableSettings:
+        if self.smallest > self.largest:
+            raise ValueError(f"smallest: expected at most largest ({self.largest} m), found {self.smallest} m")
+        return self
+
+
+def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files: Sequence[Path] = ()) -> Table:
+    """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of all draws.
+    settings : TableSettings
+        Sizes.
+    texture_files : sequence of Path
+        Pictures for the top; a procedural material where there is none.
+
+    Returns
+    -------
+    Table
+        Texture coordinates are in metres; on the top they are (x, y).
+    """
+    long_side = rng.uniform(settings.smallest, settings.largest)
+    short_side = rng.uniform(settings.smallest, long_side)
+    thickness, radius = rng.uniform(*THICKNESS), rng.uniform(*EDGE_RADIUS)
+    round_table = rng.random() < settings.round_share
+    size = (long_side, long_side if round_table else short_side, thickness)
+    mesh = _round_board(long_side, thickness, radius) if round_table else _board(size, radius)
+    return Table(mesh=mesh, material=draw_table_material(rng, texture_files), size=size)
+
+
+def _board(size: tuple[float, float, float], radius: float) -> Mesh:
+    """Return a rectangular board, long side along x."""
+    mesh, unit = rounded_box("table", size, radius)
+    return _top_at_zero(mesh, mesh.uv * unit)
+
+
+def _round_board(diameter: float, thickness: float, radius: float) -> Mesh:
+    """Return a round board; texture coordinates run on radially over the edge."""
+    corners = [(0.0, 0.0), (diameter / 2, 0.0), (diameter / 2, thickness), (0.0, thickness)]
+    mesh, unit = revolve("table", rounded(corners, [radius, radius]))
+    angle = 2 * np.pi * mesh.uv[:, 0]
+    from_middle = (mesh.uv[:, 1].max() - mesh.uv[:, 1]) * unit
+    return _top_at_zero(mesh, np.stack([np.cos(angle), np.sin(angle)], 1) * from_middle[:, None])
+
+
+def _top_at_zero(mesh: Mesh, uv: np.ndarray) -> Mesh:
+    vertices = mesh.vertices.astype(np.float64)
+    # Subtracting the very number that the top's vertices hold leaves exactly 0.
+    vertices[:, 2] -= vertices[:, 2].max()
+    return Mesh(mesh.name, vertices, mesh.faces, mesh.normals, uv)
