@@ -1,0 +1,76 @@
+"""The documents do not promise what is not there: links lead somewhere, commands exist."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")])
+
+each_document = pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(REPOSITORY)))
+
+#: [text](target), ![text](target "title") and <img src="target">.
+LINK = re.compile(r"\]\(\s*<?([^)\s>]+)[^)]*\)|<(?:img|a)\s[^>]*?(?:src|href)=\"([^\"]+)\"")
+
+#: A fenced block, or a run of lines indented by four spaces after an empty line.
+FENCED = re.compile(r"^```[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")
+
+
+def links(text: str) -> list[str]:
+    """Return what a document links to."""
+    return [first or second for first, second in LINK.findall(FENCED.sub("", text))]
+
+
+def anchors(text: str) -> set[str]:
+    """Return the anchors of a document's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+\s+(.*?)\s*$", FENCED.sub("", text), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def command_lines(text: str) -> list[list[str]]:
+    """Return the words of each line in a document's code blocks, without prompts and comments."""
+    blocks = FENCED.findall(text) + INDENTED.findall(FENCED.sub("", text))
+    lines = [line.strip().removeprefix("$ ").split(" #")[0] for block in blocks for line in block.splitlines()]
+    return [line.split() for line in lines if line and not line.startswith("#")]
+
+
+@each_document
+def test_internal_links_lead_somewhere(path: Path) -> None:
+    for link in links(path.read_text("utf-8")):
+        if re.match(r"[a-z][a-z0-9+.-]*:", link):
+            continue
+        target, _, anchor = link.partition("#")
+        file = path.parent / target if target else path
+        assert file.exists(), f"{link} leads nowhere"
+        if anchor and file.suffix == ".md":
+            assert anchor in anchors(file.read_text("utf-8")), f"{link}: no such heading"
+
+
+@each_document
+def test_commands_in_documents_exist(path: Path) -> None:
+    scripts = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]["scripts"]
+    targets = set(re.findall(r"^([a-z-]+):", (REPOSITORY / "Makefile").read_text("utf-8"), re.MULTILINE))
+    for words in command_lines(path.read_text("utf-8")):
+        program, name = words[0], Path(words[0]).name
+        if program == "make":
+            named = [word for word in words[1:] if "=" not in word and not word.startswith("-")]
+            assert set(named) <= targets, " ".join(words)
+        elif name.startswith(("render-", "build-", "glassware")) and "/" not in name:
+            assert name in scripts, " ".join(words)
+        elif name.startswith("python"):
+            programs = [word for word in words[1:] if word.endswith(".py")]
+            assert all((REPOSITORY / word).is_file() for word in programs), " ".join(words)
+
+
+def test_the_checks_see_links_anchors_and_commands() -> None:
+    text = 'A [b](c.md#d) and ![p](q.png "t").\n\n## A heading, of `two`\n\n    make scene  # why\n'
+    text += "\n```\n$ render-scene\n```\n"
+    assert links(text) == ["c.md#d", "q.png"]
+    assert anchors(text) == {"a-heading-of-two"}
+    assert sorted(command_lines(text)) == [["make", "scene"], ["render-scene"]]
