@@ -9,7 +9,9 @@ from pydantic import Field
 
 from ..assets import Asset
 from ..materials.description import OpaqueMaterial
-from ..model import Matrix4, MeshField, Model, Rgb, Unit
+from ..model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
+
+Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
 
 
 class Table(Model):
@@ -23,23 +25,48 @@ class Table(Model):
 class Window(Model):
     """A bright rectangle on a wall or the ceiling of a room."""
 
-    wall: Literal["+x", "-x", "+y", "-y", "ceiling"]
-    centre: tuple[float, float] = Field(description="Centre on the wall: along it and up (ceiling: x, y) [m]")
+    kind: Literal["window", "lamp"] = Field(
+        default="window", description="A view to the outside, or an evenly lit diffuser (ceiling lamp, soft box)"
+    )
+    wall: Wall
+    centre: tuple[float, float] = Field(
+        description="Centre on the wall, from the room's corner: along it and up (ceiling: x, y) [m]"
+    )
     size: tuple[float, float] = Field(description="Width and height [m]")
-    radiance: Rgb = Field(description="Radiance of the glass or the lamp, linear Rec.709")
+    radiance: Rgb = Field(description="Radiance of the sky outside or of the lamp, linear Rec.709 [kcd/m^2]")
     bars: int = Field(default=0, ge=0, le=6, description="Number of mullions across each direction")
+
+
+class Panel(Model):
+    """A flat opaque rectangle on a wall: a door, a picture, a board."""
+
+    wall: Wall
+    centre: tuple[float, float] = Field(description="Centre on the wall, as for `Window` [m]")
+    size: tuple[float, float] = Field(description="Width and height [m]")
+    colour: Reflectance = Field(description="Linear Rec.709 reflectance")
+
+
+class Block(Model):
+    """An opaque box that stands in a room: a cupboard, a shelf, a sofa's part."""
+
+    lower: Vector3 = Field(description="Smallest coordinates, from the room's corner [m]")
+    upper: Vector3 = Field(description="Largest coordinates, from the room's corner [m]")
+    colour: Reflectance = Field(description="Linear Rec.709 reflectance")
 
 
 class RoomEnvironment(Model):
     """A box-shaped room with windows and lamps, seen from the table, as an environment map."""
 
     kind: Literal["room"] = "room"
-    size: tuple[float, float, float] = Field(description="Inner extent along x, y, z [m]")
-    eye: tuple[float, float, float] = Field(description="Where the table's centre is in the room, from a corner [m]")
-    wall_colours: tuple[Rgb, ...] = Field(
-        min_length=6, max_length=6, description="Radiance of +x -x +y -y ceiling floor"
+    size: Vector3 = Field(description="Inner extent along x, y, z [m]")
+    eye: Vector3 = Field(description="Where the table's centre is in the room, from a corner [m]")
+    wall_colours: tuple[Reflectance, ...] = Field(
+        min_length=6, max_length=6, description="Reflectance of +x -x +y -y ceiling floor"
     )
-    windows: tuple[Window, ...]
+    windows: tuple[Window, ...] = Field(min_length=1, description="Everything that shines")
+    panels: tuple[Panel, ...] = ()
+    blocks: tuple[Block, ...] = ()
+    board_width: float = Field(default=0.0, ge=0.0, description="Width of the floor's boards [m]; 0 for none")
     seed: int = Field(ge=0, description="Seed of the small variation on walls and floor")
     rotation: float = Field(default=0.0, description="Turn about +z [rad]")
     strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
@@ -49,15 +76,15 @@ class SkyEnvironment(Model):
     """An open sky with a soft sun and a ground."""
 
     kind: Literal["sky"] = "sky"
-    sun_elevation: float = Field(description="Elevation of the sun [rad]")
-    sun_radiance: float = Field(ge=0.0, description="Radiance of the (blurred) sun disc, relative to the zenith's")
+    sun_elevation: float = Field(gt=0.0, le=1.5707963267948966, description="Elevation of the sun [rad]")
+    sun_radiance: float = Field(ge=0.0, description="Luminance of the blurred disc's middle, relative to the zenith's")
     sun_radius: float = Field(gt=0.0, description="Angular radius of the blurred disc [rad]")
     turbidity: float = Field(ge=1.7, le=10.0, description="Haze (Preetham et al. 1999), 2 clear to 10 hazy")
     cloudiness: Unit = Field(description="Share of the sky under clouds")
-    ground: Rgb = Field(description="Radiance of the ground")
-    seed: int = Field(ge=0, description="Seed of the clouds")
-    rotation: float = 0.0
-    strength: float = Field(default=1.0, gt=0.0)
+    ground: Reflectance = Field(description="Reflectance of the ground, lit by this sky")
+    seed: int = Field(ge=0, description="Seed of the clouds and the skyline")
+    rotation: float = Field(default=0.0, description="Turn about +z [rad]; 0 has the sun at azimuth 0")
+    strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
 
 
 class PictureEnvironment(Model):

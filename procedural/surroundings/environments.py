@@ -1,0 +1,53 @@
+"""What lies beyond the table: drawn from a seed, and baked to one map of radiance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..assets import asset
+from .description import Environment, PictureEnvironment, RoomEnvironment
+from .hdri import hdri_files, read_hdri
+from .rooms import bake_room, draw_room
+from .settings import EnvironmentSettings
+from .skies import bake_sky, draw_sky
+
+
+def draw_environment(rng: np.random.Generator, settings: EnvironmentSettings) -> Environment:
+    """Draw the surroundings of a scene: a file of ``settings.hdri_dir``, a room or a sky.
+
+    Raises
+    ------
+    InputError
+        Where the folder is missing or has no environment map.
+    """
+    files = () if settings.hdri_dir is None else hdri_files(settings.hdri_dir)
+    from_file, indoors = rng.uniform() < settings.hdri_share, rng.uniform() < settings.room_share
+    if files and from_file:
+        chosen = asset(files[int(rng.integers(len(files)))])
+        return PictureEnvironment(asset=chosen, rotation=float(rng.uniform(0.0, 2.0 * np.pi)))
+    return draw_room(rng) if indoors else draw_sky(rng)
+
+
+def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
+    """Return the radiance of an environment by direction, without its ``rotation`` and ``strength``.
+
+    Both are left to the renderer, which applies them exactly; a rotation of pixels would blur the map. The turn is
+    counter-clockwise about +z: what is baked at azimuth phi belongs at phi + rotation.
+
+    Parameters
+    ----------
+    environment : Environment
+        A room, a sky or a file.
+    height : int
+        Rows of a room's or a sky's map; a file keeps its own size.
+
+    Returns
+    -------
+    (h, 2 * h, 3) float32
+        Linear Rec.709, laid out as `sphere` says.
+    """
+    if isinstance(environment, PictureEnvironment):
+        return read_hdri(environment.asset)
+    if isinstance(environment, RoomEnvironment):
+        return bake_room(environment, height)
+    return bake_sky(environment, height)

@@ -1,0 +1,140 @@
+"""Environment maps from files.
+
+A file holds a panorama as a camera sees it: row 0 is up, and the azimuth grows clockwise (seen from above) from the
+left edge to the right. Our maps (`sphere`) grow counter-clockwise, so the columns are turned round: the picture's left
+edge is at azimuth 0 (+x), its middle at azimuth pi (-x), and what stands to the right in the picture stands to the
+right in the scene.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import OpenEXR
+
+from ..assets import Asset, checked_path
+from ..errors import InputError
+
+SUFFIXES = (".exr", ".hdr")
+#: Widest map that is read [px]; 16384 x 8192 pixels already take 1.5 GB.
+MAX_WIDTH = 16384
+# First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
+_EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
+# These transform blocks of pixels and round: they ring below zero beside bright lamps.
+_RINGING = (
+    OpenEXR.Compression.DWAA_COMPRESSION,
+    OpenEXR.Compression.DWAB_COMPRESSION,
+    OpenEXR.Compression.B44_COMPRESSION,
+    OpenEXR.Compression.B44A_COMPRESSION,
+)
+
+
+def hdri_files(folder: Path) -> tuple[Path, ...]:
+    """Return the environment maps directly in a folder, sorted by name; InputError where there are none."""
+    if not folder.is_dir():
+        raise InputError(folder, "a folder of environment maps", "a file" if folder.exists() else "nothing")
+    found = sorted(
+        (path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()),
+        key=lambda path: path.name,
+    )
+    if not found:
+        raise InputError(folder, "at least one .exr or .hdr file", "none")
+    return tuple(found)
+
+
+def read_hdri(item: Asset) -> np.ndarray:
+    """Read an equirectangular environment map.
+
+    EXR files go through the `OpenEXR` package: Mitsuba's own reader hangs in a process that may use one core only.
+    Values below zero are set to 0 in files whose compression rings (DWAA, DWAB, B44, B44A), and refused in others.
+
+    Parameters
+    ----------
+    item : Asset
+        An EXR file with channels R, G, B (A is ignored) or Y, half or float, or a Radiance HDR file.
+
+    Returns
+    -------
+    (h, 2 * h, 3) float32
+        Linear radiance in the file's own unit, laid out as `sphere` says.
+
+    Raises
+    ------
+    InputError
+        For a file that is missing, changed, unreadable, cut short, of other channels, not twice as wide as high, or
+        with values that are not finite or below zero.
+    """
+    path = checked_path(item)
+    pixels, rings = _read_exr(path) if path.suffix.lower() == ".exr" else (_read_hdr(path), False)
+    _check_shape(path, pixels.shape[1], pixels.shape[0])
+    bad = np.count_nonzero(~np.isfinite(pixels))
+    if bad:
+        raise InputError(path, "finite pixels", f"{bad} values that are NaN or infinite")
+    if not rings and pixels.min() < 0.0:
+        raise InputError(path, "pixels of at least 0", f"{pixels.min():.6g}")
+    return np.ascontiguousarray(np.maximum(pixels[:, ::-1], 0.0), dtype=np.float32)
+
+
+def _read_exr(path: Path) -> tuple[np.ndarray, bool]:
+    """Return the pixels as stored, and whether the compression rings."""
+    _check_magic(path, (_EXR_MAGIC,), "an OpenEXR file")
+    try:
+        with OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
+            header = file.header()
+        # Zero threads beside our own: decoding then needs no second core.
+        with OpenEXR.File(str(path), separate_channels=True, num_threads=0) as file:
+            channels = {name: channel.pixels for name, channel in file.channels().items()}
+    except (RuntimeError, ValueError) as error:
+        # What the reader raises for damaged files; a file cut short reads as one without parts.
+        raise InputError(path, "a whole OpenEXR file", f"a damaged one ({_one_line(error)})") from error
+    low, high = header["dataWindow"]
+    width, height = (int(n) for n in high - low + 1)
+    return _rgb(path, channels, (height, width)), header["compression"] in _RINGING
+
+
+def _rgb(path: Path, channels: dict[str, np.ndarray], shape: tuple[int, int]) -> np.ndarray:
+    if {"R", "G", "B"} <= channels.keys():
+        names = ["R", "G", "B"]
+    elif "Y" in channels and not {"RY", "BY"} & channels.keys():
+        names = ["Y", "Y", "Y"]
+    else:
+        raise InputError(path, "channels R, G, B or Y", ", ".join(sorted(channels)) or "none")
+    planes = [channels[name] for name in names]
+    for name, plane in zip(names, planes, strict=True):
+        if plane.shape != shape or plane.dtype not in (np.float16, np.float32):
+            raise InputError(f"{path} channel {name}", "half or float at full size", f"{plane.dtype} {plane.shape}")
+    return np.stack(planes, axis=-1).astype(np.float32)
+
+
+def _read_hdr(path: Path) -> np.ndarray:
+    _check_magic(path, _HDR_MAGIC, "a Radiance HDR file")
+    level = cv2.utils.logging.getLogLevel()
+    # OpenCV would print a line of its own beside our error.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        pixels = cv2.imdecode(np.fromfile(path, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+    if pixels is None or pixels.ndim != 3 or pixels.dtype != np.float32:
+        raise InputError(path, "a whole Radiance HDR file", "a damaged one")
+    return pixels[..., ::-1]
+
+
+def _check_magic(path: Path, magics: tuple[bytes, ...], expected: str) -> None:
+    with path.open("rb") as file:
+        start = file.read(16)
+    if not start.startswith(magics):
+        raise InputError(path, expected, f"first bytes {start[:8]!r}" if start else "an empty file")
+
+
+def _check_shape(path: Path, width: int, height: int) -> None:
+    if width != 2 * height:
+        raise InputError(path, "an equirectangular map, twice as wide as high", f"{width} x {height} pixels")
+    if width > MAX_WIDTH:
+        raise InputError(path, f"at most {MAX_WIDTH} pixels across", width)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,127 @@
+"""Straight rays in a box-shaped room with boxes in it.
+
+Box 0 is the room, seen from inside; the others stand in it, seen from outside. Face 6 b + 2 a + s of box b is square to
+axis a, on the larger (s = 0) or the smaller (s = 1) side: +x -x +y -y ceiling floor for the room. A face's own
+coordinates are the two other axes in ascending order [m].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .description import RoomEnvironment
+
+#: The face of the room that each name of a wall stands for.
+WALL_FACES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "ceiling": 4}
+#: The two axes along a face, by the axis that it is square to.
+ALONG = np.array([[1, 2], [0, 2], [0, 1]])
+# A surface is left behind after this far along a ray [m].
+_CLEAR = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """The room and its blocks."""
+
+    lower: np.ndarray  #: (n, 3) float32 [m]
+    upper: np.ndarray  #: (n, 3) float32 [m]
+    reflectance: np.ndarray  #: (6 n, 3) float32, by face
+
+
+def boxes_of(room: RoomEnvironment) -> Boxes:
+    """Return the boxes of a room's description."""
+    lower = [(0.0, 0.0, 0.0), *(block.lower for block in room.blocks)]
+    upper = [room.size, *(block.upper for block in room.blocks)]
+    faces = [*room.wall_colours, *(block.colour for block in room.blocks for _ in range(6))]
+    return Boxes(*(np.array(values, dtype=np.float32) for values in (lower, upper, faces)))
+
+
+def cast(boxes: Boxes, origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what rays from inside the room meet first.
+
+    Parameters
+    ----------
+    boxes : Boxes
+        The room.
+    origins : (n, 3) or (1, 3) float32
+        Points in the room [m].
+    directions : (n, 3) float32
+        Unit vectors.
+
+    Returns
+    -------
+    faces : (n,) int64
+        The face met.
+    points : (n, 3) float32
+        Where [m].
+    """
+    inverse = _inverse(directions)
+    ahead = np.where(directions > 0.0, boxes.upper[0], boxes.lower[0])
+    exits = (ahead - origins) * inverse
+    axis = np.argmin(exits, axis=1)
+    nearest = np.take_along_axis(exits, axis[:, None], axis=1)[:, 0]
+    faces = 2 * axis + (np.take_along_axis(directions, axis[:, None], axis=1)[:, 0] < 0.0)
+    for box in range(1, len(boxes.lower)):
+        enter, leave = _slabs(boxes, box, origins, inverse)
+        axis = np.argmax(enter, axis=1)
+        first = np.take_along_axis(enter, axis[:, None], axis=1)[:, 0]
+        met = (first > _CLEAR) & (first < leave.min(axis=1)) & (first < nearest)
+        # A ray that grows along the axis meets the smaller side.
+        side = np.take_along_axis(directions, axis[:, None], axis=1)[:, 0] > 0.0
+        nearest = np.where(met, first, nearest)
+        faces = np.where(met, 6 * box + 2 * axis + side, faces)
+    return faces, origins + directions * nearest[:, None]
+
+
+def blocked(boxes: Boxes, origins: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Return whether a block stands between two points, (n, 3) and (n, 3) float32 [m] -> (n,) bool."""
+    inverse = _inverse(ends - origins)
+    found = np.zeros(len(ends), dtype=bool)
+    for box in range(1, len(boxes.lower)):
+        enter, leave = _slabs(boxes, box, origins, inverse)
+        first, last = enter.max(axis=1), leave.min(axis=1)
+        found |= (first < last) & (last > _CLEAR) & (first < 1.0 - _CLEAR)
+    return found
+
+
+def face_axis(faces: np.ndarray) -> np.ndarray:
+    """Return the axis that each face is square to."""
+    return (faces % 6) // 2
+
+
+def face_coordinates(faces: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return points in their faces' own coordinates, (n, 2) float32 [m]."""
+    return np.take_along_axis(points, ALONG[face_axis(faces)], axis=1)
+
+
+def face_frames(boxes: Boxes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return corner, size and normal of every face: (f, 2) and (f, 2) own coordinates [m], (f, 3) world."""
+    faces = np.arange(6 * len(boxes.lower))
+    along = ALONG[face_axis(faces)]
+    corner = np.take_along_axis(boxes.lower[faces // 6], along, axis=1)
+    size = np.take_along_axis(boxes.upper[faces // 6], along, axis=1) - corner
+    outward = np.where(faces % 2 == 0, 1.0, -1.0) * np.where(faces < 6, -1.0, 1.0)
+    return corner, size, (np.eye(3)[face_axis(faces)] * outward[:, None]).astype(np.float32)
+
+
+def face_points(boxes: Boxes, faces: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    """Return the points in space of own coordinates on faces, (n,) int and (n, 2) -> (n, 3) float32 [m]."""
+    axis = face_axis(faces)
+    plane = np.where((faces % 2 == 0)[:, None], boxes.upper[faces // 6], boxes.lower[faces // 6])
+    points = np.take_along_axis(plane, axis[:, None], axis=1).repeat(3, axis=1)
+    np.put_along_axis(points, ALONG[axis], coordinates.astype(np.float32), axis=1)
+    return points
+
+
+def _slabs(boxes: Boxes, box: int, origins: np.ndarray, inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return where rays enter and leave each of a box's three slabs (Kay and Kajiya 1986)."""
+    low, high = (boxes.lower[box] - origins) * inverse, (boxes.upper[box] - origins) * inverse
+    return np.minimum(low, high), np.maximum(low, high)
+
+
+def _inverse(directions: np.ndarray) -> np.ndarray:
+    # A direction square to an axis gets a huge, finite inverse instead of a division by 0.
+    tiny = np.float32(1e-12)
+    return 1.0 / np.where(np.abs(directions) < tiny, tiny, directions)

@@ -1,0 +1,88 @@
+"""What a user may ask of environment, area lights and cameras."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from ..model import Model, Unit
+
+
+def _ordered(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] > value[1]:
+        raise ValueError(f"expected the smaller number first, got {value}")
+    return value
+
+
+#: Smallest and largest value of a uniform draw.
+Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
+Positive = Annotated[float, Field(gt=0.0)]
+PositiveRange = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]
+
+
+class EnvironmentSettings(Model):
+    """Where the surrounding light comes from."""
+
+    hdri_dir: Path | None = Field(default=None, description="Folder of environment maps (EXR, HDR); none by default")
+    hdri_share: Unit = Field(default=1.0, description="Share of scenes lit by a file, where there is a folder, 0 to 1")
+    room_share: Unit = Field(default=0.7, description="Share of rooms among procedural ones; the rest are skies")
+
+
+class LightSettings(Model):
+    """Random rectangles that shine on the table."""
+
+    max_count: int = Field(default=3, ge=0, le=16, description="Most lights in a scene; 0 to this many are drawn")
+    size: PositiveRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], > 0")
+    temperature: tuple[
+        Annotated[float, Field(ge=2000.0, le=20000.0)], Annotated[float, Field(ge=2000.0, le=20000.0)]
+    ] = Field(default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000")
+    elevation: tuple[
+        Annotated[float, Field(ge=0.1, le=math.pi / 2)], Annotated[float, Field(ge=0.1, le=math.pi / 2)]
+    ] = Field(
+        default=(math.radians(25.0), math.radians(80.0)),
+        description="Range of the elevation seen from the table's centre [rad], 0.1 to pi/2",
+    )
+    margin: float = Field(default=0.1, ge=0.0, description="Gap between the farthest camera and any light [m], >= 0")
+    spread: float = Field(default=1.0, ge=0.0, description="Largest extra distance beyond the gap [m], >= 0")
+    aim: float = Field(default=0.2, ge=0.0, description="Largest distance of the aimed-at point from the centre [m]")
+    share: PositiveRange = Field(
+        default=(0.1, 0.8),
+        description="Range of a light's illuminance at the table's centre over the environment's, > 0",
+    )
+
+
+class CameraSettings(Model):
+    """The stereo cameras."""
+
+    views: int = Field(default=10, ge=1, le=57, description="Stereo views, 1 to 57; 57 is the paper's whole grid")
+    width: int = Field(default=640, ge=1, le=16384, description="Picture width [px], 1 to 16384")
+    height: int = Field(default=480, ge=1, le=16384, description="Picture height [px], 1 to 16384")
+    focal: float = Field(
+        default=613.9624633789062,
+        gt=0.0,
+        description="Focal length of a picture 640 px wide [px], > 0; scales with the width (Syn-TODD)",
+    )
+    baseline: float = Field(
+        default=0.06499999761581421, gt=0.0, le=1.0, description="Left to right camera [m], 0 to 1 (Syn-TODD)"
+    )
+    slack: tuple[Annotated[float, Field(ge=1.0)], Annotated[float, Field(ge=1.0)]] = Field(
+        default=(1.05, 1.6), description="Range of the distance over the shortest that shows all objects, >= 1"
+    )
+    min_distance: float = Field(default=0.3, gt=0.0, description="Shortest distance to the point looked at [m], > 0")
+    lowest_elevation: float = Field(
+        default=math.radians(10.0),
+        ge=0.0,
+        le=math.radians(80.0),
+        description="Elevation of the lowest ring [rad], 0 to 80 degrees; the other rings follow in equal steps",
+    )
+    min_height: float = Field(default=0.05, ge=0.0, description="Lowest height of a camera over the table [m], >= 0")
+    angle_jitter: float = Field(
+        default=0.0, ge=0.0, le=0.5, description="Largest change of elevation and azimuth of a view [rad], 0 to 0.5"
+    )
+    target_jitter: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="Largest change of the point looked at, per axis [m], 0 to 1"
+    )
+    roll: float = Field(default=0.0, ge=0.0, le=math.pi, description="Largest turn about the optical axis [rad]")
