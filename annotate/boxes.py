@@ -29,7 +29,8 @@ def modal_box(mask: np.ndarray) -> Box | None:
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
         return None
-    return (columns[0] - 0.5, rows[0] - 0.5, columns[-1] + 0.5, rows[-1] + 0.5)
+    left, top, right, bottom = (int(n) for n in (columns[0], rows[0], columns[-1], rows[-1]))
+    return (left - 0.5, top - 0.5, right + 0.5, bottom + 0.5)
 
 
 def amodal_box(points: np.ndarray, K: np.ndarray) -> Box | None:

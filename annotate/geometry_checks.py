@@ -60,12 +60,13 @@ def check_background(geometry: Geometry) -> list[Violation]:
     """Check that the background is never before the first surface, and is it where that is opaque."""
     first, behind = geometry.Z, geometry.background_Z
     same = (geometry.id == geometry.background_id) & np.isfinite(first)
+    step = np.subtract(behind, first, out=np.full(first.shape, np.inf), where=np.isfinite(first))
     outside = ~((geometry.transmittance >= 0.0) & (geometry.transmittance <= 1.0)).all(axis=-1)
     return [
         *at_pixels("background", behind < first * (1.0 - DEPTH_TOLERANCE), "Z >= that of the first surface", behind),
         *at_pixels(
             "background",
-            same & (np.abs(behind - first) > first * DEPTH_TOLERANCE),
+            same & (np.abs(step) > first * DEPTH_TOLERANCE),
             "the first surface's Z where that is opaque",
             behind,
         ),

@@ -39,8 +39,52 @@ def encode_mask(mask: np.ndarray) -> str:
 
 
 def decode_mask(counts: str, size: tuple[int, int]) -> np.ndarray:
-    """Return the mask, (H, W) bool, of COCO's compressed ``counts``; ``size`` is (height, width)."""
-    return coco.decode({"size": list(size), "counts": counts.encode("ascii")}).astype(bool)
+    """Return the mask of COCO's compressed ``counts``.
+
+    Our own reader, because pycocotools writes outside its memory where the runs of a damaged file are too long.
+
+    Parameters
+    ----------
+    counts : str
+        Lengths of runs of 0 and 1 in turn, first 0, down the columns. From the third on, each is stored as its
+        difference from the one two before. A number is written in groups of 5 bits, lowest first, in two's complement;
+        bit 5 says that another group follows, and 48 is added to make a printable character.
+    size : (int, int)
+        Height and width [px].
+
+    Returns
+    -------
+    (H, W) bool
+
+    Raises
+    ------
+    ValueError
+        Where the text is not such an encoding of a mask of this size.
+    """
+    runs: list[int] = []
+    for number in _numbers(counts):
+        runs.append(number + runs[-2] if len(runs) > 2 else number)
+    height, width = size
+    if min(size) < 1 or any(run < 0 for run in runs) or sum(runs) != height * width:
+        raise ValueError(f"mask: expected runs over {height} x {width} px, got {sum(runs)} px")
+    values = np.arange(len(runs)) % 2 == 1
+    return np.ascontiguousarray(np.repeat(values, runs).reshape(width, height).T)
+
+
+def _numbers(counts: str) -> list[int]:
+    numbers, value, shift = [], 0, 0
+    for group in (ord(character) - 48 for character in counts):
+        # 64 bits hold every run of any picture.
+        if not 0 <= group < 64 or shift > 60:
+            raise ValueError(f"mask: expected COCO's compressed counts, got {counts[:40]!r}")
+        value |= (group & 31) << shift
+        shift += 5
+        if not group & 32:
+            numbers.append(value - (1 << shift) if group & 16 else value)
+            value, shift = 0, 0
+    if shift:
+        raise ValueError(f"mask: expected COCO's compressed counts, got a text cut short: {counts[-40:]!r}")
+    return numbers
 
 
 def pixel_counts(geometry: Geometry, index: int, object_id: int) -> PixelCounts:

@@ -93,6 +93,12 @@ def assets_of(scene: Scene) -> tuple[Asset, ...]:
     return tuple(found[digest] for digest in sorted(found))
 
 
+def stored_name(item: Asset) -> str:
+    """Return the name of an asset's file in a data set: the start of its digest, and its own name made plain."""
+    name = re.sub(r"[^A-Za-z0-9._-]", "_", item.source)[-_KEPT_NAME:]
+    return f"{item.sha256[:16]}-{name}"
+
+
 def json_text(data: object) -> str:
     """Return JSON with sorted keys and floats that read back exactly; NaN and infinity are refused."""
     return json.dumps(data, sort_keys=True, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -161,8 +167,7 @@ def _with_assets(value: V, change: Callable[[Asset], Asset]) -> V:
 
 def _store_asset(item: Asset, assets_dir: Path, path: Path) -> Asset:
     source = checked_path(item)
-    name = re.sub(r"[^A-Za-z0-9._-]", "_", item.source)[-_KEPT_NAME:]
-    target = assets_dir / f"{item.sha256[:16]}-{name}"
+    target = assets_dir / stored_name(item)
     if not (target.is_file() and _digest(target) == item.sha256):
         assets_dir.mkdir(parents=True, exist_ok=True)
         # Beside and renamed, so that another process never reads half a file.

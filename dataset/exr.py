@@ -1,0 +1,78 @@
+"""OpenEXR pictures of named float32 channels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+from ..procedural.errors import InputError
+
+#: Ids are stored in float32 as well: every whole number below 2^24 is exact in it, and a file of one type is read by
+#: more programs.
+_LARGEST_WHOLE = 1 << 24
+
+
+def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
+    """Write channels, each (H, W), as float32 with ZIP compression; the same channels give the same bytes.
+
+    Infinities and NaN survive. The header has no date and no name, so files can be compared.
+    """
+    shapes = {values.shape for values in channels.values()}
+    if len(shapes) != 1 or len(next(iter(shapes))) != 2:
+        raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    stored = {name: OpenEXR.Channel(_float32(values)) for name, values in channels.items()}
+    OpenEXR.File(header, stored).write(str(path))
+
+
+def read_exr(path: Path) -> dict[str, np.ndarray]:
+    """Return the channels of a file, each (H, W) float32; InputError where it is missing or damaged."""
+    if not path.is_file():
+        raise InputError(path, "a readable EXR file", "none")
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+    except RuntimeError as error:
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
+    for name, values in channels.items():
+        if values.dtype != np.float32:
+            raise InputError(f"{path}: channel {name}", "float32", values.dtype)
+    return channels
+
+
+def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:
+    """Return channels side by side, (H, W, n) float32.
+
+    Parameters
+    ----------
+    channels : dict of (H, W) arrays
+        From `read_exr`.
+    names : str
+        Prefix and last letters: ``"noisy.RGB"`` is ``noisy.R``, ``noisy.G``, ``noisy.B``.
+    path : Path
+        The file, to be named where a channel is missing.
+    """
+    prefix, _, letters = names.rpartition(".")
+    full = [f"{prefix}.{letter}" if prefix else letter for letter in letters]
+    return np.stack([channel(channels, name, path) for name in full], axis=-1)
+
+
+def unstacked(values: np.ndarray, names: str) -> dict[str, np.ndarray]:
+    """Return the channels of an array, (H, W, n), named as `stacked` takes them."""
+    prefix, _, letters = names.rpartition(".")
+    return {f"{prefix}.{letter}" if prefix else letter: values[..., i] for i, letter in enumerate(letters)}
+
+
+def channel(channels: dict[str, np.ndarray], name: str, path: Path) -> np.ndarray:
+    """Return one channel, (H, W) float32; InputError where the file has none of that name."""
+    if name not in channels:
+        raise InputError(path, f"a channel {name}", f"{sorted(channels)}")
+    return channels[name]
+
+
+def _float32(values: np.ndarray) -> np.ndarray:
+    if np.issubdtype(values.dtype, np.integer) and values.size and int(values.max()) >= _LARGEST_WHOLE:
+        raise ValueError(f"ids: expected below {_LARGEST_WHOLE}, got {values.max()}")
+    return np.ascontiguousarray(values, dtype=np.float32)

@@ -1,0 +1,59 @@
+"""Names of the files and folders of a data set (`glassware/dataset/1`), in one place.
+
+::
+
+    dataset.json  views.parquet  preview.png
+    assets/<sha16>-<name>
+    scenes/000007/
+        scene.json  meshes/*.ply  objects.json  views.json
+        000/
+            camera.json  labels.json  instances.png
+            left.png  right.png  left.exr  right.exr  geometry.exr
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+DATASET_SCHEMA = "glassware/dataset/1"
+
+DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
+ASSETS, SCENES = "assets", "scenes"
+SCENE, OBJECTS, SCENE_VIEWS = "scene.json", "objects.json", "views.json"
+CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
+EYES = ("left", "right")
+
+_SCENE_NAME = re.compile(r"[0-9]{6,}")
+_VIEW_NAME = re.compile(r"[0-9]{3,}")
+
+
+def scene_name(scene_id: int) -> str:
+    """Return the name of a scene's folder: six digits, more where there are more scenes."""
+    return f"{scene_id:06d}"
+
+
+def view_name(view: int) -> str:
+    """Return the name of a view's folder inside its scene's: three digits."""
+    return f"{view:03d}"
+
+
+def scene_folder(root: Path, scene_id: int) -> Path:
+    """Return a scene's folder in a data set."""
+    return root / SCENES / scene_name(scene_id)
+
+
+def scene_ids(root: Path) -> list[int]:
+    """Return the ids of the scenes of a data set, ascending; hidden folders (half scenes) are none."""
+    return _numbers(root / SCENES, _SCENE_NAME)
+
+
+def view_numbers(scene: Path) -> list[int]:
+    """Return the numbers of the views in a scene's folder, ascending."""
+    return _numbers(scene, _VIEW_NAME)
+
+
+def _numbers(folder: Path, pattern: re.Pattern[str]) -> list[int]:
+    if not folder.is_dir():
+        return []
+    return sorted(int(entry.name) for entry in folder.iterdir() if entry.is_dir() and pattern.fullmatch(entry.name))

@@ -1,0 +1,115 @@
+"""``objects.json``: what is the same of each object in all views of a scene."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from ..annotate.keypoints import SceneKeypoints
+from ..procedural.description import Prop, Scene, Vessel
+from ..procedural.model import Matrix4, Model, Vector3
+from ..procedural.optics.medium import Medium
+
+OBJECTS_SCHEMA = "glassware/objects/1"
+
+
+class GlassMaterial(Model):
+    """A transparent solid."""
+
+    kind: Literal["glass"] = "glass"
+    medium: Medium = Field(description="Optical constants")
+    roughness: float = Field(description="GGX alpha; 0 is smooth")
+
+
+class OpaqueSurface(Model):
+    """An opaque surface; its texture is in ``scene.json``."""
+
+    kind: Literal["opaque"] = "opaque"
+    name: str
+    roughness: float = Field(description="Principled roughness")
+    metallic: float = Field(description="0 dielectric, 1 metal")
+
+
+class LiquidRecord(Model):
+    """What a vessel holds."""
+
+    medium: Medium = Field(description="Optical constants")
+    level: float = Field(description="Height of the surface in the object frame [m]")
+    fill: float = Field(description="Share of the vessel's brimful volume")
+    volume: float = Field(description="Volume [m^3]")
+
+
+class ContinuousSymmetry(Model):
+    """A symmetry under every turn about an axis, as BOP's ``symmetries_continuous`` has it."""
+
+    axis: Vector3 = Field(description="Direction in the object frame")
+    offset: Vector3 = Field(description="A point on the axis, object frame [m]")
+
+
+class Part(Model):
+    """A part of an instance: a vessel and its liquid share one instance id."""
+
+    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid")
+    name: Literal["glass", "liquid", "body"]
+
+
+class ObjectRecord(Model):
+    """One object."""
+
+    id: int = Field(description="Instance id, as in instances.png")
+    name: str
+    category: str
+    parts: tuple[Part, ...]
+    material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")]
+    liquid: LiquidRecord | None
+    world_T_object: Matrix4
+    size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
+    symmetries_continuous: tuple[ContinuousSymmetry, ...]
+    keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
+
+
+class ObjectsFile(Model):
+    """All objects of a scene, by ascending id."""
+
+    schema_version: Literal["glassware/objects/1"] = OBJECTS_SCHEMA
+    objects: tuple[ObjectRecord, ...]
+
+
+def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
+    """Return the records of a scene's objects, with the keypoints that its views are labelled with."""
+    rows = zip(scene.objects, points.local, strict=True)
+    return ObjectsFile(objects=tuple(_record(item, local) for item, local in rows))
+
+
+def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
+    liquid = item.liquid if isinstance(item, Vessel) else None
+    turns = isinstance(item, Vessel) or item.symmetric
+    axis = ContinuousSymmetry(axis=(0.0, 0.0, 1.0), offset=(0.0, 0.0, 0.0))
+    return ObjectRecord(
+        id=item.id,
+        name=item.name,
+        category=item.category,
+        parts=_parts(item),
+        material=_material(item),
+        liquid=liquid and LiquidRecord(**{name: getattr(liquid, name) for name in LiquidRecord.model_fields}),
+        world_T_object=item.world_T_object,
+        size=item.size,
+        symmetries_continuous=(axis,) if turns else (),
+        keypoints=tuple(tuple(point) for point in local.tolist()),
+    )
+
+
+def _parts(item: Vessel | Prop) -> tuple[Part, ...]:
+    if isinstance(item, Prop):
+        return (Part(id=1, name="body"),)
+    glass = Part(id=1, name="glass")
+    return (glass,) if item.liquid is None else (glass, Part(id=2, name="liquid"))
+
+
+def _material(item: Vessel | Prop) -> GlassMaterial | OpaqueSurface:
+    if isinstance(item, Vessel):
+        return GlassMaterial(medium=item.glass, roughness=item.roughness)
+    surface = item.material
+    return OpaqueSurface(name=surface.name, roughness=surface.roughness, metallic=surface.metallic)

@@ -1,0 +1,146 @@
+"""Read a data set back as the typed data that it was written from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from ..annotate.labels import LABELS_SCHEMA, Labels
+from ..annotate.masks import decode_mask
+from ..procedural.description import Scene
+from ..procedural.errors import InputError
+from ..procedural.model import Model
+from ..procedural.scene_file import check_schema, load_scene, parsed, read_json
+from ..procedural.surroundings.description import Camera
+from ..render.frame import Geometry
+from . import layout
+from .camera_file import CAMERA_SCHEMA, CameraFile, camera_of
+from .dataset_file import DatasetFile
+from .exr import channel, read_exr, stacked
+from .objects_file import OBJECTS_SCHEMA, ObjectsFile
+from .pictures import read_png
+from .writer import read_head
+
+M = TypeVar("M", bound=Model)
+Eye = Literal["left", "right"]
+
+
+@dataclass(frozen=True)
+class StoredView:
+    """A view on disk; each call reads its file."""
+
+    folder: Path
+    number: int
+
+    def camera(self) -> Camera:
+        """Return the stereo pair."""
+        return camera_of(_read(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA))
+
+    def labels(self) -> Labels:
+        """Return the labels."""
+        return _read(Labels, self.folder / layout.LABELS, LABELS_SCHEMA)
+
+    def picture(self, eye: Eye = "left") -> np.ndarray:
+        """Return the 8-bit sRGB picture, (H, W, 3) uint8."""
+        return read_png(self.folder / f"{eye}.png")
+
+    def radiance(self, eye: Eye = "left", noisy: bool = False) -> np.ndarray:
+        """Return linear Rec.709 radiance, (H, W, 3) float32; ``noisy`` is before the denoiser."""
+        path = self.folder / f"{eye}.exr"
+        return stacked(read_exr(path), "noisy.RGB" if noisy else "RGB", path)
+
+    def geometry(self) -> Geometry:
+        """Return the left camera's geometry, its silhouettes from the labels' masks."""
+        path = self.folder / layout.GEOMETRY
+        channels = read_exr(path)
+        ids = read_png(self.folder / layout.INSTANCES)
+        Z = channel(channels, "Z", path)
+        if ids.shape != Z.shape or ids.dtype != np.uint16:
+            raise InputError(self.folder / layout.INSTANCES, f"16-bit ids of {Z.shape} px", f"{ids.shape} {ids.dtype}")
+        return Geometry(
+            Z=Z,
+            normal=stacked(channels, "N.XYZ", path),
+            id=ids,
+            background_Z=channel(channels, "background.Z", path),
+            background_id=channel(channels, "background.id", path).astype(np.uint16),
+            transmittance=stacked(channels, "transmittance.RGB", path),
+            crossed=self._masks("mask_amodal", Z.shape),
+            reached=self._masks("mask_seen", Z.shape),
+        )
+
+    def _masks(self, field: str, shape: tuple[int, ...]) -> np.ndarray:
+        masks = np.zeros((0, *shape), bool)
+        for label in self.labels().objects:
+            rle = getattr(label, field)
+            where = f"{self.folder / layout.LABELS}: object {label.id} {field}"
+            if rle.size != shape:
+                raise InputError(where, f"size {shape}", rle.size)
+            try:
+                masks = np.concatenate([masks, decode_mask(rle.counts, rle.size)[None]])
+            except ValueError as error:
+                raise InputError(where, "a mask", error) from error
+        return masks
+
+
+@dataclass(frozen=True)
+class StoredScene:
+    """A scene on disk."""
+
+    folder: Path
+    scene_id: int
+
+    def scene(self) -> Scene:
+        """Return the whole description."""
+        return load_scene(self.folder / layout.SCENE)
+
+    def objects(self) -> ObjectsFile:
+        """Return what is the same of each object in all views."""
+        return _read(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
+
+    @property
+    def views(self) -> tuple[StoredView, ...]:
+        """All views, in the order of their numbers."""
+        numbers = layout.view_numbers(self.folder)
+        return tuple(StoredView(self.folder / layout.view_name(number), number) for number in numbers)
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A data set on disk."""
+
+    root: Path
+    head: DatasetFile
+
+    @classmethod
+    def open(cls, path: Path) -> Dataset:
+        """Open a data set; InputError where there is none, or one of an unknown schema."""
+        if not path.is_dir():
+            raise InputError(path, "the folder of a data set", "none")
+        return cls(path, read_head(path))
+
+    @property
+    def scenes(self) -> tuple[StoredScene, ...]:
+        """All whole scenes, in the order of their ids."""
+        return tuple(self.scene(scene_id) for scene_id in layout.scene_ids(self.root))
+
+    def scene(self, scene_id: int) -> StoredScene:
+        """Return one scene; InputError where it is not there."""
+        folder = layout.scene_folder(self.root, scene_id)
+        if not folder.is_dir():
+            raise InputError(self.root, f"a scene {scene_id}", f"scenes {layout.scene_ids(self.root)[:20]}")
+        return StoredScene(folder, scene_id)
+
+    def views(self) -> Iterator[StoredView]:
+        """Go through the views of all scenes."""
+        for scene in self.scenes:
+            yield from scene.views
+
+
+def _read(model: type[M], path: Path, schema: str) -> M:
+    data = read_json(path)
+    check_schema(path, data, schema)
+    return parsed(model, data, path)

@@ -1,0 +1,135 @@
+"""The index of views: ``views.json`` in each scene's folder, gathered into ``views.parquet``.
+
+A scene's rows are written with the scene, so the index of a whole data set can be made again at any time from what is
+really there, and never names a scene that is not.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from ..annotate.labels import Labels
+from ..procedural.assets import Asset
+from ..procedural.description import Scene
+from ..procedural.model import Model
+from ..procedural.scene_file import parsed, read_json
+from ..render.frame import Frame
+from . import layout
+from .durable import write_atomically
+
+#: Keeps the relative error finite in black pixels; the usual choice for relMSE (Rousselle et al. 2011, "Adaptive
+#: Sampling and Reconstruction using Greedy Error Minimization", section 5).
+_RELATIVE_FLOOR = 1e-2
+
+#: One row per view. Lists run over the scene's objects by ascending id.
+SCHEMA = pa.schema(
+    [
+        ("scene_id", pa.int64()),
+        ("view", pa.int32()),
+        ("seed", pa.int64()),
+        ("path", pa.string()),
+        ("left", pa.string()),
+        ("right", pa.string()),
+        ("width", pa.int32()),
+        ("height", pa.int32()),
+        ("grid_index", pa.int32()),
+        ("vessels", pa.int32()),
+        ("props", pa.int32()),
+        ("objects_in_view", pa.int32()),
+        ("object_ids", pa.list_(pa.int32())),
+        ("visible_pixels", pa.list_(pa.int64())),
+        ("visible_fractions", pa.list_(pa.float64())),
+        ("seen_through_fractions", pa.list_(pa.float64())),
+        ("noise", pa.float64()),
+        ("seconds_picture", pa.float64()),
+        ("seconds_geometry", pa.float64()),
+        ("seconds_denoise", pa.float64()),
+    ],
+    metadata={"schema_version": "glassware/views/1"},
+)
+
+
+class ViewRow(Model):
+    """One view in the index; the columns of `SCHEMA`."""
+
+    scene_id: int
+    view: int
+    seed: int
+    path: str  #: folder of the view, relative to the data set
+    left: str  #: left picture, relative to the data set
+    right: str
+    width: int
+    height: int
+    grid_index: int
+    vessels: int
+    props: int
+    objects_in_view: int  #: objects with a pixel of silhouette in the frame
+    object_ids: tuple[int, ...]
+    visible_pixels: tuple[int, ...]
+    visible_fractions: tuple[float | None, ...]  #: null where an object is out of the frame
+    seen_through_fractions: tuple[float | None, ...]
+    noise: float | None  #: relMSE of the left picture before the denoiser against after; null without a denoiser
+    seconds_picture: float | None
+    seconds_geometry: float | None
+    seconds_denoise: float | None
+
+
+class SceneViews(Model):
+    """What one scene adds to the index of its data set."""
+
+    views: tuple[ViewRow, ...]
+    assets: tuple[Asset, ...]  #: paths relative to the data set
+
+
+def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
+    """Return the row of one view."""
+    camera = scene.cameras[view]
+    path = f"{layout.SCENES}/{layout.scene_name(scene.scene_id)}/{layout.view_name(view)}"
+    shares = [label.fractions for label in labels.objects]
+    return ViewRow(
+        scene_id=scene.scene_id,
+        view=view,
+        seed=scene.seed,
+        path=path,
+        left=f"{path}/left.png",
+        right=f"{path}/right.png",
+        width=camera.width,
+        height=camera.height,
+        grid_index=camera.grid_index,
+        vessels=len(scene.vessels),
+        props=len(scene.props),
+        objects_in_view=sum(share is not None for share in shares),
+        object_ids=tuple(label.id for label in labels.objects),
+        visible_pixels=tuple(label.pixels.visible for label in labels.objects),
+        visible_fractions=tuple(None if share is None else share.visible for share in shares),
+        seen_through_fractions=tuple(None if share is None else share.seen_through for share in shares),
+        noise=None if frame.left_noisy is None else relative_error(frame.left_noisy, frame.left),
+        seconds_picture=frame.seconds.get("picture"),
+        seconds_geometry=frame.seconds.get("geometry"),
+        seconds_denoise=frame.seconds.get("denoise"),
+    )
+
+
+def relative_error(picture: np.ndarray, reference: np.ndarray) -> float:
+    """Return relMSE, the mean of ``(picture - reference)^2 / (reference^2 + 0.01)``, of (H, W, 3) radiances."""
+    picture, reference = picture.astype(np.float64), reference.astype(np.float64)
+    return float(np.mean((picture - reference) ** 2 / (reference**2 + _RELATIVE_FLOOR)))
+
+
+def read_scene_views(root: Path) -> list[SceneViews]:
+    """Return the records of all scenes that are there, in the order of their ids."""
+    paths = [layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS for scene_id in layout.scene_ids(root)]
+    return [parsed(SceneViews, read_json(path), path) for path in paths]
+
+
+def write_views_table(root: Path, rows: list[ViewRow]) -> int:
+    """Write ``views.parquet``; return the number of views."""
+    table = pa.Table.from_pylist([row.model_dump() for row in rows], schema=SCHEMA)
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink)
+    write_atomically(root / layout.VIEWS, sink.getvalue().to_pybytes())
+    return len(rows)

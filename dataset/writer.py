@@ -1,0 +1,172 @@
+"""Write a data set: its head, scene after scene, its index.
+
+`start_dataset` before the first scene, `write_scene` for each, `finish_dataset` after the last. Each scene appears
+whole or not at all, and the index is made from the scenes that are there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..annotate.keypoints import SceneKeypoints
+from ..annotate.labels import Labels
+from ..procedural.assets import Asset
+from ..procedural.description import Scene
+from ..procedural.errors import InputError
+from ..procedural.model import Model
+from ..procedural.scene_file import assets_of, check_schema, json_text, parsed, read_json, stored_name
+from ..procedural.surroundings.description import Camera
+from ..render.frame import Frame, Geometry
+from . import layout
+from .camera_file import camera_file
+from .dataset_file import DatasetFile
+from .durable import is_leftover, remove_leftovers, whole_folder, write_atomically
+from .exr import unstacked, write_exr
+from .objects_file import objects_file
+from .pictures import srgb8, write_png
+from .views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A rendered and labelled view."""
+
+    number: int  #: ``scene.cameras[number]``
+    frame: Frame
+    labels: Labels
+
+
+def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
+    """Make an output folder ready; call it before anything is rendered.
+
+    Parameters
+    ----------
+    root : Path
+        The output folder: absent, empty, or a data set of which scenes are to be added or replaced.
+    head : DatasetFile
+        What ``dataset.json`` will say; its assets are filled in by `finish_dataset`.
+    scenes : collection of int
+        The scenes that this run will write.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds anything else, or a data set with another seed or other settings that would keep some of
+        its scenes. Nothing is touched then.
+    """
+    if root.exists():
+        _check_folder(root)
+    if (root / layout.DATASET).exists():
+        kept = read_head(root)
+        if set(layout.scene_ids(root)) - set(scenes):
+            _check_same(root / layout.DATASET, kept, head)
+        head = head.model_copy(update={"assets": kept.assets})
+    (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
+    for folder in (root, root / layout.SCENES, root / layout.ASSETS):
+        remove_leftovers(folder)
+    _write_head(root, head)
+
+
+def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterable[View]) -> list[ViewRow]:
+    """Write a scene and its views, which may be rendered while they are asked for.
+
+    The folder appears after the last view. Where anything is raised before, Ctrl-C included, nothing is left of it.
+
+    Parameters
+    ----------
+    root : Path
+        The data set, started.
+    scene : Scene
+        The scene; one that is there with the same id is replaced.
+    points : SceneKeypoints
+        The keypoints that the views are labelled with.
+    views : iterable of View
+        One view at a time; only one is held.
+
+    Returns
+    -------
+    list of ViewRow
+        The rows of the index.
+    """
+    rows = []
+    with whole_folder(layout.scene_folder(root, scene.scene_id)) as folder:
+        scene.save(folder / layout.SCENE, root / layout.ASSETS)
+        _write_json(folder / layout.OBJECTS, objects_file(scene, points))
+        for view in views:
+            _write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
+            rows.append(view_row(scene, view.number, view.frame, view.labels))
+        _write_json(folder / layout.SCENE_VIEWS, SceneViews(views=tuple(rows), assets=_stored_assets(scene)))
+    return rows
+
+
+def finish_dataset(root: Path) -> int:
+    """Write the index and the list of assets from the scenes that are there; return the number of views."""
+    scenes = read_scene_views(root)
+    found = {item.sha256: item for scene in scenes for item in scene.assets}
+    assets = tuple(found[digest] for digest in sorted(found))
+    _write_head(root, read_head(root).model_copy(update={"assets": assets}))
+    return write_views_table(root, [row for scene in scenes for row in scene.views])
+
+
+def read_head(root: Path) -> DatasetFile:
+    """Read ``dataset.json``; InputError where it is missing, damaged, or of an unknown schema."""
+    path = root / layout.DATASET
+    data = read_json(path)
+    check_schema(path, data, layout.DATASET_SCHEMA)
+    return parsed(DatasetFile, data, path)
+
+
+def _stored_assets(scene: Scene) -> tuple[Asset, ...]:
+    return tuple(item.model_copy(update={"path": Path(layout.ASSETS, stored_name(item))}) for item in assets_of(scene))
+
+
+def _check_folder(root: Path) -> None:
+    if not root.is_dir():
+        raise InputError(root, "a folder to write to", "a file")
+    names = {entry.name for entry in root.iterdir() if not is_leftover(entry.name)}
+    if names and layout.DATASET not in names:
+        raise InputError(root, "an empty folder or a glassware data set", f"something else ({min(names)}, ...)")
+    if names:
+        read_head(root)
+
+
+def _check_same(path: Path, kept: DatasetFile, head: DatasetFile) -> None:
+    where = f"{path}: a scene that this run does not replace was made with another"
+    if kept.seed != head.seed:
+        raise InputError(f"{where} seed", str(head.seed), kept.seed)
+    for name in sorted({*kept.config, *head.config}):
+        if kept.config.get(name) != head.config.get(name):
+            raise InputError(f"{where} setting {name}", str(head.config.get(name)), kept.config.get(name))
+
+
+def _write_head(root: Path, head: DatasetFile) -> None:
+    write_atomically(root / layout.DATASET, json_text(head.model_dump(mode="json")).encode())
+
+
+def _write_json(path: Path, record: Model) -> None:
+    path.write_text(json_text(record.model_dump(mode="json")), encoding="utf-8")
+
+
+def _write_view(folder: Path, camera: Camera, view: View) -> None:
+    folder.mkdir()
+    frame = view.frame
+    _write_json(folder / layout.CAMERA, camera_file(camera))
+    _write_json(folder / layout.LABELS, view.labels)
+    for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
+        channels = unstacked(picture, "RGB") | ({} if noisy is None else unstacked(noisy, "noisy.RGB"))
+        write_exr(folder / f"{eye}.exr", channels)
+        write_png(folder / f"{eye}.png", srgb8(picture, camera.exposure))
+    write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
+    write_png(folder / layout.INSTANCES, frame.geometry.id)
+
+
+def _channels(geometry: Geometry) -> dict:
+    return {
+        "Z": geometry.Z,
+        "background.Z": geometry.background_Z,
+        "background.id": geometry.background_id,
+        **unstacked(geometry.normal, "N.XYZ"),
+        **unstacked(geometry.transmittance, "transmittance.RGB"),
+    }
