@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from ..errors import InputError
 from ..model import Model
+from .dispersion import D_LINE, Dispersion, index
+
+#: `Medium.eta` is stored rounded to this many digits, so it may differ from its formula by half of the last one.
+ETA_DIGITS = 6
+
+
+class Absorber(Model):
+    """One part of a medium's absorption: a spectrum of `spectra.SPECTRA` times a factor."""
+
+    spectrum: str = Field(description="Name of the spectrum in `spectra.SPECTRA`")
+    amount: float = Field(ge=0.0, description="Share of a substance [1], or concentration of a dye or pigment [kg/m^3]")
 
 
 class Medium(Model):
     """A homogeneous medium.
 
-    `eta` and `sigma_a` are what the RGB variants of the renderer use.
+    `eta` and `sigma_a` are what the RGB variants of the renderer use; `dispersion.eta` and `spectra.absorption` are
+    their spectral counterparts. Numbers that are not known are None.
     """
 
     name: str = Field(description="Name in the catalogue")
@@ -23,6 +36,35 @@ class Medium(Model):
         max_length=3,
         description="Absorption coefficient for linear Rec.709 red, green, blue [1/m]",
     )
+    dispersion: Dispersion | None = Field(default=None, description="Index by wavelength; None is constant")
+    absorbers: tuple[Absorber, ...] = Field(default=(), description="What `sigma_a` was computed from")
+    abbe: float | None = Field(default=None, gt=0.0, description="Abbe number V_d [1]")
+    density: float | None = Field(default=None, gt=0.0, description="Density at 20 degC [kg/m^3]")
+    surface_tension: float | None = Field(default=None, gt=0.0, description="Liquids: against air, 20 degC [N/m]")
+    contact_angle: float | None = Field(default=None, ge=0.0, le=3.1416, description="Liquids: on glass [rad]")
+    source: str = Field(default="", description="Where the constants come from")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_what_is_wrong(cls, data: Any) -> Any:
+        # pydantic's own message has the field but not the medium; a scene holds many media.
+        if isinstance(data, dict):
+            name = f"medium {data.get('name', '?')}"
+            eta, sigma_a = data.get("eta"), data.get("sigma_a", ())
+            if isinstance(eta, int | float) and not 1.0 <= eta < float("inf"):
+                raise InputError(name, "a refractive index of at least 1", eta)
+            for value in sigma_a if isinstance(sigma_a, list | tuple) else ():
+                if isinstance(value, int | float) and not 0.0 <= value < float("inf"):
+                    raise InputError(name, "an absorption of at least 0 per metre", value)
+        return data
+
+    @model_validator(mode="after")
+    def _index_fits_formula(self) -> Medium:
+        if self.dispersion is not None:
+            n_d = float(index(self.dispersion, D_LINE))
+            if abs(n_d - self.eta) > 0.6 * 10.0**-ETA_DIGITS:
+                raise InputError(f"medium {self.name}", f"the index of its formula at the d line, {n_d:.6f}", self.eta)
+        return self
 
 
 #: Air at 15 degC and 1013 hPa has index 1.00028 (Edlen 1966, doi:10.1088/0026-1394/2/2/002). Indices of solids and

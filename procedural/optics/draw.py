@@ -1,0 +1,79 @@
+"""Random media: everyday mixtures of the catalogue, all physical."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .catalogue import catalogue, olive_oil, soda_lime, sugar_solution, water
+from .dyes import DYES, PIGMENTS
+from .medium import Absorber, Medium
+
+#: How often a vessel is made of what [1]. Tableware and laboratory ware are mostly soda-lime and borosilicate; the rest
+#: is there so that a network sees the whole span of indices (1.46-1.59) and tints.
+GLASS_WEIGHTS = {
+    "soda-lime glass": 0.45,
+    "borosilicate glass 3.3": 0.20,
+    "lead crystal": 0.10,
+    "heavy lead crystal": 0.04,
+    "fused silica": 0.03,
+    "acrylic": 0.04,
+    "polycarbonate": 0.03,
+    "PET": 0.03,
+    "green soda-lime glass": 0.04,
+    "bronze soda-lime glass": 0.02,
+    "grey soda-lime glass": 0.02,
+}
+#: How often a vessel holds what [1]. Water most; coloured water next, because colour is what liquids differ in.
+LIQUID_WEIGHTS = {
+    "water": 0.50,
+    "dyed water": 0.25,
+    "sugar solution": 0.06,
+    "dyed sugar solution": 0.06,
+    "olive oil": 0.07,
+    "ethanol": 0.03,
+    "glycerol": 0.03,
+}
+#: Share of dyed drinks with two dyes (greens, oranges and browns are mixtures).
+TWO_DYES = 0.3
+#: Sugar by mass: from a light drink to a syrup.
+SUGAR_RANGE = (0.05, 0.6)
+
+
+def draw_glass(rng: np.random.Generator) -> Medium:
+    """Return the medium of a vessel's wall, by `GLASS_WEIGHTS`; soda-lime with a random content of iron."""
+    kind = _choice(rng, GLASS_WEIGHTS)
+    iron = float(rng.uniform())
+    return soda_lime(iron) if kind == "soda-lime glass" else catalogue()[kind]
+
+
+def draw_liquid(rng: np.random.Generator) -> Medium:
+    """Return a liquid by `LIQUID_WEIGHTS`; concentrations of dyes and pigments are log-uniform in their usual range."""
+    kind = _choice(rng, LIQUID_WEIGHTS)
+    dyes = draw_dyes(rng)
+    sugar = float(rng.uniform(*SUGAR_RANGE))
+    oil = [_log_uniform(rng, PIGMENTS[name].concentrations) for name in ("pheophytins", "carotenoids")]
+    # Everything is drawn whatever the kind is, so that a change of the weights moves as little as possible.
+    if kind == "olive oil":
+        return olive_oil(*oil)
+    if kind in ("water", "dyed water"):
+        return water(*(dyes if kind == "dyed water" else ()))
+    if kind in ("sugar solution", "dyed sugar solution"):
+        return sugar_solution(sugar, *(dyes if kind == "dyed sugar solution" else ()))
+    return catalogue()[kind]
+
+
+def draw_dyes(rng: np.random.Generator) -> tuple[Absorber, ...]:
+    """Return one or two food dyes with concentrations in drinks [kg/m^3]."""
+    names = rng.permutation(sorted(DYES))[:2]
+    count = 2 if rng.uniform() < TWO_DYES else 1
+    amounts = [_log_uniform(rng, DYES[str(name)].concentrations) for name in names]
+    return tuple(Absorber(spectrum=str(n), amount=a) for n, a in zip(names[:count], amounts[:count], strict=True))
+
+
+def _log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:
+    return float(np.exp(rng.uniform(*np.log(limits))))
+
+
+def _choice(rng: np.random.Generator, weights: dict[str, float]) -> str:
+    share = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(share), p=share / share.sum()))]
