@@ -146,8 +146,8 @@ def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] 
 
 def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     """Draw a material of one colour: painted, plastic or glazed."""
-    plain = ("painted wood", "matte plastic", "glazed ceramic")
-    family = next(item for item in PROP_FAMILIES if item.name == plain[rng.integers(len(plain))])
+    plain = [item for item in PROP_FAMILIES if item.name in ("painted wood", "matte plastic", "glazed ceramic")]
+    family = plain[rng.integers(len(plain))]
     colour = UniformTexture(colour=_paint(rng))
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
@@ -200,8 +200,9 @@ def _paints(rng: np.random.Generator, kind: str) -> tuple[Reflectance, ...]:
 
 
 def _paint(rng: np.random.Generator) -> Reflectance:
-    """Return a pigment: any hue, from nearly grey to saturated, from dark to light (HSV of sRGB)."""
-    saturation, value = rng.uniform(0.0, 0.85), rng.uniform(0.25, 0.95)
+    """Return a pigment: any hue, more often muted than saturated, from dark to light (HSV of sRGB)."""
+    # The power puts half of the draws below a saturation of 0.3: household paints and plastics are mostly muted.
+    saturation, value = 0.85 * rng.random() ** 1.5, rng.uniform(0.25, 0.95)
     return _dielectric(srgb_to_linear(np.array(colorsys.hsv_to_rgb(rng.random(), saturation, value))))
 
 
