@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..assets import asset
@@ -28,6 +30,7 @@ def draw_environment(rng: np.random.Generator, settings: EnvironmentSettings) ->
     return draw_room(rng) if indoors else draw_sky(rng)
 
 
+@lru_cache(maxsize=1)
 def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
     """Return the radiance of an environment by direction, without its ``rotation`` and ``strength``.
 
@@ -44,8 +47,15 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
     Returns
     -------
     (h, 2 * h, 3) float32
-        Linear Rec.709, laid out as `sphere` says.
+        Linear Rec.709, laid out as `sphere` says; read-only, because the last map is remembered (the meter and the
+        renderer both ask for it).
     """
+    pixels = _baked(environment, height)
+    pixels.setflags(write=False)
+    return pixels
+
+
+def _baked(environment: Environment, height: int) -> np.ndarray:
     if isinstance(environment, PictureEnvironment):
         return read_hdri(environment.asset)
     if isinstance(environment, RoomEnvironment):

@@ -28,14 +28,9 @@ def value_noise(points: np.ndarray, seed: int) -> np.ndarray:
     base = np.floor(points)
     f = (points - base).astype(np.float32)
     f = f * f * (3.0 - 2.0 * f)
-    cell = base.astype(np.int64)
-    out = np.zeros(f.shape[:-1], dtype=np.float32)
-    for corner in np.ndindex(2, 2, 2):
-        weight = np.ones(f.shape[:-1], dtype=np.float32)
-        for axis, side in enumerate(corner):
-            weight *= f[..., axis] if side else 1.0 - f[..., axis]
-        out += weight * lattice(cell + np.array(corner), seed)
-    return out
+    # The hash goes axis by axis, so the eight corners share its first steps.
+    bits, cell = np.full(f.shape[:-1], seed & 0xFFFFFFFF, dtype=np.uint32), base.astype(np.int64)
+    return _joined(bits, cell, f, 0)
 
 
 def fractal_noise(points: np.ndarray, seed: int, octaves: int) -> np.ndarray:
@@ -48,7 +43,24 @@ def lattice(cell: np.ndarray, seed: int) -> np.ndarray:
     """Return a random value in [0, 1) for each lattice point (..., 3) int, (...) float32."""
     bits = np.full(cell.shape[:-1], seed & 0xFFFFFFFF, dtype=np.uint32)
     for axis in range(3):
-        bits = _mixed(bits ^ (cell[..., axis].astype(np.uint32) * _SPREAD[axis]))
+        bits = _step(bits, cell[..., axis], axis)
+    return _unit(bits)
+
+
+def _joined(bits: np.ndarray, cell: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:
+    """Return the lattice values interpolated along this axis and those after it."""
+    if axis == 3:
+        return _unit(bits)
+    low = _joined(_step(bits, cell[..., axis], axis), cell, f, axis + 1)
+    high = _joined(_step(bits, cell[..., axis] + 1, axis), cell, f, axis + 1)
+    return low + (high - low) * f[..., axis]
+
+
+def _step(bits: np.ndarray, coordinate: np.ndarray, axis: int) -> np.ndarray:
+    return _mixed(bits ^ (coordinate.astype(np.uint32) * _SPREAD[axis]))
+
+
+def _unit(bits: np.ndarray) -> np.ndarray:
     return (bits >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
 
 

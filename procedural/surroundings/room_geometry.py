@@ -67,7 +67,7 @@ def cast(boxes: Boxes, origins: np.ndarray, directions: np.ndarray) -> tuple[np.
         enter, leave = _slabs(boxes, box, origins, inverse)
         axis = np.argmax(enter, axis=1)
         first = np.take_along_axis(enter, axis[:, None], axis=1)[:, 0]
-        met = (first > _CLEAR) & (first < leave.min(axis=1)) & (first < nearest)
+        met = (first > _CLEAR) & (first < _least(leave)) & (first < nearest)
         # A ray that grows along the axis meets the smaller side.
         side = np.take_along_axis(directions, axis[:, None], axis=1)[:, 0] > 0.0
         nearest = np.where(met, first, nearest)
@@ -76,12 +76,12 @@ def cast(boxes: Boxes, origins: np.ndarray, directions: np.ndarray) -> tuple[np.
 
 
 def blocked(boxes: Boxes, origins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Return whether a block stands between two points, (n, 3) and (n, 3) float32 [m] -> (n,) bool."""
+    """Return whether a block stands between two points, (n, 3) and (n, 3) or (1, 3) float32 [m] -> (n,) bool."""
     inverse = _inverse(ends - origins)
-    found = np.zeros(len(ends), dtype=bool)
+    found = np.zeros(len(inverse), dtype=bool)
     for box in range(1, len(boxes.lower)):
         enter, leave = _slabs(boxes, box, origins, inverse)
-        first, last = enter.max(axis=1), leave.min(axis=1)
+        first, last = -_least(-enter), _least(leave)
         found |= (first < last) & (last > _CLEAR) & (first < 1.0 - _CLEAR)
     return found
 
@@ -94,6 +94,12 @@ def face_axis(faces: np.ndarray) -> np.ndarray:
 def face_coordinates(faces: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return points in their faces' own coordinates, (n, 2) float32 [m]."""
     return np.take_along_axis(points, ALONG[face_axis(faces)], axis=1)
+
+
+def in_rectangle(coordinates: np.ndarray, centre: tuple[float, float], size: tuple[float, float]) -> np.ndarray:
+    """Return whether points in a face's own coordinates, (n, 2) [m], lie in a rectangle on it, (n,) bool."""
+    across = np.abs(coordinates[:, 0] - np.float32(centre[0])) <= np.float32(0.5 * size[0])
+    return across & (np.abs(coordinates[:, 1] - np.float32(centre[1])) <= np.float32(0.5 * size[1]))
 
 
 def face_frames(boxes: Boxes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -119,6 +125,11 @@ def _slabs(boxes: Boxes, box: int, origins: np.ndarray, inverse: np.ndarray) -> 
     """Return where rays enter and leave each of a box's three slabs (Kay and Kajiya 1986)."""
     low, high = (boxes.lower[box] - origins) * inverse, (boxes.upper[box] - origins) * inverse
     return np.minimum(low, high), np.maximum(low, high)
+
+
+def _least(values: np.ndarray) -> np.ndarray:
+    # Far faster than a reduction along an axis of three.
+    return np.minimum(np.minimum(values[:, 0], values[:, 1]), values[:, 2])
 
 
 def _inverse(directions: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ Surfaces", SIGGRAPH 1984), so that the contrast between a window and the walls f
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from .description import RoomEnvironment, Window
 from .noise import fractal_noise
@@ -18,6 +19,7 @@ from .room_geometry import (
     face_coordinates,
     face_frames,
     face_points,
+    in_rectangle,
 )
 
 #: Points per side of a face's grid.
@@ -57,17 +59,19 @@ def glow(window: Window, coordinates: np.ndarray, outward: np.ndarray, seed: int
     kind : (n,) int8
         0 outside the rectangle, 1 shining, 2 a bar or a frame.
     """
-    size = np.array(window.size)
-    place = (coordinates - np.array(window.centre)) / size + 0.5
-    inside = ((place >= 0.0) & (place <= 1.0)).all(axis=1)
+    size = np.array(window.size, dtype=np.float32)
+    distance = coordinates - np.array(window.centre, dtype=np.float32) + 0.5 * size
+    kind = in_rectangle(coordinates, window.centre, window.size).astype(np.int8)
+    inside = np.flatnonzero(kind)
+    level = np.zeros(len(kind), dtype=np.float32)
     if window.kind == "lamp":
-        edge = (np.minimum(place, 1.0 - place) * size).min(axis=1) / (_LAMP_RIM * size.min())
-        level, kind = np.clip(edge, 0.0, 1.0), inside.astype(np.int8)
+        edge = np.minimum(distance, size - distance)[inside].min(axis=1)
+        level[inside] = np.clip(edge / (_LAMP_RIM * size.min()), 0.0, 1.0)
     else:
-        kind = inside.astype(np.int8) * (1 + _on_bar(place * size, size, window.bars)).astype(np.int8)
-        level = _outside(outward, seed)
-    level = np.where(kind == 1, level, 0.0)
-    return (level[:, None] * np.array(window.radiance)).astype(np.float32), kind
+        on_bar = _on_bar(distance[inside], size, window.bars)
+        kind[inside[on_bar]] = 2
+        level[inside[~on_bar]] = _outside(outward[inside[~on_bar]], seed)
+    return level[:, None] * np.array(window.radiance, dtype=np.float32), kind
 
 
 def solve(room: RoomEnvironment, boxes: Boxes) -> np.ndarray:
@@ -87,12 +91,12 @@ def solve(room: RoomEnvironment, boxes: Boxes) -> np.ndarray:
     """
     faces, points, normals = _grid_points(boxes)
     direct = sum(_direct(window, room.seed, boxes, points, normals) for window in room.windows)
-    source = _gather_cells(boxes, points, normals, np.random.Generator(np.random.PCG64(room.seed)))
+    source = _form_factors(boxes, points, normals, np.random.Generator(np.random.PCG64(room.seed)))
     shining = _shining_share(room, boxes, points, faces)
     reflectance = boxes.reflectance[faces] * (1.0 - shining)[:, None]
     total = direct
     for _ in range(_BOUNCES):
-        total = direct + _smoothed((reflectance * total)[source].mean(axis=1))
+        total = direct + _smoothed(source @ (reflectance * total))
     return total.reshape(-1, GRID, GRID, 3).astype(np.float32)
 
 
@@ -128,27 +132,28 @@ def _direct(window: Window, seed: int, boxes: Boxes, points: np.ndarray, normals
     face = WALL_FACES[window.wall]
     area = window.size[0] * window.size[1] / _GLOW_SAMPLES**2
     inward = face_frames(boxes)[2][face]
+    bare = window.model_copy(update={"bars": 0})
     total = np.zeros((len(points), 3), dtype=np.float32)
     for u in steps:
         for v in steps:
             place = np.array([[window.centre[0] + u * window.size[0], window.centre[1] + v * window.size[1]]])
             end = face_points(boxes, np.array([face]), place)
             offset = end - points
-            squared = np.maximum((offset**2).sum(axis=1), area / np.pi)
-            outward = offset / np.sqrt(squared)[:, None]
-            cosines = np.maximum((outward * normals).sum(axis=1), 0.0) * np.maximum(-(outward @ inward), 0.0)
-            lit = cosines > 0.0
-            lit[lit] = ~blocked(boxes, points[lit], np.broadcast_to(end, points.shape)[lit])
-            bare = window.model_copy(update={"bars": 0})
-            radiance, _ = glow(bare, np.broadcast_to(place, (len(points), 2)), outward, seed)
-            total += radiance * (lit * cosines * area / squared)[:, None].astype(np.float32)
+            lit = np.flatnonzero((np.einsum("ij,ij->i", offset, normals) > 0.0) & (offset @ inward < 0.0))
+            lit = lit[~blocked(boxes, points[lit], end)]
+            squared = np.maximum(np.einsum("ij,ij->i", offset[lit], offset[lit]), area / np.pi)
+            outward = offset[lit] / np.sqrt(squared)[:, None]
+            cosines = -(outward @ inward) * np.einsum("ij,ij->i", outward, normals[lit])
+            radiance, _ = glow(bare, np.broadcast_to(place, (len(lit), 2)), outward, seed)
+            total[lit] += radiance * (cosines * area / squared)[:, None].astype(np.float32)
     return total
 
 
-def _gather_cells(boxes: Boxes, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return the grid cells that cosine-distributed rays from every point meet, (n, _GATHER) int64."""
+def _form_factors(boxes: Boxes, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator) -> sparse.csr_array:
+    """Return the form factors from every point to every other: shares of cosine-distributed rays, (n, n)."""
     corner, size, _ = face_frames(boxes)
-    cells = np.empty((len(points), _GATHER), dtype=np.int64)
+    count = len(points)
+    cells = np.empty((count, _GATHER), dtype=np.int64)
     for ray in range(_GATHER):
         # A point on the unit sphere about the tip of the normal is cosine-distributed about the normal.
         height = 2.0 * (ray + rng.uniform(size=len(points))) / _GATHER - 1.0
@@ -161,7 +166,9 @@ def _gather_cells(boxes: Boxes, points: np.ndarray, normals: np.ndarray, rng: np
         place = (face_coordinates(faces, ends) - corner[faces]) / size[faces]
         iu, iv = np.clip((place * GRID).astype(np.int64), 0, GRID - 1).T
         cells[:, ray] = (faces * GRID + iu) * GRID + iv
-    return cells
+    rows = np.arange(count + 1) * _GATHER
+    shares = np.full(cells.size, 1.0 / _GATHER, dtype=np.float32)
+    return sparse.csr_array((shares, cells.ravel(), rows), shape=(count, count))
 
 
 def _shining_share(room: RoomEnvironment, boxes: Boxes, points: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -169,8 +176,7 @@ def _shining_share(room: RoomEnvironment, boxes: Boxes, points: np.ndarray, face
     shining = np.zeros(len(points), dtype=np.float32)
     coordinates = face_coordinates(faces, points)
     for window in room.windows:
-        place = np.abs(coordinates - np.array(window.centre)) / np.array(window.size)
-        shining[(faces == WALL_FACES[window.wall]) & (place <= 0.5).all(axis=1)] = 1.0
+        shining[(faces == WALL_FACES[window.wall]) & in_rectangle(coordinates, window.centre, window.size)] = 1.0
     return shining
 
 

@@ -13,7 +13,7 @@ from ..model import Reflectance, Rgb
 from .colour import black_body
 from .description import Block, Panel, RoomEnvironment, Wall, Window
 from .noise import fractal_noise, lattice
-from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates
+from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, in_rectangle
 from .room_light import bar_radiance, glow, sample, solve
 from .sphere import texel_directions
 
@@ -37,7 +37,7 @@ def draw_room(rng: np.random.Generator) -> RoomEnvironment:
         wall_colours=_draw_colours(rng),
         windows=windows,
         panels=_draw_panels(rng, size, windows),
-        blocks=_draw_blocks(rng, size, eye),
+        blocks=_draw_blocks(rng, size, windows),
         board_width=float(rng.choice([0.0, rng.uniform(0.08, 0.25)])),
         seed=int(rng.integers(2**31)),
         rotation=float(rng.uniform(0.0, 2.0 * np.pi)),
@@ -93,8 +93,8 @@ def _reflectance(
     """Return the reflectance with its small variation, (n, 3) float32."""
     reflectance = boxes.reflectance[faces]
     for panel in room.panels:
-        place = np.abs(coordinates - np.array(panel.centre)) / np.array(panel.size)
-        on = (faces == WALL_FACES[panel.wall]) & (place <= 0.5).all(axis=1)
+        on = np.flatnonzero(faces == WALL_FACES[panel.wall])
+        on = on[in_rectangle(coordinates[on], panel.centre, panel.size)]
         reflectance[on] = np.array(panel.colour, dtype=np.float32)
     # Plaster and paint differ by some percent over decimetres.
     factor = 0.94 + 0.12 * fractal_noise(points * 3.0, room.seed, 3)
@@ -172,7 +172,7 @@ def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -
     """Draw a regular field of equal ceiling panels."""
     side = ((0.6, 0.6), (1.2, 0.3), (0.3, 1.2), (1.2, 0.6))[int(rng.integers(4))]
     counts = [max(1, int(size[axis] / rng.uniform(1.8, 3.0))) for axis in (0, 1)]
-    radiance = _rgb(black_body(rng.uniform(3000.0, 5500.0)) * rng.uniform(2.0, 6.0))
+    radiance = _rgb(black_body(rng.uniform(3300.0, 5500.0)) * rng.uniform(2.0, 6.0))
     return [
         Window(
             kind="lamp",
@@ -217,15 +217,18 @@ def _draw_panels(
 
 
 def _draw_blocks(
-    rng: np.random.Generator, size: tuple[float, float, float], eye: tuple[float, float, float]
+    rng: np.random.Generator, size: tuple[float, float, float], windows: tuple[Window, ...]
 ) -> tuple[Block, ...]:
-    """Draw furniture along the walls, clear of the table."""
+    """Draw furniture along the walls, clear of the table (1.2 m away at least), and low under windows."""
+    lit = {window.wall for window in windows}
     blocks: list[Block] = []
     for _ in range(int(rng.integers(3, 8))):
         axis, far = int(rng.integers(2)), bool(rng.integers(2))
         depth, width, high = rng.uniform(0.3, 0.7), rng.uniform(0.4, 1.8), float(rng.choice([0.45, 0.8, 1.2, 1.9]))
         start = rng.uniform(0.0, size[1 - axis] - width)
-        lower, upper = [0.0, 0.0, 0.0], [0.0, 0.0, high * rng.uniform(0.85, 1.1)]
+        wall: Wall = _SIDES[2 * axis + (not far)]
+        high = min(high * rng.uniform(0.85, 1.1), 0.8 if wall in lit else size[2])
+        lower, upper = [0.0, 0.0, 0.0], [0.0, 0.0, high]
         lower[axis], upper[axis] = (size[axis] - depth, size[axis]) if far else (0.0, depth)
         lower[1 - axis], upper[1 - axis] = start, start + width
         colour = _wood(rng) if rng.uniform() < 0.5 else _paint(rng, (0.1, 0.7), 0.2)

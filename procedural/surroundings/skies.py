@@ -158,9 +158,9 @@ def _with_ground(environment: SkyEnvironment, directions: np.ndarray, sky: np.nd
     skyline = _TREES * fractal_noise(flat * 2.0, seed + 51, 2) ** 2 * (0.4 + 1.2 * crowns)
     # Patches of a metre at an eye height of 1.7 m; they fade into the distance.
     depth = np.maximum(-directions[..., 2:], 0.02)
-    patches = fractal_noise(directions / depth * 3.0, seed + 59, 5) - 0.5
+    patches = fractal_noise(directions / depth * 6.0, seed + 59, 5) - 0.5
     near = np.clip(depth[..., 0] / 0.3, 0.0, 1.0)
-    ground = white * np.array(environment.ground) * (1.0 + 1.2 * patches * near)[..., None]
+    ground = white * np.array(environment.ground) * (1.0 + 0.8 * patches * near)[..., None]
     leaves = fractal_noise(directions * 30.0, seed + 61, 4) ** 2 * 3.0 * np.clip(0.5 + elevation / 0.2, 0.3, 1.0)
     trees = white * _LEAVES * leaves[..., None]
     # The trees' feet and tops are one texel soft.
