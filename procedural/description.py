@@ -56,7 +56,10 @@ class Vessel(Model):
     outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
     inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
     liquid: Liquid | None = None
-    interfaces: tuple[Interface, ...] = Field(description="The surfaces that light meets, each once")
+    interfaces: tuple[Interface, ...] = Field(
+        description="The surfaces that light meets, each once; normals of outside and wet_wall point out of the glass, "
+        "those of liquid_surface into the air"
+    )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     world_T_object: Matrix4
 
@@ -118,7 +121,19 @@ class Scene(Model):
 
 def glass_solid(vessel: Vessel) -> Mesh:
     """Return the closed surface of the glass alone, object frame, normals out of the glass."""
-    parts = [
-        i.mesh if i.back == vessel.glass else turned(i.mesh) for i in vessel.interfaces if i.part != "liquid_surface"
-    ]
-    return joined(parts, f"{vessel.name}-glass")
+    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    return joined([mesh for part, mesh in parts.items() if part != "liquid_surface"], f"{vessel.name}-glass")
+
+
+def liquid_solid(vessel: Vessel) -> Mesh:
+    """Return the closed surface of the liquid's body, object frame, normals out of the liquid.
+
+    Raises
+    ------
+    ValueError
+        Where the vessel holds no liquid.
+    """
+    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    if "wet_wall" not in parts:
+        raise ValueError(f"vessel {vessel.name}: expected a liquid in it, found none")
+    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{vessel.name}-liquid")

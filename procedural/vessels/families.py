@@ -54,7 +54,7 @@ def draw_size(rng: np.random.Generator, settings: VesselSettings) -> tuple[Categ
     InputError
         Where no category asked for has the heights and radii asked for.
     """
-    fitting = [c for c in settings.categories if _fits(FAMILIES[c], settings)]
+    fitting: list[Category] = [c for c in settings.categories if _fits(FAMILIES[c], settings)]
     if not fitting:
         raise InputError(
             "vessels.categories",

@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..description import Interface, Vessel
-from ..mesh import Mesh, joined, turned
+from ..description import Interface
 from ..optics.medium import AIR, Medium
 from .curve import Curve, backwards, chained
 from .revolve import revolved
@@ -117,17 +116,3 @@ def cut_at(inner: Curve, contact: np.ndarray) -> tuple[Curve, Curve]:
         Curve(np.concatenate([inner.points[below], point]), np.concatenate([inner.normals[below], normal])),
         Curve(np.concatenate([point, inner.points[above]]), np.concatenate([normal, inner.normals[above]])),
     )
-
-
-def liquid_solid(vessel: Vessel) -> Mesh:
-    """Return the closed surface of the liquid's body, object frame, normals out of the liquid.
-
-    Raises
-    ------
-    ValueError
-        Where the vessel holds no liquid.
-    """
-    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
-    if "wet_wall" not in parts:
-        raise ValueError(f"vessel {vessel.name}: expected a liquid in it, found none")
-    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{vessel.name}-liquid")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from ..errors import InputError
 
@@ -60,8 +60,8 @@ def level_of_volume(inner: np.ndarray, volume: float) -> float:
     most = volume_below(inner, highest_level(inner))
     if not 0.0 < volume <= most:
         raise InputError("liquid.volume", f"more than 0 and at most {most:.3e} m^3 (below the rim)", f"{volume:.3e}")
-    floor = float(np.asarray(inner)[0, 1])
-    return float(brentq(lambda z: volume_below(inner, z) - volume, floor, highest_level(inner), xtol=LEVEL_TOLERANCE))
+    bracket = (float(np.asarray(inner)[0, 1]), highest_level(inner))
+    return root_scalar(lambda z: volume_below(inner, z) - volume, bracket=bracket, xtol=LEVEL_TOLERANCE).root
 
 
 def level_of_fill(inner: np.ndarray, fill: float) -> float:

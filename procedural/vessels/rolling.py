@@ -24,7 +24,8 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
     Parameters
     ----------
     wall : Curve
-        The wall, going up: z never falls along it; normals point away from the side where the ball is.
+        The wall, going up: z never falls along it; normals point away from the side where the ball is, and turn
+        little from point to point (it is smooth, or its corners are round).
     clearance : (n,) float
         Distance to keep at each point of the wall; changes slowly [m].
     ball : float
@@ -45,7 +46,9 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
     centres, angles = _with_round_kinks(centres, angles)
     normals = directions(angles)
     side = Curve(centres + ball * normals, normals)
-    corner = arc(centres[0], ball, -np.pi / 2, angles[0])
+    corner = arc(centres[0], ball, -0.5 * np.pi, angles[0])
+    # Exactly below the centre: on the axis to the last bit where the centre is.
+    corner.points[0], corner.normals[0] = centres[0] - (0.0, ball), (0.0, -1.0)
     if centres[0, 0] == 0.0:
         return chained(corner, side), index
     down = np.array([[0.0, -1.0], [0.0, -1.0]])

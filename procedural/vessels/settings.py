@@ -39,7 +39,8 @@ class VesselSettings(Model):
         default=(0.04, 0.30), description="Height of the vessel, within 0.04 and 0.30 [m]"
     )
     radius: Annotated[tuple[_Radius, _Radius], _Ordered] = Field(
-        default=(0.015, 0.08), description="Largest outer radius, within 0.015 and 0.08 [m]"
+        default=(0.015, 0.08),
+        description="Largest outer radius, within 0.015 and 0.08 [m]; rounding may take up to 5 % from it",
     )
     wall: Annotated[tuple[_Wall, _Wall], _Ordered] = Field(
         default=(0.001, 0.004), description="Smallest thickness across the wall, within 0.001 and 0.004 [m]"

@@ -29,7 +29,7 @@ class WallShape:
     taper : float
         How much thicker the wall is at the bottom; it falls off quadratically to nothing at the top.
     base : float
-        Thickness of the base between the crown of its punt and the floor, at least `thickness`.
+        Thickness between the crown of the punt and the floor; where the wall is thicker, the base is as thick.
     fillet : float
         Radius of the outer corner at the base.
     corner : float
@@ -97,14 +97,13 @@ def glass_section(outline: Outline, shape: WallShape, chord_error: float) -> Sec
     thickness = shape.thickness + 2.0 * chord_error + DENSE_MARGIN
     # Quadratic, so that the wall is as thick as its end where the rim begins, and the rim's half circle tangent.
     clearance = thickness + shape.taper * (1.0 - side.points[:, 1] / side.points[-1, 1]) ** 2
-    floor = max(shape.punt + max(shape.base, thickness), outline.solid_below)
+    floor = max(shape.punt + max(shape.base, clearance[0] + DENSE_MARGIN), outline.solid_below)
     inside, last = rolled(side, clearance, shape.corner, floor)
     side = Curve(side.points[: last + 1], side.normals[: last + 1])
-    outside = chained(_underside(float(side.points[0, 0]), shape.punt), side)
-    return _rimmed(outside, inside, chord_error)
+    return _closed(_underside(float(side.points[0, 0]), shape.punt, chord_error), side, inside, chord_error)
 
 
-def _underside(radius: float, punt: float) -> Curve:
+def _underside(radius: float, punt: float, chord_error: float) -> Curve:
     """Return the base from the axis to `radius`: a hollow with a standing ring around it; normals out of the glass."""
     if punt == 0.0:
         return Curve(np.array([[0.0, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]]))
@@ -113,21 +112,25 @@ def _underside(radius: float, punt: float) -> Curve:
     z = 0.5 * punt * (1.0 + np.cos(np.pi * r / edge))
     slope = -0.5 * punt * np.pi / edge * np.sin(np.pi * r / edge)
     hollow = Curve(np.stack([r, z], -1), np.stack([slope, -np.ones_like(r)], -1) / np.hypot(1.0, slope)[:, None])
-    return chained(hollow, Curve(np.array([[edge, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]])))
+    # The ring stays as it is, so that the vessel stands on it.
+    return chained(
+        simplified(hollow, chord_error),
+        Curve(np.array([[edge, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]])),
+    )
 
 
-def _rimmed(outside: Curve, inside: Curve, chord_error: float) -> Section:
-    """Join outside and inside by a half circle over their ends, split at its highest point, and simplify both."""
-    end, facing = outside.points[-1], inside.points[-1]
+def _closed(base: Curve, side: Curve, inside: Curve, chord_error: float) -> Section:
+    """Join side and inside by a half circle over their ends, split at its highest point, and simplify both."""
+    end, facing = side.points[-1], inside.points[-1]
     centre, radius = 0.5 * (end + facing), 0.5 * float(np.hypot(*(end - facing)))
-    start = float(np.arctan2(*outside.normals[-1, ::-1]))
+    start = float(np.arctan2(*side.normals[-1, ::-1]))
     outer_rim = arc(centre, radius, start, 0.5 * np.pi)
     inner_rim = arc(centre, radius, start + np.pi, 0.5 * np.pi)
     # One crown for both, bit for bit.
     inner_rim.points[-1] = outer_rim.points[-1]
     inner_rim.normals[-1] = outer_rim.normals[-1]
     return Section(
-        outer=simplified(chained(outside, outer_rim), chord_error),
+        outer=chained(base, simplified(chained(side, outer_rim), chord_error)),
         inner=simplified(chained(Curve(inside.points, -inside.normals), inner_rim), chord_error),
         rim_centre=centre,
         rim_radius=radius,
