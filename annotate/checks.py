@@ -14,7 +14,7 @@ from ..procedural.surroundings.description import Camera
 from ..render.frame import Geometry
 from .boxes import EDGES, box_corners, modal_box
 from .geometry_checks import check_background, check_disparity, check_ids, check_normals, check_normals_against_depth
-from .labels import Labels, ObjectLabel
+from .labels import Keypoint, Labels, Rle
 from .masks import decode_mask
 from .projection import inside_picture, project, project_camera, transformed
 from .violation import Violation
@@ -79,9 +79,10 @@ def check_masks(labels: Labels, geometry: Geometry) -> list[Violation]:
         where = f"object {label.id}"
         crossed, reached = geometry.crossed[index], geometry.reached[index]
         for name, mask, rle in (("amodal", crossed, label.mask_amodal), ("seen", reached, label.mask_seen)):
-            if tuple(rle.size) != mask.shape:
-                found.append(Violation("masks", f"{where} mask_{name}", f"size {mask.shape}", str(rle.size)))
-            elif wrong := int((decode_mask(rle.counts, rle.size) != mask).sum()):
+            decoded = _decoded(rle, mask.shape)
+            if decoded is None:
+                found.append(Violation("masks", f"{where} mask_{name}", f"a mask of {mask.shape} px", str(rle.size)))
+            elif wrong := int((decoded != mask).sum()):
                 found.append(Violation("masks", f"{where} mask_{name}", "the geometry's mask", f"{wrong} px differ"))
         visible = geometry.id == label.id
         expected = (crossed.sum(), visible.sum(), (reached & ~visible).sum(), (crossed & ~reached).sum())
@@ -147,7 +148,9 @@ def check_box3d(labels: Labels, camera: Camera) -> list[Violation]:
         if label.box2d.amodal is not None:
             bounds = (*pixels.min(axis=0).tolist(), *pixels.max(axis=0).tolist())
             found += _outside(f"{where} round box2d.amodal", label.box2d.amodal, bounds)
-        found += _silhouette_in_box(label, pixels, where)
+        silhouette = _decoded(label.mask_amodal, (camera.height, camera.width))
+        if silhouette is not None:
+            found += _silhouette_in_box(silhouette, pixels, where)
     return found
 
 
@@ -155,27 +158,34 @@ def check_keypoints(labels: Labels, camera: Camera) -> list[Violation]:
     """Check that keypoints in the picture fall on what is seen of their object, and others do not claim to."""
     found = []
     for label in labels.objects:
-        crossed = _widened(decode_mask(label.mask_amodal.counts, label.mask_amodal.size))
-        seen = _widened(decode_mask(label.mask_seen.counts, label.mask_seen.size))
+        size = (camera.height, camera.width)
+        crossed, seen = _decoded(label.mask_amodal, size), _decoded(label.mask_seen, size)
+        if crossed is None or seen is None:
+            continue  # `check_masks` says so
+        crossed, seen = _widened(crossed), _widened(seen)
         for number, point in enumerate(label.keypoints):
             where = f"object {label.id} keypoint {number}"
-            pixel = _pixel(point.pixel)
-            inside = point.Z > 0.0 and bool(inside_picture(pixel[None], camera.width, camera.height)[0])
-            if (point.state != "outside") != inside:
-                found.append(Violation("keypoints", where, "inside" if inside else "outside", point.state))
-                continue
-            if not inside:
-                continue
-            column, row = np.floor(pixel + 0.5).astype(int)
-            mask = crossed if point.state == "occluded" else seen
-            if not mask[row, column]:
-                found.append(Violation("keypoints", where, f"a {point.state} pixel of its object", f"{point.pixel}"))
+            found += _keypoint(point, crossed if point.state == "occluded" else seen, where)
     return found
 
 
-def _silhouette_in_box(label: ObjectLabel, corners: np.ndarray, where: str) -> list[Violation]:
+def _keypoint(point: Keypoint, mask: np.ndarray, where: str) -> list[Violation]:
+    height, width = mask.shape
+    pixel = _pixel(point.pixel)
+    inside = point.Z > 0.0 and bool(inside_picture(pixel[None], width, height)[0])
+    if (point.state != "outside") != inside:
+        return [Violation("keypoints", where, "inside" if inside else "outside", point.state)]
+    if not inside:
+        return []
+    column, row = np.floor(pixel + 0.5).astype(int)
+    if mask[row, column]:
+        return []
+    return [Violation("keypoints", where, f"a {point.state} pixel of its object", str(point.pixel))]
+
+
+def _silhouette_in_box(silhouette: np.ndarray, corners: np.ndarray, where: str) -> list[Violation]:
     """Check pixel centres of a silhouette against the convex hull of the projected corners."""
-    rows, columns = np.nonzero(decode_mask(label.mask_amodal.counts, label.mask_amodal.size))
+    rows, columns = np.nonzero(silhouette)
     if not len(rows):
         return []
     # Unit normals out of the hull's edges and their offsets: a point is inside where normal . point + offset <= 0.
@@ -203,6 +213,14 @@ def _far(where: str, expected: np.ndarray, found: np.ndarray, tolerance: float =
     if np.allclose(found, expected, rtol=0.0, atol=tolerance, equal_nan=True):
         return []
     return [Violation("poses", where, str(np.asarray(expected).tolist()), str(np.asarray(found).tolist()))]
+
+
+def _decoded(rle: Rle, shape: tuple[int, ...]) -> np.ndarray | None:
+    """Return a mask, or None where it is none of this shape, which `check_masks` reports."""
+    try:
+        return decode_mask(rle.counts, rle.size) if rle.size == shape else None
+    except ValueError:
+        return None
 
 
 def _pixel(pixel: tuple[float, float] | None) -> np.ndarray:

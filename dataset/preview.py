@@ -187,7 +187,7 @@ def _fixed(pixel: np.ndarray | tuple[float, float], scale: float) -> tuple[int, 
     x, y = ((float(value) + 0.5) * scale - 0.5 for value in pixel)
     # Far outside the picture OpenCV would overflow.
     limit = 1 << 14
-    return tuple(int(round(max(-limit, min(limit, value)) * (1 << _SHIFT))) for value in (x, y))
+    return tuple(round(max(-limit, min(limit, value)) * (1 << _SHIFT)) for value in (x, y))
 
 
 def _resized(picture: np.ndarray, scale: float, smooth: bool = False) -> np.ndarray:

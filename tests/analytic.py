@@ -162,7 +162,7 @@ def frame(description: Scene, view: Camera) -> Frame:
 def cast(description: Scene, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First hit of each thing (table, then objects): distance in units of the direction, (m, n); normals (m, n, 3)."""
     n = len(directions)
-    hits = [_block(np.broadcast_to(origin + [0, 0, BOARD[2] / 2], (n, 3)), directions, BOARD)]
+    hits = [_block(np.broadcast_to(np.add(origin, (0, 0, BOARD[2] / 2)), (n, 3)), directions, BOARD)]
     for item in description.objects:
         rotation, shift = item.world_T_object[:3, :3], item.world_T_object[:3, 3]
         o, d = np.broadcast_to((origin - shift) @ rotation, (n, 3)), directions @ rotation
@@ -192,8 +192,8 @@ def _tumbler(o: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     c, e = _cylinder(o, d, BORE, low + FLOOR, high)
     empty = ~(c < e)
     c, e = np.where(empty, b, c), np.where(empty, b, e)
-    front = (a < b) & (a < c - 1e-12)
-    t = np.where(front, a, np.where((a < b) & (e < b - 1e-12), e, np.inf))
+    met = (a < b) & (a > 0)
+    t = np.where(met & (a < c - 1e-12), a, np.where(met & (e < b - 1e-12), e, np.inf))
     hit = np.isfinite(t)
     p = o + np.where(hit, t, 0.0)[:, None] * d
     flat = (np.abs(p[:, 2] - high) < 1e-9) | (np.abs(p[:, 2] - low) < 1e-9) | (np.abs(p[:, 2] - low - FLOOR) < 1e-9)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -31,3 +34,14 @@ def shared_assets() -> Path:
 def backend() -> str:
     """The variant that is the reference for reproducibility, active."""
     return activate("llvm_ad_rgb")
+
+
+@pytest.fixture(scope="session")
+def analytic() -> ModuleType:
+    """The module `tests/analytic.py`, imported by path as all test files are: a scene of closed forms."""
+    name = "glassware_tests_analytic"
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("analytic.py"))
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
