@@ -52,8 +52,7 @@ def revolved(curve: Curve, segments: int, name: str) -> Mesh:
     if on_axis[1:-1].any():
         raise ValueError("curve: only its ends may lie on the axis")
     counts = np.where(on_axis, 1, segments)
-    vertices = np.concatenate([_ring(p, p[0] == 0.0, segments) for p in curve.points])
-    normals = np.concatenate([_ring(n, at, segments) for n, at in zip(curve.normals, on_axis, strict=True)])
+    vertices, normals = (_rings(pairs, on_axis, segments) for pairs in (curve.points, curve.normals))
     faces = _faces(curve, np.concatenate([[0], np.cumsum(counts)[:-1]]), on_axis, segments)
     return Mesh(name, vertices, faces, normals)
 
@@ -67,11 +66,15 @@ def unit_circle(segments: int) -> np.ndarray:
     return np.concatenate([half, -half])
 
 
-def _ring(pair: np.ndarray, on_axis: bool, segments: int) -> np.ndarray:
-    """Turn one (radial, axial) pair about the axis, (segments, 3), or (1, 3) on the axis."""
-    if on_axis:
-        return np.array([[0.0, 0.0, pair[1]]])
-    return np.column_stack([pair[0] * unit_circle(segments), np.full(segments, pair[1])])
+def _rings(pairs: np.ndarray, on_axis: np.ndarray, segments: int) -> np.ndarray:
+    """Turn (radial, axial) pairs about the axis; a pair on the axis gives one row, the others `segments` rows."""
+    turned = np.empty((len(pairs), segments, 3))
+    turned[:, :, :2] = pairs[:, None, :1] * unit_circle(segments)
+    turned[:, :, 2] = pairs[:, 1:]
+    turned[on_axis, :, :2] = 0.0
+    used = np.ones((len(pairs), segments), dtype=bool)
+    used[on_axis, 1:] = False
+    return turned[used]
 
 
 def _faces(curve: Curve, first: np.ndarray, on_axis: np.ndarray, segments: int) -> np.ndarray:

@@ -106,7 +106,8 @@ def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.
 def _with_round_kinks(centres: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Insert points where the ball touches the wall twice, so that the jump of its direction becomes an arc."""
     pieces = np.maximum(1, np.ceil(np.abs(np.diff(angles)) / ARC_STEP)).astype(int)
-    position = np.concatenate([[0.0], *(i + np.arange(1, n + 1) / n for i, n in enumerate(pieces))])
+    part = np.arange(1, pieces.sum() + 1) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    position = np.concatenate([[0.0], np.repeat(np.arange(len(pieces)), pieces) + part / np.repeat(pieces, pieces)])
     index = np.arange(len(angles))
     finer = np.stack([np.interp(position, index, column) for column in centres.T], axis=-1)
     return finer, np.interp(position, index, angles)

@@ -92,7 +92,7 @@ def test_media_along_random_rays_agree_with_the_closed_bodies(full_vessels, rng)
     met = set()
     for vessel in full_vessels:
         points, expected = [], []
-        for _ in range(12):
+        for _ in range(10):
             target = rng.uniform(-0.5, 0.5, 3) * vessel.size
             direction = rng.normal(size=3)
             direction /= np.linalg.norm(direction)
