@@ -13,6 +13,7 @@ import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -40,6 +41,9 @@ PICTURE_SIDE = (0.3, 1.0)
 BATCH_SPREAD, CHANNEL_SPREAD = 0.15, 0.04
 
 
+Kind = Literal["uniform", "wood", "marble", "checker", "stripes", "noise", "tiles", "terrazzo", "fabric"]
+
+
 @dataclass(frozen=True)
 class Family:
     """Materials of one kind.
@@ -61,7 +65,7 @@ class Family:
     """
 
     name: str
-    textures: tuple[str, ...]
+    textures: tuple[Kind, ...]
     palettes: tuple[tuple[Reflectance, ...], ...]
     roughness: tuple[float, float]
     tile: tuple[float, float] = (0.2, 0.4)
@@ -147,13 +151,13 @@ def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] 
 def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     """Draw a material of one colour: painted, plastic or glazed."""
     plain = [item for item in PROP_FAMILIES if item.name in ("painted wood", "matte plastic", "glazed ceramic")]
-    family = plain[rng.integers(len(plain))]
+    family = plain[int(rng.integers(len(plain)))]
     colour = UniformTexture(colour=_paint(rng))
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
 
 def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> OpaqueMaterial:
-    path = files[rng.integers(len(files))]
+    path = files[int(rng.integers(len(files)))]
     return OpaqueMaterial(
         name=f"picture {path.stem}",
         base_colour=PictureTexture(asset=asset(path)),
@@ -173,7 +177,7 @@ def _family_material(rng: np.random.Generator, family: Family) -> OpaqueMaterial
     )
 
 
-def _texture(rng: np.random.Generator, family: Family, kind: str) -> Texture:
+def _texture(rng: np.random.Generator, family: Family, kind: Kind) -> Texture:
     if family.palettes:
         palette = family.palettes[rng.integers(len(family.palettes))]
         colours = palette if family.metallic else _specimen(rng, palette)
@@ -190,7 +194,7 @@ def _specimen(rng: np.random.Generator, palette: Sequence[Reflectance]) -> tuple
     return tuple(_dielectric(np.array(colour) * factor) for colour in palette)
 
 
-def _paints(rng: np.random.Generator, kind: str) -> tuple[Reflectance, ...]:
+def _paints(rng: np.random.Generator, kind: Kind) -> tuple[Reflectance, ...]:
     """Return the colours of something painted, dyed or printed."""
     first = _paint(rng)
     if kind == "noise":

@@ -13,7 +13,8 @@ GRADIENT_PEAK = np.sqrt(0.5)
 def tile_grid(resolution: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the texture coordinates (u, v) of the pixel centres of a square tile, each (n, n) float64 in (0, 1)."""
     centres = (np.arange(resolution) + 0.5) / resolution
-    return tuple(np.meshgrid(centres, centres))
+    u, v = np.meshgrid(centres, centres)
+    return u, v
 
 
 def gradient_noise(u: np.ndarray, v: np.ndarray, cells: tuple[int, int], rng: np.random.Generator) -> np.ndarray:

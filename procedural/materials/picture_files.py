@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import cv2
@@ -64,6 +65,12 @@ def read_picture(path: Path) -> np.ndarray:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         linear = cv2.resize(linear, size, interpolation=cv2.INTER_AREA)
     return np.clip(linear, 0.0, 1.0)
+
+
+def check_pictures(files: Iterable[Path]) -> None:
+    """Read every picture once, so that a bad one is refused before any scene is drawn; InputError names it."""
+    for path in files:
+        read_picture(path)
 
 
 def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:

@@ -50,7 +50,7 @@ def draw_prop(
     longest = rng.uniform(settings.smallest, settings.largest)
     from_file = rng.random() < settings.file_share
     if mesh_files and from_file:
-        file = mesh_files[rng.integers(len(mesh_files))]
+        file = mesh_files[int(rng.integers(len(mesh_files)))]
         mesh, material = _from_file(rng, file, name, longest, texture_files)
         category, symmetric = file.name, False
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -124,6 +125,12 @@ def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
     return FileMesh(Mesh(name, vertices, faces, normals, uv), _look(file, content))
 
 
+def check_meshes(files: Iterable[MeshFile]) -> None:
+    """Read every file once, so that a bad one is refused before any scene is drawn; InputError names it."""
+    for file in files:
+        read_mesh(file, "check", 1.0)
+
+
 def box_mapped(mesh: Mesh) -> Mesh:
     """Return a mesh with texture coordinates from the side that each face looks to, in units of its longest side."""
     corners = mesh.vertices[mesh.faces]
@@ -158,7 +165,8 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
         raise InputError(file.path, "finite vertices", "NaN or infinity")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(file.path, f"faces over {len(vertices)} vertices", f"indices {faces.min()} to {faces.max()}")
-    normals = [_stored_normals(part, pose) for part, pose in parts]
+    stored = [_stored_normals(part, pose) for part, pose in parts]
+    normals = [one for one in stored if one is not None]
     uv = [_stored_uv(part) for part, _ in parts]
     blank = [
         np.zeros((len(part.vertices), 2)) if one is None else one for (part, _), one in zip(parts, uv, strict=True)
@@ -166,7 +174,7 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
     return (
         vertices,
         faces,
-        None if any(one is None for one in normals) else np.concatenate(normals),
+        np.concatenate(normals) if len(normals) == len(parts) else None,
         None if all(one is None for one in uv) else np.concatenate(blank),
     )
 
@@ -174,10 +182,10 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
 def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.ndarray]]:
     """Return a file's parts that have faces, each with ``file_T_part``."""
     kind = file.path.suffix.lower()[1:]
-    options = {"skip_materials": True} if kind == "obj" else {}
     try:
         # From memory and without a resolver: nothing that the file names is opened here.
-        scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
+        # MTL is read by `file_looks`, which checks where it leads; the other readers ignore the option.
+        scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
         nodes = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
     except Exception as error:  # the readers raise whatever a malformed file leads them into
         raise InputError(file.path, f"a readable {kind.upper()} mesh", type(error).__name__) from error

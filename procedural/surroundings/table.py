@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from pydantic import Field, model_validator
+from scipy.spatial import ConvexHull
 
 from ..materials.draw import draw_table_material
 from ..mesh import Mesh
@@ -61,9 +62,16 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
     return Table(mesh=mesh, material=draw_table_material(rng, texture_files), size=size)
 
 
+def outline(table: Table) -> np.ndarray:
+    """Return the convex outline of the flat part of the top, (k, 2) float64, counter-clockwise [m]."""
+    flat = table.mesh.vertices[table.mesh.vertices[:, 2] == 0.0, :2].astype(np.float64)
+    return flat[ConvexHull(flat).vertices]
+
+
 def _board(size: tuple[float, float, float], radius: float) -> Mesh:
     """Return a rectangular board, long side along x."""
     mesh, unit = rounded_box("table", size, radius)
+    assert mesh.uv is not None
     return _top_at_zero(mesh, mesh.uv * unit)
 
 
@@ -71,6 +79,7 @@ def _round_board(diameter: float, thickness: float, radius: float) -> Mesh:
     """Return a round board; texture coordinates run on radially over the edge."""
     corners = [(0.0, 0.0), (diameter / 2, 0.0), (diameter / 2, thickness), (0.0, thickness)]
     mesh, unit = revolve("table", rounded(corners, [radius, radius]))
+    assert mesh.uv is not None
     angle = 2 * np.pi * mesh.uv[:, 0]
     from_middle = (mesh.uv[:, 1].max() - mesh.uv[:, 1]) * unit
     return _top_at_zero(mesh, np.stack([np.cos(angle), np.sin(angle)], 1) * from_middle[:, None])

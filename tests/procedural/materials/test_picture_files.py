@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from glassware.procedural.errors import InputError
-from glassware.procedural.materials.picture_files import LONGEST_SIDE, picture_files, read_picture
+from glassware.procedural.materials.picture_files import LONGEST_SIDE, check_pictures, picture_files, read_picture
 
 
 def _picture(path: Path, shape: tuple[int, ...] = (2, 2, 3)) -> Path:
@@ -44,6 +44,14 @@ def test_a_picture_that_cannot_be_decoded_is_refused(tmp_path: Path) -> None:
         read_picture(path)
     with pytest.raises(InputError, match=r"b\.png: expected a readable picture, found No such file"):
         read_picture(tmp_path / "b.png")
+
+
+def test_a_whole_folder_can_be_checked_before_anything_is_drawn(tmp_path: Path) -> None:
+    path = _picture(tmp_path / "a.png", (64, 64, 3))
+    check_pictures(picture_files(tmp_path))
+    path.write_bytes(path.read_bytes()[:40])
+    with pytest.raises(InputError, match=r"a\.png: expected a readable picture, found a broken file"):
+        check_pictures(picture_files(tmp_path))
 
 
 def test_a_picture_of_floating_point_numbers_is_refused(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import trimesh
 from glassware.procedural.errors import InputError
 from glassware.procedural.materials.textures import bake
 from glassware.procedural.mesh import as_trimesh
-from glassware.procedural.props.mesh_files import FileMesh, box_mapped, mesh_files, read_mesh
+from glassware.procedural.props.mesh_files import FileMesh, box_mapped, check_meshes, mesh_files, read_mesh
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "meshes"
 CORNERS = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
@@ -73,6 +73,14 @@ def test_a_face_of_a_ply_that_points_past_the_vertices_is_refused(tmp_path: Path
     body = "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 7\n"
     with pytest.raises(InputError, match=r"a\.ply: expected"):
         _read(tmp_path, "a.ply", header + body)
+
+
+def test_a_whole_folder_can_be_checked_before_anything_is_drawn(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(CORNERS + FACES)
+    check_meshes(mesh_files(tmp_path))
+    (tmp_path / "b.obj").write_text(CORNERS)
+    with pytest.raises(InputError, match=r"b\.obj: expected a mesh with faces, found none"):
+        check_meshes(mesh_files(tmp_path))
 
 
 @pytest.mark.parametrize(("side", "expected"), [(0.1, 0.1), (0.021, 0.021), (0.39, 0.39), (10.0, 0.07), (0.001, 0.07)])

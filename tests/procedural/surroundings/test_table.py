@@ -9,7 +9,7 @@ import pytest
 
 from glassware.procedural.mesh import as_trimesh
 from glassware.procedural.surroundings.description import Table
-from glassware.procedural.surroundings.table import EDGE_RADIUS, THICKNESS, TableSettings, draw_table
+from glassware.procedural.surroundings.table import EDGE_RADIUS, THICKNESS, TableSettings, draw_table, outline
 
 SEEDS = range(20)
 
@@ -45,6 +45,18 @@ def test_a_table_is_a_closed_board_of_the_size_it_states(round_share: float) -> 
         assert min(table.size[:2]) >= 0.9
         assert max(table.size[:2]) <= 1.8
         assert THICKNESS[0] <= table.size[2] <= THICKNESS[1]
+
+
+@pytest.mark.parametrize(("round_share", "corners"), [(0.0, 4), (1.0, 96)])
+def test_the_outline_runs_round_the_flat_top(round_share: float, corners: int) -> None:
+    for table in _tables(round_share):
+        line = outline(table)
+        assert line.shape == (corners, 2)
+        x, y = line.T
+        enclosed = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+        full = table.size[0] * table.size[1] * (np.pi / 4 if round_share else 1.0)
+        # The rounded edge takes at most 10 mm off each side of at least 0.9 m.
+        assert 0.95 * full < enclosed < full
 
 
 @BOTH
