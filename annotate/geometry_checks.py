@@ -25,8 +25,8 @@ STEEPEST_VIEW = np.deg2rad(75.0)
 OUTLIERS = 0.02
 #: Disparity that interpolation between two pixels of the right view may miss on a curved surface [px].
 DISPARITY_TOLERANCE = 0.05
-#: Steps of disparity between two neighbouring pixels beyond which there is an edge between them [px].
-DISPARITY_EDGE = 0.5
+#: Steps of disparity from a pixel of the left view to its neighbours beyond which it is on an edge [px].
+DISPARITY_EDGE = 0.25
 #: Largest share of pixels where the right camera may see a nearer fold of the same object (a handle, a cup's far wall).
 HIDDEN = 0.1
 
@@ -110,8 +110,9 @@ def check_disparity(left: Geometry, right: Geometry, camera: Camera) -> list[Vio
     """Check ``u_left - u_right = f b / Z`` against the right camera's own geometry.
 
     What the left camera sees at ``(u, v)`` stands at ``(u - f b / Z, v)`` in the right picture, with the same Z. There
-    the right camera sees it, or something nearer, but never something farther. Pixels that land on an edge or out of
-    the right picture do not count.
+    the right camera sees it, or something nearer, but never something farther. Between two pixels of the right picture
+    anything between their disparities may be seen. Pixels that land out of the right picture do not count, nor do those
+    on an edge: what is narrower than two pixels, such as a far glass's rim, may fall between the right view's rays.
     """
     height, width = left.Z.shape
     d_left = disparity(left.Z, camera.focal, camera.baseline)
@@ -121,19 +122,26 @@ def check_disparity(left: Geometry, right: Geometry, camera: Camera) -> list[Vio
     row = np.arange(height)[:, None]
     near, far = d_right[row, column], d_right[row, column + 1]
     same = (right.id[row, column] == left.id) & (right.id[row, column + 1] == left.id)
-    counted = (u >= 0) & (u <= width - 1) & np.isfinite(left.Z) & (np.abs(near - far) < DISPARITY_EDGE)
-    share = u - column
-    expected = near * (1.0 - share) + far * share
+    steepest = _steepest_step(d_left, left.id)
+    counted = (u >= 0) & (u <= width - 1) & np.isfinite(left.Z) & (steepest < DISPARITY_EDGE)
     # Between two pixels with a crease, the surface stands out of the chord by up to a quarter of the change of slope.
     before, after = d_right[row, np.maximum(column - 1, 0)], d_right[row, np.minimum(column + 2, width - 1)]
-    slack = DISPARITY_TOLERANCE + np.abs((near - before) - (after - far)) / 4.0
-    farther = counted & (expected < d_left - slack)
-    found = at_pixels("disparity", farther, "nothing farther in the right view", d_left - expected)
+    slack = DISPARITY_TOLERANCE + np.abs((near - before) - (after - far)) / 4.0 + np.where(counted, steepest, 0.0) / 2.0
+    low, high = np.minimum(near, far) - slack, np.maximum(near, far) + slack
+    farther = counted & (d_left > high)
+    found = at_pixels("disparity", farther, "nothing farther in the right view", d_left - high)
     # Where both cameras see one object there, its own folds hide little: most pixels have to agree.
-    differs = counted & same & (np.abs(expected - d_left) > slack)
+    differs = counted & same & ((d_left > high) | (d_left < low))
     if differs.sum() > HIDDEN * (counted & same).sum():
-        found += at_pixels("disparity", differs, "f b / Z in both views", d_left - expected)
+        found += at_pixels("disparity", differs, "f b / Z in both views", d_left)
     return found
+
+
+def _steepest_step(values: np.ndarray, ids: np.ndarray) -> np.ndarray:
+    """Return the larger step from each pixel to its left and right neighbours; +inf to another object or the border."""
+    step = np.where(ids[:, 1:] == ids[:, :-1], np.abs(np.diff(values, axis=1)), np.inf)
+    padded = np.pad(step, ((0, 0), (1, 1)), constant_values=np.inf)
+    return np.maximum(padded[:, 1:], padded[:, :-1])
 
 
 def _depth_normals(geometry: Geometry, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
