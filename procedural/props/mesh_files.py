@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -182,10 +183,11 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
 def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.ndarray]]:
     """Return a file's parts that have faces, each with ``file_T_part``."""
     kind = file.path.suffix.lower()[1:]
+    # MTL is read by `file_looks`, which checks where it leads. (A GLB would lose its texture coordinates.)
+    options: dict[str, Any] = {"skip_materials": True} if kind == "obj" else {}
     try:
         # From memory and without a resolver: nothing that the file names is opened here.
-        # MTL is read by `file_looks`, which checks where it leads; the other readers ignore the option.
-        scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, skip_materials=True)
+        scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
         nodes = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
     except Exception as error:  # the readers raise whatever a malformed file leads them into
         raise InputError(file.path, f"a readable {kind.upper()} mesh", type(error).__name__) from error
