@@ -1,0 +1,91 @@
+"""Our renderer as the comparisons drive it: load once, render with any number of samples, denoise, take the time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from time import perf_counter
+from unittest.mock import patch
+
+import numpy as np
+
+from glassware.procedural.description import Scene
+from glassware.procedural.materials.description import OpaqueMaterial
+from glassware.render import kernel as render_kernel
+from glassware.render.backend import activate
+from glassware.render.denoise import denoise
+from glassware.render.kernel import Kernel, load
+from glassware.render.picture import Noisy, trace_picture
+
+#: Samples of the picture that compiles the kernels.
+_WARM_UP = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """One picture and what it took."""
+
+    noisy: np.ndarray  #: (H, W, 3) float32, linear radiance
+    clean: np.ndarray | None  #: (H, W, 3) float32; None where no denoiser ran
+    trace_seconds: float
+    denoise_seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ours:
+    """A scene loaded and its kernels compiled."""
+
+    kernel: Kernel
+    load_seconds: float
+    compile_seconds: float
+
+
+def loaded(scene: Scene, plain: bool = False) -> Ours:
+    """Load a scene and compile its kernels.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene; its first camera is used.
+    plain : bool
+        Draw every opaque surface as an ideal diffuser of its base colour. Two renderers then mean the same by it.
+    """
+    activate()
+    start = perf_counter()
+    with _plain_materials() if plain else nullcontext():
+        kernel = load(scene)
+    load_seconds = perf_counter() - start
+    ours = Ours(kernel, load_seconds, 0.0)
+    start = perf_counter()
+    render(ours, _WARM_UP, seed=0)
+    return replace(ours, compile_seconds=perf_counter() - start)
+
+
+def render(ours: Ours, spp: int, seed: int, clean: bool = True) -> Rendered:
+    """Render the left eye of the first camera with `spp` samples."""
+    scene = ours.kernel.description
+    picture = scene.picture.model_copy(update={"spp": spp})
+    kernel = replace(ours.kernel, description=scene.model_copy(update={"picture": picture}))
+    start = perf_counter()
+    noisy = trace_picture(kernel, scene.cameras[0], "left", seed)
+    traced = perf_counter()
+    denoised = _denoised(noisy) if clean else None
+    return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)
+
+
+def _denoised(noisy: Noisy) -> np.ndarray:
+    return denoise(noisy.radiance, np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
+
+
+def _plain_materials() -> AbstractContextManager[object]:
+    # The product has one opaque material, the principled one. This swaps it while a scene is loaded.
+    return patch.object(render_kernel, "opaque_bsdf", _diffuse(render_kernel.opaque_bsdf))
+
+
+def _diffuse(principled: Callable[[OpaqueMaterial], dict]) -> Callable[[OpaqueMaterial], dict]:
+    def diffuse(material: OpaqueMaterial) -> dict:
+        colour = principled(material)["bsdf"]["base_color"]
+        return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}}
+
+    return diffuse

@@ -1,0 +1,135 @@
+"""Error and time of our own renderer on the five scenes, for tuning it.
+
+    python bench/quality.py --scenes filled --spp 16
+
+relMSE is the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels of the exposed linear picture. R is a mean of
+many passes of the same renderer with other seeds; it is kept in a folder and made only once for a scene. The file's
+name follows the scene and the picture's size, not the renderer's code: delete the folder after a change that moves the
+converged picture (a mended fault), keep it after one that only lowers the noise.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+from ours import Ours, loaded, render
+from references import Reference, reference, relmse
+from rich.console import Console
+from scenes import NAMES, bench_scene, digest
+from table import Row, report
+
+from glassware.dataset.pictures import srgb8, write_png
+from glassware.procedural.errors import InputError
+
+#: Samples of one pass of a reference: enough for the sample points to spread, few enough to stop and go on.
+PASS_SPP = 256
+#: A reference whose own noise is more than this share of a figure makes that figure doubtful.
+FLOOR_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to measure."""
+
+    scenes: tuple[str, ...] = NAMES
+    """Which of the five scenes."""
+    spp: tuple[int, ...] = (16,)
+    """Samples per pixel, each measured."""
+    width: int = 320
+    """Width of the picture [px]."""
+    height: int = 180
+    """Height of the picture [px]."""
+    repeats: int = 1
+    """Pictures with different seeds that each figure is the mean of."""
+    reference_spp: int = 4096
+    """Samples per pixel of the references."""
+    plain: bool = False
+    """Draw opaque surfaces as ideal diffusers, as the comparison with Cycles does."""
+    cache: Path = Path(".scratch/references")
+    """Folder of the references."""
+    pictures: Path | None = None
+    """Folder for PNG files of what was measured: reference, noisy and denoised."""
+    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
+    """File to write the figures to."""
+
+
+def main() -> int:
+    """Measure and print."""
+    options = tyro.cli(Options, description=__doc__)
+    rows: list[Row] = []
+    try:
+        for name in options.scenes:
+            rows += _scene_rows(name, options)
+    except InputError as error:
+        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
+        return 2
+    size = f"{options.width}x{options.height}"
+    return report(f"Our renderer, {size}", rows, options.json_file, reference_spp=options.reference_spp)
+
+
+def _scene_rows(name: str, options: Options) -> list[Row]:
+    scene = bench_scene(name, options.width, options.height)
+    ours = loaded(scene, options.plain)
+    kept = our_reference(ours, options.cache, options.reference_spp, options.plain)
+    rows = [
+        Row(f"{name}: loading", ours.load_seconds, "s"),
+        Row(f"{name}: first picture of 1 sample, with compilation", ours.compile_seconds, "s"),
+    ]
+    for spp in options.spp:
+        rows += _sample_rows(name, ours, kept, spp, options)
+    if options.pictures is not None:
+        write_exposed(options.pictures / f"{name}-reference.png", kept.picture)
+    return rows
+
+
+def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
+    """Return the converged picture of a loaded scene, from the folder where it is there."""
+    scene = ours.kernel.description
+    exposure, console = scene.cameras[0].exposure, Console(stderr=True)
+    name = f"ours-{'plain-' if plain else ''}{digest(scene)}"
+    return reference(
+        folder / f"{name}.npz",
+        max(2, -(-spp // PASS_SPP)),
+        lambda seed: render(ours, PASS_SPP, seed, clean=False).noisy * exposure,
+        lambda done, all_: console.print(f"{name}: reference pass {done} of {all_}", highlight=False),
+    )
+
+
+def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Options) -> list[Row]:
+    exposure = ours.kernel.description.cameras[0].exposure
+    runs = [render(ours, spp, seed=1 + repeat) for repeat in range(options.repeats)]
+    noisy = float(np.mean([relmse(run.noisy * exposure, kept) for run in runs]))
+    clean = float(np.mean([relmse(run.clean * exposure, kept) for run in runs]))
+    trace, denoise = (float(np.mean(values)) for values in zip(*_times(runs), strict=True))
+    if options.pictures is not None:
+        write_exposed(options.pictures / f"{name}-{spp}-noisy.png", runs[0].noisy * exposure)
+        write_exposed(options.pictures / f"{name}-{spp}-clean.png", runs[0].clean * exposure)
+    floor = kept.floor
+    at = f"{name}, {spp} spp:"
+    doubt = "" if floor < FLOOR_SHARE * clean else f"reference's own noise is {floor:.2g}: more --reference-spp"
+    return [
+        Row(f"{at} relMSE before denoising", noisy),
+        Row(f"{at} relMSE after denoising", clean, note=doubt),
+        Row(f"{at} tracing", trace, "s"),
+        Row(f"{at} denoising", denoise, "s"),
+        Row(f"{at} samples", spp * options.width * options.height / trace / 1e6, "M/s"),
+    ]
+
+
+def _times(runs: list) -> list[tuple[float, float]]:
+    return [(run.trace_seconds, run.denoise_seconds) for run in runs]
+
+
+def write_exposed(path: Path, exposed: np.ndarray) -> None:
+    """Write an exposed linear picture, (H, W, 3), as an 8-bit sRGB PNG."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_png(path, srgb8(exposed, 1.0))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
