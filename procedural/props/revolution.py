@@ -48,7 +48,8 @@ def rounded(corners: list[tuple[float, float]], radii: list[float]) -> list[Piec
     corners : list of (r, z)
         The polyline [m].
     radii : list of float
-        Radius at each corner but the first and the last [m]; 0 keeps it sharp.
+        Radius at each corner but the first and the last [m]; 0 keeps it sharp. ValueError where an arc would reach
+        past the neighbouring corner or its arc.
     """
     pieces, points = [], np.array(corners, float)
     here = points[0]
@@ -57,6 +58,8 @@ def rounded(corners: list[tuple[float, float]], radii: list[float]) -> list[Piec
         turn = np.arctan2(come[0] * go[1] - come[1] * go[0], come @ go)
         reach = radius * abs(np.tan(turn / 2))
         touch, leave = corner - reach * come, corner + reach * go
+        if (touch - here) @ come < -NOTHING or (after - leave) @ go < -NOTHING:
+            raise ValueError(f"expected a radius that fits between its neighbours at corner {corner}, got {radius}")
         if np.linalg.norm(touch - here) > NOTHING:
             pieces.append(line(here, touch))
         if radius > 0:

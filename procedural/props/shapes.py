@@ -95,7 +95,8 @@ def can(rng: np.random.Generator, longest: float, name: str) -> Shape:
     """Return a tin: taller than wide, lid and base sunk behind a rim of 1.5-3 mm (double seams are about 3 mm)."""
     height = longest
     radius = height * rng.uniform(0.25, 0.48)
-    rim, depth = rng.uniform(0.0015, 0.003), rng.uniform(0.002, 0.004)
+    rim = rng.uniform(0.0015, 0.003)
+    depth = rim * rng.uniform(1.0, 1.6)
     inside = radius - rim
     corners = [(0, depth), (inside, depth), (inside, 0), (radius, 0)]
     corners += [(r, height - z) for r, z in reversed(corners)]
@@ -139,7 +140,8 @@ def cup(rng: np.random.Generator, longest: float, name: str) -> Shape:
     """Return a cup without a handle, as a closed solid: walls of 2.5-5 mm (stoneware mugs have 3-5 mm)."""
     height = longest * rng.uniform(0.7, 1.0)
     top = longest * rng.uniform(0.36, 0.5) if height == longest else longest / 2
-    base, wall = top * rng.uniform(0.6, 0.95), rng.uniform(0.0025, 0.005)
+    # Below 6 cm the walls thin with the cup, or its floor would have no room.
+    base, wall = top * rng.uniform(0.6, 0.95), min(rng.uniform(0.0025, 0.005), 0.08 * longest)
     corners = [(0, 0), (base, 0), (top, height), (top - wall, height), (base - wall, wall), (0, wall)]
     heel, lip = rng.uniform(0.2, 0.6) * wall, 0.4 * wall
     return _revolved(name, "cup", rounded(corners, [heel + wall, lip, lip, heel]))

@@ -132,6 +132,11 @@ def test_a_prism_has_the_volume_of_its_outline_times_its_height() -> None:
     assert len(np.unique(np.round(mesh.normals, 5), axis=0)) == 8
 
 
+def test_an_arc_that_does_not_fit_is_refused() -> None:
+    with pytest.raises(ValueError, match="radius that fits"):
+        rounded([(0, 0), (0.03, 0), (0.03, 0.1), (0, 0.1)], [0.06, 0.06])
+
+
 def test_a_rounded_corner_leaves_its_lines_without_a_kink() -> None:
     pieces = rounded([(0, 0), (0.03, 0), (0.03, 0.1), (0, 0.1)], [0.005, 0.0])
     corner = pieces[1]
