@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
+from ..errors import InputError
 from ..model import Model
 from . import absorption_tables as tables
 from .dispersion import in_range
@@ -103,10 +104,16 @@ def coefficient(spectrum: Sampled | Dye, wavelength_nm: ArrayLike) -> np.ndarray
     return spectrum.strength(nm)
 
 
+def _spectrum(absorber: Absorber) -> Sampled | Dye:
+    if absorber.spectrum not in SPECTRA:
+        raise InputError("absorber", f"one of {', '.join(SPECTRA)}", absorber.spectrum)
+    return SPECTRA[absorber.spectrum]
+
+
 def mixture(absorbers: tuple[Absorber, ...], wavelength_nm: ArrayLike) -> np.ndarray:
     """Return the summed absorption of some absorbers [1/m]; outside a spectrum's range the nearest valid value."""
     nm = np.asarray(wavelength_nm, dtype=np.float64)
-    parts = [a.amount * coefficient(SPECTRA[a.spectrum], nm) for a in absorbers]
+    parts = [a.amount * coefficient(_spectrum(a), nm) for a in absorbers]
     return np.sum(parts, axis=0) if parts else np.zeros(nm.shape)
 
 
@@ -134,6 +141,6 @@ def absorption(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refus
     """
     nm = np.asarray(wavelength_nm, dtype=np.float64)
     for absorber in medium.absorbers:
-        low, high = SPECTRA[absorber.spectrum].valid
+        low, high = _spectrum(absorber).valid
         in_range(nm, low, high, f"absorption of {medium.name} ({absorber.spectrum})", outside)
     return mixture(medium.absorbers, nm)

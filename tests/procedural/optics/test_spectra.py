@@ -110,3 +110,8 @@ def test_a_sampled_spectrum_must_be_a_curve():
         Sampled(wavelengths=(500.0, 400.0), values=(1.0, 1.0), source="test")
     with pytest.raises(ValueError, match="no negative absorption"):
         Sampled(wavelengths=(400.0, 500.0), values=(1.0, -1.0), source="test")
+
+
+def test_an_unknown_spectrum_is_refused_by_name():
+    with pytest.raises(InputError, match="expected one of water, .*, found unobtainium"):
+        water(Absorber(spectrum="unobtainium", amount=1.0))
