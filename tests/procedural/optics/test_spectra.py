@@ -113,5 +113,5 @@ def test_a_sampled_spectrum_must_be_a_curve():
 
 
 def test_an_unknown_spectrum_is_refused_by_name():
-    with pytest.raises(InputError, match="expected one of water, .*, found unobtainium"):
+    with pytest.raises(InputError, match=r"expected one of water, .*, found unobtainium"):
         water(Absorber(spectrum="unobtainium", amount=1.0))
