@@ -34,7 +34,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     try:
         with OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:  # a file cut short is one or the other
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
     for name, values in channels.items():
         if values.dtype != np.float32:

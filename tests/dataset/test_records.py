@@ -1,0 +1,47 @@
+"""``camera.json`` and ``objects.json``."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from glassware.annotate.keypoints import scene_keypoints
+from glassware.dataset.camera_file import CameraFile, camera_file, camera_of
+from glassware.dataset.objects_file import ObjectsFile, objects_file
+from glassware.procedural.description import Liquid
+from glassware.procedural.optics.medium import Medium
+
+
+def test_a_camera_comes_back_from_its_record_exactly(analytic):
+    camera = analytic.camera(1)
+    record = CameraFile.model_validate_json(camera_file(camera).model_dump_json())
+    assert camera_of(record).model_dump_json() == camera.model_dump_json()
+
+
+def test_a_camera_record_says_its_conventions_and_both_poses(analytic):
+    camera = analytic.camera(0)
+    record = camera_file(camera)
+    assert record.K[0] == (camera.focal, 0.0, camera.centre[0])
+    assert record.distortion == "none"
+    assert "(0, 0) has its centre at image coordinate (0, 0)" in record.conventions["pixels"]
+    step = record.world_T_right[:3, 3] - record.world_T_camera[:3, 3]
+    np.testing.assert_allclose(step, camera.baseline * record.world_T_camera[:3, 0], atol=1e-15)
+
+
+def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
+    scene = analytic.scene()
+    tea = Liquid(medium=Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9)), level=0.01, fill=0.6, volume=2.5e-4)
+    glass = scene.vessels[0].model_copy(update={"liquid": tea})
+    scene = scene.model_copy(update={"vessels": (glass,)})
+    points = scene_keypoints(scene)
+    records = ObjectsFile.model_validate_json(objects_file(scene, points).model_dump_json()).objects
+    assert [record.id for record in records] == [2, 3, 4]
+    vessel, ball, block = records
+    assert [(part.id, part.name) for part in vessel.parts] == [(1, "glass"), (2, "liquid")]
+    assert vessel.material.medium == glass.glass
+    assert vessel.liquid.model_dump() == tea.model_dump()
+    assert ball.liquid is None
+    assert ball.material.name == "clay"
+    assert [len(record.symmetries_continuous) for record in records] == [1, 1, 0]
+    assert vessel.symmetries_continuous[0].axis == (0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(block.keypoints, points.local[2])
+    np.testing.assert_array_equal(block.world_T_object, scene.objects[2].world_T_object)

@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from glassware.annotate.checks import check_view
+from glassware.dataset.reader import Dataset
+from glassware.dataset.views_table import SCHEMA, relative_error
+from glassware.dataset.writer import finish_dataset, start_dataset, write_scene
+from glassware.procedural.assets import asset
+from glassware.procedural.errors import InputError
+from glassware.procedural.surroundings.description import PictureEnvironment
+
+TESTS = Path(__file__).parents[1]
+
+
+def _names(folder):
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def _files(root):
+    return {str(path.relative_to(root)): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_the_files_are_those_of_the_contract(stored):
+    view = ["camera.json", "geometry.exr", "instances.png", "labels.json", "left.exr", "left.png", "right.exr"]
+    assert _names(stored) == ["dataset.json", "scenes", "views.parquet"]
+    assert _names(stored / "scenes") == ["000000"]
+    scene = stored / "scenes" / "000000"
+    assert _names(scene) == ["000", "001", "meshes", "objects.json", "scene.json", "views.json"]
+    assert _names(scene / "001") == sorted([*view, "right.png"])
+
+
+def test_json_has_sorted_keys(stored):
+    for path in stored.rglob("*.json"):
+        pairs = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=list)
+        assert [key for key, _ in pairs] == sorted(key for key, _ in pairs)
+
+
+def test_everything_comes_back_exactly(made, stored):
+    scene, _, views = made
+    data = Dataset.open(stored)
+    assert data.head.seed == 7
+    (found,) = data.scenes
+    assert found.scene().model_dump_json() == scene.model_dump_json()
+    assert len(found.views) == len(views)
+    for view, again in zip(views, found.views, strict=True):
+        assert again.camera().model_dump_json() == scene.cameras[view.number].model_dump_json()
+        assert again.labels().model_dump_json() == view.labels.model_dump_json()
+        np.testing.assert_array_equal(again.radiance("left"), view.frame.left)
+        np.testing.assert_array_equal(again.radiance("right"), view.frame.right)
+        for field in vars(view.frame.geometry):
+            before, after = getattr(view.frame.geometry, field), getattr(again.geometry(), field)
+            assert before.dtype == after.dtype
+            np.testing.assert_array_equal(before, after)
+
+
+def test_labels_on_disk_pass_every_check(stored):
+    for found in Dataset.open(stored).scenes:
+        scene = found.scene()
+        for view in found.views:
+            assert check_view(scene, view.camera(), view.labels(), view.geometry()) == []
+
+
+def test_the_index_has_a_row_for_each_view(made, stored):
+    _, _, views = made
+    table = pq.read_table(stored / "views.parquet")
+    assert table.schema.equals(SCHEMA)
+    rows = table.to_pylist()
+    assert [row["view"] for row in rows] == [0, 1]
+    assert all((stored / row["left"]).is_file() and (stored / row["right"]).is_file() for row in rows)
+    assert rows[0]["object_ids"] == [2, 3, 4]
+    assert rows[1]["visible_fractions"] == [label.fractions.visible for label in views[1].labels.objects]
+    assert rows[0]["seconds_picture"] == 2.0
+    assert rows[0]["noise"] is None
+
+
+def test_writing_the_same_scene_again_gives_the_same_bytes(made, head, stored):
+    scene, points, views = made
+    before = _files(stored)
+    start_dataset(stored, head, [0])
+    write_scene(stored, scene, points, iter(views))
+    finish_dataset(stored)
+    assert _files(stored) == before
+
+
+def test_a_data_set_grows_by_another_scene(made, head, stored):
+    scene, points, views = made
+    start_dataset(stored, head, [12])
+    write_scene(stored, scene.model_copy(update={"scene_id": 12}), points, views[:1])
+    assert finish_dataset(stored) == 3
+    assert [found.scene_id for found in Dataset.open(stored).scenes] == [0, 12]
+
+
+def test_scenes_of_another_seed_or_setting_are_not_mixed_in(made, head, stored):
+    before = _files(stored)
+    for change, words in (({"seed": 8}, "seed"), ({"config": {"spp": 16}}, "setting spp")):
+        with pytest.raises(InputError, match=words):
+            start_dataset(stored, head.model_copy(update=change), [1])
+        assert _files(stored) == before
+    start_dataset(stored, head.model_copy(update={"seed": 8}), [0, 1])  # all of them are replaced
+
+
+def test_a_folder_that_holds_something_else_is_not_touched(head, tmp_path):
+    (tmp_path / "thesis.tex").write_text("years of work")
+    with pytest.raises(InputError, match=r"something else \(thesis.tex"):
+        start_dataset(tmp_path, head, [0])
+    assert _names(tmp_path) == ["thesis.tex"]
+    with pytest.raises(InputError, match="a folder"):
+        start_dataset(tmp_path / "thesis.tex", head, [0])
+
+
+def test_a_data_set_of_an_unknown_schema_is_not_touched(head, stored):
+    path = stored / "dataset.json"
+    path.write_text(path.read_text().replace("glassware/dataset/1", "glassware/dataset/2"))
+    before = _files(stored)
+    with pytest.raises(InputError, match="glassware/dataset/1, found glassware/dataset/2"):
+        start_dataset(stored, head, [0])
+    assert _files(stored) == before
+
+
+def test_an_exception_between_views_leaves_nothing_of_the_scene(made, head, tmp_path):
+    scene, points, views = made
+
+    def failing():
+        yield views[0]
+        raise RuntimeError("out of light")
+
+    start_dataset(tmp_path / "a", head, [0])
+    with pytest.raises(RuntimeError, match="out of light"):
+        write_scene(tmp_path / "a", scene, points, failing())
+    assert _names(tmp_path / "a" / "scenes") == []
+    assert finish_dataset(tmp_path / "a") == 0
+
+
+def test_assets_are_listed_with_their_licences(made, head, tmp_path):
+    scene, points, views = made
+    (tmp_path / "sky.hdr").write_bytes(b"not really a sky")
+    sky = asset(tmp_path / "sky.hdr").model_copy(update={"licence": "CC0"})
+    scene = scene.model_copy(update={"environment": PictureEnvironment(asset=sky)})
+    start_dataset(tmp_path / "a", head, [0])
+    write_scene(tmp_path / "a", scene, points, views)
+    finish_dataset(tmp_path / "a")
+    (listed,) = Dataset.open(tmp_path / "a").head.assets
+    assert (listed.licence, listed.source) == ("CC0", "sky.hdr")
+    assert (tmp_path / "a" / listed.path).read_bytes() == b"not really a sky"
+
+
+CHILD = """
+import importlib.util, pathlib, signal, sys, time
+spec = importlib.util.spec_from_file_location("analytic", sys.argv[2])
+analytic = importlib.util.module_from_spec(spec)
+sys.modules["analytic"] = analytic
+spec.loader.exec_module(analytic)
+from glassware.annotate.keypoints import scene_keypoints
+from glassware.annotate.labels import annotate
+from glassware.dataset.dataset_file import DatasetFile
+from glassware.dataset.writer import View, start_dataset, write_scene
+signal.signal(signal.SIGINT, signal.default_int_handler)  # also where the parent ignores it
+root, scene = pathlib.Path(sys.argv[1]), analytic.scene(2)
+points = scene_keypoints(scene)
+def views():
+    for number, camera in enumerate(scene.cameras):
+        frame = analytic.frame(scene, camera)
+        sight = analytic.sight(scene, camera, points.world.reshape(-1, 3))
+        yield View(number, frame, annotate(scene, camera, frame.geometry, points, sight))
+        print("view", flush=True)
+        time.sleep(60)
+start_dataset(root, DatasetFile(name="t", seed=7, config={}, versions={}, backend="none"), [0])
+write_scene(root, scene, points, views())
+"""
+
+
+def _stopped(root, how):
+    command = [sys.executable, "-P", "-c", CHILD, str(root), str(TESTS / "analytic.py")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as child:
+        assert child.stdout.readline() == "view\n"
+        child.send_signal(how)
+        child.wait(timeout=30)
+        assert child.returncode != 0
+
+
+def test_ctrl_c_leaves_no_half_scene_and_no_stray_folder(head, tmp_path):
+    _stopped(tmp_path / "a", signal.SIGINT)
+    assert _names(tmp_path / "a" / "scenes") == []
+    assert Dataset.open(tmp_path / "a").scenes == ()
+
+
+def test_what_a_killed_process_leaves_is_no_scene_and_goes_with_the_next_start(head, tmp_path):
+    _stopped(tmp_path / "a", signal.SIGKILL)
+    (stray,) = _names(tmp_path / "a" / "scenes")
+    assert stray.startswith(".000000.partial-")
+    assert Dataset.open(tmp_path / "a").scenes == ()
+    start_dataset(tmp_path / "a", head, [0])
+    assert _names(tmp_path / "a" / "scenes") == []
+
+
+def test_relative_error_is_the_mean_squared_error_over_the_squared_reference():
+    reference = np.full((2, 2, 3), 0.3, np.float32)
+    assert relative_error(reference, reference) == 0.0
+    assert relative_error(reference + np.float32(0.1), reference) == pytest.approx(0.01 / (0.09 + 0.01), rel=1e-5)
