@@ -6,7 +6,7 @@ import numpy as np
 
 #: Second radiation constant h c / k [nm K] (CODATA 2018).
 SECOND_RADIATION = 1.438776877e7
-#: XYZ (D65 white at Y = 1) to linear Rec.709, ITU-R BT.709 primaries (IEC 61966-2-1, equation 7).
+#: XYZ (D65 white at Y = 1) to linear Rec.709, ITU-R BT.709 primaries (IEC 61966-2-1).
 RGB_FROM_XYZ = np.array(
     [
         [3.2406, -1.5372, -0.4986],
@@ -14,7 +14,7 @@ RGB_FROM_XYZ = np.array(
         [0.0557, -0.2040, 1.0570],
     ]
 )
-#: Relative luminance of linear Rec.709 (ITU-R BT.709-6, section 3).
+#: Relative luminance of linear Rec.709 (ITU-R BT.709-6).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 # Lobes of the fits to x, y, z: height, centre [nm], inverse widths below and above the centre [1/nm] (Wyman et al.).

@@ -60,7 +60,7 @@ def form_factor(light: AreaLight) -> float:
 
     Lambert's exact formula for a polygon, F = 1 / (2 pi) sum_i theta_i (n . g_i), with the angle theta_i that edge i
     subtends at the patch and the unit normal g_i of the plane through the patch and the edge (Lambert, Photometria,
-    1760; equation 1 of Baum, Rushmeier, Winget, "Improving Radiosity Solutions Through the Use of Analytically
+    1760; see Baum, Rushmeier, Winget, "Improving Radiosity Solutions Through the Use of Analytically
     Determined Form-Factors", SIGGRAPH 1989). The part below the patch's horizon is cut off first.
 
     Parameters

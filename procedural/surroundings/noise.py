@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 # Odd 32-bit multipliers that spread lattice coordinates over the hash (Teschner et al., "Optimized Spatial Hashing
-# for Collision Detection of Deformable Objects", VMV 2003, made odd) and Murmur3's 32-bit finaliser.
+# for Collision Detection of Deformable Objects", VMV 2003) and Murmur3's 32-bit finaliser.
 _SPREAD = np.array([73856093, 19349663, 83492791], dtype=np.uint32)
 _MIX = (np.uint32(0x85EBCA6B), np.uint32(0xC2B2AE35))
 
@@ -35,7 +35,9 @@ def value_noise(points: np.ndarray, seed: int) -> np.ndarray:
 
 def fractal_noise(points: np.ndarray, seed: int, octaves: int) -> np.ndarray:
     """Return the sum of octaves of `value_noise`, each half as wide and half as strong; in [0, 1], (...) float32."""
-    total = sum(value_noise(points * 2.0**k, seed + k) * np.float32(0.5**k) for k in range(octaves))
+    total = value_noise(points, seed)
+    for k in range(1, octaves):
+        total += value_noise(points * 2.0**k, seed + k) * np.float32(0.5**k)
     return total / np.float32(2.0 - 0.5 ** (octaves - 1))
 
 

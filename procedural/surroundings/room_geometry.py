@@ -135,4 +135,4 @@ def _least(values: np.ndarray) -> np.ndarray:
 def _inverse(directions: np.ndarray) -> np.ndarray:
     # A direction square to an axis gets a huge, finite inverse instead of a division by 0.
     tiny = np.float32(1e-12)
-    return 1.0 / np.where(np.abs(directions) < tiny, tiny, directions)
+    return 1.0 / np.where(np.abs(directions) < tiny, np.where(directions > 0.0, tiny, -tiny), directions)

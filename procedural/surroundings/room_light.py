@@ -90,7 +90,9 @@ def solve(room: RoomEnvironment, boxes: Boxes) -> np.ndarray:
         By face, then along its first and second own coordinate.
     """
     faces, points, normals = _grid_points(boxes)
-    direct = sum(_direct(window, room.seed, boxes, points, normals) for window in room.windows)
+    direct = np.zeros((len(points), 3), dtype=np.float32)
+    for window in room.windows:
+        direct += _direct(window, room.seed, boxes, points, normals)
     source = _form_factors(boxes, points, normals, np.random.Generator(np.random.PCG64(room.seed)))
     shining = _shining_share(room, boxes, points, faces)
     reflectance = boxes.reflectance[faces] * (1.0 - shining)[:, None]
@@ -189,9 +191,9 @@ def _smoothed(values: np.ndarray) -> np.ndarray:
 
 def _on_bar(distance: np.ndarray, size: np.ndarray, bars: int) -> np.ndarray:
     """Return whether points lie on the frame or on one of the mullions."""
-    on = (np.minimum(distance, size - distance) < _BAR_WIDTH).any(axis=1)
+    on = np.minimum(distance, size - distance).min(axis=1) < _BAR_WIDTH
     for bar in range(1, bars + 1):
-        on |= (np.abs(distance - size * bar / (bars + 1)) < 0.5 * _BAR_WIDTH).any(axis=1)
+        on = on | (np.abs(distance - size * bar / (bars + 1)).min(axis=1) < 0.5 * _BAR_WIDTH)
     return on
 
 

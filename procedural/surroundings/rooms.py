@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import Reflectance, Rgb
+from ..model import Reflectance
 from .colour import black_body
 from .description import Block, Panel, RoomEnvironment, Wall, Window
 from .noise import fractal_noise, lattice
@@ -23,7 +23,7 @@ TABLE_HEIGHT = 0.74
 _SUPERSAMPLING = 2
 # Rows of the map that are cast at once: keeps memory under 100 MB.
 _STRIP = 32
-_SIDES: tuple[Wall, ...] = ("+x", "-x", "+y", "-y")
+_SIDES: tuple[Wall, Wall, Wall, Wall] = ("+x", "-x", "+y", "-y")
 
 
 def draw_room(rng: np.random.Generator) -> RoomEnvironment:
@@ -144,7 +144,7 @@ def _draw_windows(rng: np.random.Generator, size: tuple[float, float, float]) ->
     sky = black_body(rng.uniform(5500.0, 8000.0)) * rng.uniform(2.5, 8.0)
     windows = [item for wall in walls for item in _wall_windows(rng, size, _SIDES[wall], sky)]
     if rng.uniform() < 0.3:
-        free = [side for number, side in enumerate(_SIDES) if number not in walls]
+        free: list[Wall] = [side for number, side in enumerate(_SIDES) if number not in walls]
         windows.append(_soft_box(rng, size, free[int(rng.integers(len(free)))]))
     return tuple(windows + lamps)
 
@@ -162,7 +162,7 @@ def _wall_windows(
     bars = int(rng.integers(0, 4))
     return [
         Window(
-            wall=wall, centre=(pitch * (k + 0.5), sill + high / 2), size=(width, high), radiance=_rgb(sky), bars=bars
+            wall=wall, centre=(pitch * (k + 0.5), sill + high / 2), size=(width, high), radiance=_triple(sky), bars=bars
         )
         for k in range(count)
     ]
@@ -172,7 +172,7 @@ def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -
     """Draw a regular field of equal ceiling panels."""
     side = ((0.6, 0.6), (1.2, 0.3), (0.3, 1.2), (1.2, 0.6))[int(rng.integers(4))]
     counts = [max(1, int(size[axis] / rng.uniform(1.8, 3.0))) for axis in (0, 1)]
-    radiance = _rgb(black_body(rng.uniform(3300.0, 5500.0)) * rng.uniform(2.0, 6.0))
+    radiance = _triple(black_body(rng.uniform(3300.0, 5500.0)) * rng.uniform(2.0, 6.0))
     return [
         Window(
             kind="lamp",
@@ -189,7 +189,7 @@ def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -
 def _soft_box(rng: np.random.Generator, size: tuple[float, float, float], wall: Wall) -> Window:
     width, high = rng.uniform(0.5, 1.2), rng.uniform(0.5, 1.2)
     centre = (_length(size, wall) * rng.uniform(0.25, 0.75), rng.uniform(1.2, size[2] - 0.7))
-    radiance = _rgb(black_body(rng.uniform(4000.0, 6500.0)) * rng.uniform(4.0, 12.0))
+    radiance = _triple(black_body(rng.uniform(4000.0, 6500.0)) * rng.uniform(4.0, 12.0))
     return Window(kind="lamp", wall=wall, centre=centre, size=(width, high), radiance=radiance)
 
 
@@ -199,7 +199,9 @@ def _draw_panels(
     """Draw a door and pictures on the walls that have no window."""
     taken = {window.wall for window in windows}
     panels: list[Panel] = []
-    for wall in (side for side in _SIDES if side not in taken):
+    for wall in _SIDES:
+        if wall in taken:
+            continue
         length, x = _length(size, wall), rng.uniform(0.2, 0.6)
         while x < length - 0.6:
             if rng.uniform() < 0.25:
@@ -232,7 +234,7 @@ def _draw_blocks(
         lower[axis], upper[axis] = (size[axis] - depth, size[axis]) if far else (0.0, depth)
         lower[1 - axis], upper[1 - axis] = start, start + width
         colour = _wood(rng) if rng.uniform() < 0.5 else _paint(rng, (0.1, 0.7), 0.2)
-        blocks.append(Block(lower=tuple(map(float, lower)), upper=tuple(map(float, upper)), colour=colour))
+        blocks.append(Block(lower=_triple(lower), upper=_triple(upper), colour=colour))
     return tuple(blocks)
 
 
@@ -240,6 +242,6 @@ def _length(size: tuple[float, float, float], wall: Wall) -> float:
     return size[1] if wall in ("+x", "-x") else size[0]
 
 
-def _rgb(values: np.ndarray) -> Rgb:
-    red, green, blue = map(float, values)
-    return red, green, blue
+def _triple(values: np.ndarray | list[float]) -> tuple[float, float, float]:
+    first, second, third = map(float, values)
+    return first, second, third

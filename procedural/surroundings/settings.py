@@ -17,10 +17,15 @@ def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     return value
 
 
-#: Smallest and largest value of a uniform draw.
-Range = Annotated[tuple[float, float], AfterValidator(_ordered)]
-Positive = Annotated[float, Field(gt=0.0)]
-PositiveRange = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]
+# Smallest and largest value of a uniform draw, with the limits of both.
+_Positive = Annotated[float, Field(gt=0.0)]
+_Kelvin = Annotated[float, Field(ge=2000.0, le=20000.0)]
+_Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
+_Factor = Annotated[float, Field(ge=1.0)]
+PositiveRange = Annotated[tuple[_Positive, _Positive], AfterValidator(_ordered)]
+KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], AfterValidator(_ordered)]
+ElevationRange = Annotated[tuple[_Elevation, _Elevation], AfterValidator(_ordered)]
+FactorRange = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered)]
 
 
 class EnvironmentSettings(Model):
@@ -36,12 +41,10 @@ class LightSettings(Model):
 
     max_count: int = Field(default=3, ge=0, le=16, description="Most lights in a scene; 0 to this many are drawn")
     size: PositiveRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], > 0")
-    temperature: tuple[
-        Annotated[float, Field(ge=2000.0, le=20000.0)], Annotated[float, Field(ge=2000.0, le=20000.0)]
-    ] = Field(default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000")
-    elevation: tuple[
-        Annotated[float, Field(ge=0.1, le=math.pi / 2)], Annotated[float, Field(ge=0.1, le=math.pi / 2)]
-    ] = Field(
+    temperature: KelvinRange = Field(
+        default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000"
+    )
+    elevation: ElevationRange = Field(
         default=(math.radians(25.0), math.radians(80.0)),
         description="Range of the elevation seen from the table's centre [rad], 0.1 to pi/2",
     )
@@ -68,7 +71,7 @@ class CameraSettings(Model):
     baseline: float = Field(
         default=0.06499999761581421, gt=0.0, le=1.0, description="Left to right camera [m], 0 to 1 (Syn-TODD)"
     )
-    slack: tuple[Annotated[float, Field(ge=1.0)], Annotated[float, Field(ge=1.0)]] = Field(
+    slack: FactorRange = Field(
         default=(1.05, 1.6), description="Range of the distance over the shortest that shows all objects, >= 1"
     )
     min_distance: float = Field(default=0.3, gt=0.0, description="Shortest distance to the point looked at [m], > 0")

@@ -18,15 +18,15 @@ _SUN_CORE = 0.5
 _CLOUD_HEIGHT = 1.4
 # Highest trees round the place [rad], and what leaves reflect (green vegetation: 0.03 to 0.1 in the visible).
 _TREES, _LEAVES = 0.45, np.array([0.055, 0.075, 0.03])
-# Correlated colour temperature of the sun high and at the horizon [K] (Preetham et al., figure 4, read off roughly).
-_SUN_HIGH, _SUN_LOW = 5600.0, 2600.0
+# Correlated colour temperature of the sun high and at the horizon [K] (photographers' rule: noon 5500, sunset 2500).
+_SUN_HIGH, _SUN_LOW = 5500.0, 2500.0
 
 
 def draw_sky(rng: np.random.Generator) -> SkyEnvironment:
     """Draw a sky: sun 8 to 65 degrees high, clear to hazy, cloudless to broken.
 
     The sun is softer than the real one, as behind thin cloud: its illuminance on a plane that faces it is 1 to 5
-    times pi times the zenith's luminance (a clear day has about 10). A path tracer finds it easily, and glass still
+    times pi times the zenith's luminance (on a clear day about 100 klx over pi times 4 kcd/m^2: 8). A path tracer finds it easily, and glass still
     throws caustics.
     """
     radius = math.radians(rng.uniform(2.0, 5.0))

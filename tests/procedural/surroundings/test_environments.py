@@ -1,0 +1,63 @@
+"""Which surroundings a scene gets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+
+from glassware.procedural.errors import InputError
+from glassware.procedural.surroundings.environments import bake_environment, draw_environment
+from glassware.procedural.surroundings.rooms import bake_room
+from glassware.procedural.surroundings.settings import EnvironmentSettings
+
+
+def drawn(seed: int, **settings):
+    return draw_environment(np.random.default_rng(seed), EnvironmentSettings(**settings))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for k in range(3):
+        channels = {name: np.full((4, 8), k + 1.0, np.float32) for name in "RGB"}
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        with OpenEXR.File(header, channels) as file:
+            file.write(str(tmp_path / f"{k}.exr"))
+    return tmp_path
+
+
+def test_rooms_and_skies_come_in_their_shares():
+    kinds = [drawn(seed).kind for seed in range(200)]
+    # 0.7 of 200, four standard deviations of 6.5.
+    assert abs(kinds.count("room") - 140) <= 26
+    assert set(kinds) == {"room", "sky"}
+    assert {drawn(seed, room_share=1.0).kind for seed in range(20)} == {"room"}
+
+
+def test_a_folder_gives_its_files(folder):
+    chosen = {drawn(seed, hdri_dir=folder).asset.source for seed in range(40)}
+    assert chosen == {"0.exr", "1.exr", "2.exr"}
+    mixed = {drawn(seed, hdri_dir=folder, hdri_share=0.5).kind for seed in range(40)}
+    assert mixed == {"picture", "room", "sky"}
+
+
+def test_a_file_is_baked_as_it_is(folder):
+    environment = drawn(0, hdri_dir=folder)
+    level = float(environment.asset.source[0]) + 1.0
+    np.testing.assert_array_equal(bake_environment(environment), np.full((4, 8, 3), level))
+
+
+def test_a_missing_folder_is_refused(tmp_path):
+    with pytest.raises(InputError, match="a folder of environment maps"):
+        drawn(0, hdri_dir=tmp_path / "none")
+
+
+def test_rotation_and_strength_are_left_to_the_renderer():
+    environment = drawn(0, room_share=1.0)
+    changed = environment.model_copy(update={"rotation": 1.0, "strength": 3.0})
+    baked = bake_environment(changed, 16)
+    np.testing.assert_array_equal(baked, bake_room(environment, 16))
+    with pytest.raises(ValueError, match="read-only"):
+        baked[0] = 0.0
