@@ -24,8 +24,8 @@ MAX_WIDTH = 16384
 # First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
 _EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
 # Sharpening filters (Lanczos) and lossy compression (DWA, B44) leave dips below zero beside bright lamps. The
-# first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are taken for such up to
-# this share of the brightest value within this many pixels; the deepest of twelve Poly Haven maps is 0.2.
+# first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are taken for
+# such up to this share of the brightest value within so many pixels; the deepest of twelve Poly Haven maps is 0.2.
 _DIP, _DIP_RANGE = 0.25, 8
 
 

@@ -25,9 +25,9 @@ _SUN_HIGH, _SUN_LOW = 5500.0, 2500.0
 def draw_sky(rng: np.random.Generator) -> SkyEnvironment:
     """Draw a sky: sun 8 to 65 degrees high, clear to hazy, cloudless to broken.
 
-    The sun is softer than the real one, as behind thin cloud: its illuminance on a plane that faces it is 1 to 5
-    times pi times the zenith's luminance (on a clear day about 100 klx over pi times 4 kcd/m^2: 8). A path tracer finds it easily, and glass still
-    throws caustics.
+    The sun is softer than the real one, as behind thin cloud: its illuminance on a plane that faces it is 1 to 5 times
+    pi times the zenith's luminance (on a clear day about 8: 100 klx over pi times 4 kcd/m^2). A path tracer finds it
+    easily, and glass still throws caustics.
     """
     radius = math.radians(rng.uniform(2.0, 5.0))
     facing = math.exp(rng.uniform(math.log(1.0), math.log(5.0)))

@@ -96,7 +96,7 @@ def test_a_small_far_rectangle_follows_the_inverse_square():
 
 
 def test_a_parallel_rectangle_over_its_corner_follows_the_closed_form():
-    # Patch to parallel rectangle a x b at distance c, patch under a corner (Howell's catalogue of configuration factors).
+    # Patch to parallel rectangle a x b at distance c, under its corner (Howell, catalogue of configuration factors).
     a, b, c = 0.7, 0.4, 0.9
     x, y = a / c, b / c
     corner = (
