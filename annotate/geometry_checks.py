@@ -61,7 +61,7 @@ def check_background(geometry: Geometry) -> list[Violation]:
     first, behind = geometry.Z, geometry.background_Z
     same = (geometry.id == geometry.background_id) & np.isfinite(first)
     step = np.subtract(behind, first, out=np.full(first.shape, np.inf), where=np.isfinite(first))
-    outside = ~((geometry.transmittance >= 0.0) & (geometry.transmittance <= 1.0)).all(axis=-1)
+    inside = (geometry.transmittance >= 0.0) & (geometry.transmittance <= 1.0)
     return [
         *at_pixels("background", behind < first * (1.0 - DEPTH_TOLERANCE), "Z >= that of the first surface", behind),
         *at_pixels(
@@ -70,7 +70,7 @@ def check_background(geometry: Geometry) -> list[Violation]:
             "the first surface's Z where that is opaque",
             behind,
         ),
-        *at_pixels("background", outside, "transmittance in [0, 1]", geometry.transmittance),
+        *at_pixels("background", ~np.all(inside, axis=-1), "transmittance in [0, 1]", geometry.transmittance),
     ]
 
 
@@ -79,7 +79,7 @@ def check_normals(geometry: Geometry, K: np.ndarray) -> list[Violation]:
     normal = geometry.normal.astype(np.float64)
     hit = np.isfinite(geometry.Z)
     length = np.linalg.norm(normal, axis=-1)
-    facing = (normal * pixel_rays(*hit.shape, K)).sum(axis=-1) <= UNIT_TOLERANCE
+    facing = (normal * pixel_rays(hit.shape[0], hit.shape[1], K)).sum(axis=-1) <= UNIT_TOLERANCE
     return [
         *at_pixels("normals", hit & ~(np.abs(length - 1.0) <= UNIT_TOLERANCE), "length 1", length),
         *at_pixels("normals", ~hit & (length != 0.0), "0 where there is no surface", normal),

@@ -69,7 +69,7 @@ def _candidates(item: Object, count: int) -> np.ndarray:
         return candidates
     vertices, faces = item.mesh.vertices.astype(np.float64), item.mesh.faces
     while len(candidates) < count:
-        vertices, faces = trimesh.remesh.subdivide(vertices, faces)
+        vertices, faces = trimesh.remesh.subdivide(vertices, faces)[:2]
         candidates = np.unique(vertices, axis=0)
     return candidates
 

@@ -35,7 +35,8 @@ def instance_mask(geometry: Geometry, object_id: int) -> np.ndarray:
 
 def encode_mask(mask: np.ndarray) -> str:
     """Return the ``counts`` of COCO's compressed run-length encoding of a mask, (H, W) bool, as ASCII."""
-    return coco.encode(np.asfortranarray(mask.astype(np.uint8)))["counts"].decode("ascii")
+    counts: bytes = coco.encode(np.asfortranarray(mask.astype(np.uint8)))["counts"]  # pyright: ignore[reportAssignmentType]
+    return counts.decode("ascii")
 
 
 def decode_mask(counts: str, size: tuple[int, int]) -> np.ndarray:

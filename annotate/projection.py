@@ -76,7 +76,7 @@ def unproject(Z: np.ndarray, K: np.ndarray) -> np.ndarray:
         Points in the camera frame [m]; NaN where there is nothing.
     """
     depth = np.where(np.isfinite(Z), Z, np.nan).astype(np.float64)
-    return pixel_rays(*Z.shape, K) * depth[..., None]
+    return pixel_rays(Z.shape[0], Z.shape[1], K) * depth[..., None]
 
 
 def disparity(Z: np.ndarray, focal: float, baseline: float) -> np.ndarray:

@@ -42,8 +42,9 @@ class CameraFile(Model):
 
 def camera_file(camera: Camera) -> CameraFile:
     """Return the record of a camera."""
+    cx, cy = camera.centre
     return CameraFile(
-        K=tuple(tuple(row) for row in camera.K.tolist()),
+        K=((camera.focal, 0.0, cx), (0.0, camera.focal, cy), (0.0, 0.0, 1.0)),
         width=camera.width,
         height=camera.height,
         world_T_camera=camera.world_T_camera,

@@ -184,10 +184,10 @@ def _fixed(pixel: np.ndarray | tuple[float, float], scale: float) -> tuple[int, 
 
     Pixel edges, not centres, stay in place: ``u' + 0.5 = (u + 0.5) scale``.
     """
-    x, y = ((float(value) + 0.5) * scale - 0.5 for value in pixel)
     # Far outside the picture OpenCV would overflow.
     limit = 1 << 14
-    return tuple(round(max(-limit, min(limit, value)) * (1 << _SHIFT)) for value in (x, y))
+    x, y = (max(-limit, min(limit, (float(value) + 0.5) * scale - 0.5)) for value in pixel)
+    return round(x * (1 << _SHIFT)), round(y * (1 << _SHIFT))
 
 
 def _resized(picture: np.ndarray, scale: float, smooth: bool = False) -> np.ndarray:
