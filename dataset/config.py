@@ -18,6 +18,15 @@ from ..procedural.errors import InputError
 
 T = TypeVar("T", bound=BaseModel)
 
+#: Short names on the command line.
+_SHORT = {
+    "--views": "--cameras.views",
+    "--width": "--cameras.width",
+    "--height": "--cameras.height",
+    "--spp": "--picture.spp",
+    "--hdri-dir": "--environment.hdri-dir",
+}
+
 #: Presets lie in the package as YAML files.
 _PRESETS = files("glassware.dataset").joinpath("presets")
 
@@ -66,16 +75,45 @@ def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
         raise InputError(f"{where}: {field}", _expected(first["msg"]), repr(first["input"])) from error
 
 
+def layered(model: type[T], arguments: Sequence[str]) -> T:
+    """Return the settings under the command line: the preset that it names, and on top of it the YAML file.
+
+    The model has the fields ``preset`` and ``config``, which are taken from the command line first.
+    """
+    name, path = _value(arguments, "--preset"), _value(arguments, "--config")
+    settings, where = preset(name or model.model_fields["preset"].default), "preset"
+    if path is not None:
+        settings, where = merged(settings, yaml_settings(Path(path))), path
+    return validated(model, settings, where)
+
+
+def _value(arguments: Sequence[str], option: str) -> str | None:
+    """Return the value of an option in either spelling, ``--option value`` or ``--option=value``; the last one wins."""
+    found = None
+    for position, argument in enumerate(arguments):
+        if argument == option and position + 1 < len(arguments):
+            found = arguments[position + 1]
+        elif argument.startswith(option + "="):
+            found = argument.removeprefix(option + "=")
+    return found
+
+
 def parsed(model: type[T], default: T, arguments: Sequence[str], prog: str, description: str) -> T:
     """Return `default` with the command line's overrides; InputError in one line for a wrong one."""
     told = StringIO()
+    arguments = [_full(argument) for argument in arguments]
     try:
         with redirect_stderr(told):
-            return tyro.cli(model, default=default, args=list(arguments), prog=prog, description=description)
+            return tyro.cli(model, default=default, args=arguments, prog=prog, description=description)
     except SystemExit as stop:
         if stop.code in (0, None):  # --help was asked for and printed
             raise
         raise InputError(prog, *_complaint(told.getvalue())) from stop
+
+
+def _full(argument: str) -> str:
+    name, equals, value = argument.partition("=")
+    return _SHORT.get(name, name) + equals + value
 
 
 def _complaint(box: str) -> tuple[str, str]:

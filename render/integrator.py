@@ -11,7 +11,12 @@ from ..procedural.description import Picture
 from .dielectric import scatter
 from .kernel import Kernel
 from .rays import leave
+from .sampler import Samples, four
 from .surfaces import AIR_INDEX, registry_id
+
+
+#: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
+_SHADOW_EPSILON = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +31,7 @@ class Radiance:
 
 
 @dr.syntax
-def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) -> Radiance:
+def trace(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture) -> Radiance:
     """Trace one path for every camera ray.
 
     Light is gathered by emitter sampling and BSDF sampling with the balance heuristic (Veach 1997, eq. 9.8). A segment
@@ -38,15 +43,14 @@ def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) 
         The loaded scene.
     ray : mi.Ray3f
         Camera rays, in air.
-    sampler : mi.Sampler
-        Seeded for the size of the wavefront.
+    points : Samples
+        Sample points; set 0 is the camera's, the others are used here.
     picture : Picture
         Longest path and start of Russian roulette.
     """
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
     max_depth, rr_depth = mi.UInt32(picture.max_depth), mi.UInt32(picture.rr_depth)
     dr.make_opaque(offset, max_depth, rr_depth)
-    context = mi.BSDFContext()
 
     # ---- Loop state ----
     ray = mi.Ray3f(ray)
@@ -63,10 +67,10 @@ def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) 
     violations, segments = mi.UInt32(0), mi.UInt32(0)
     active = mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene]):
+    while dr.hint(active, exclude=[table, scene, points]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
         row = registry_id(si.shape)
-        hit = si.is_valid()
+        hit = active & si.is_valid()
         from_front = dr.dot(si.n, ray.d) < 0.0
         opaque = dr.gather(mi.Bool, table.opaque, row, hit)
         front, back = dr.gather(mi.UInt32, table.front, row, hit), dr.gather(mi.UInt32, table.back, row, hit)
@@ -77,10 +81,10 @@ def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) 
 
         # ---- Absorption along the segment ----
         sigma_a = dr.gather(mi.Color3f, table.sigma_a, facing, active)
-        beta *= dr.select(hit, dr.exp(-sigma_a * dr.select(hit, si.t, 0.0)), 1.0)
+        beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
 
         # ---- Light that the path ran into ----
-        emitter = si.emitter(scene)
+        emitter = si.emitter(scene, active)
         ds = mi.DirectionSample3f(scene, si, previous)
         emitter_pdf = scene.pdf_emitter_direction(previous, ds, ~delta & active)
         share = dr.select(delta, 1.0, pdf / (pdf + emitter_pdf))
@@ -91,49 +95,37 @@ def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) 
         albedo = dr.select(sky, dr.minimum(emitted, 1.0), albedo)
         guided |= sky
 
-        active &= hit
-        glass = active & ~opaque
+        active = mi.Bool(hit)
         solid = active & opaque
+        glass = active & ~opaque
+        facing_normal = dr.select(from_front, si.sh_frame.n, -si.sh_frame.n)
+        light_u, light_v, lobe_u, lobe_v = four(points, 1 + 2 * depth)
+        coin, gamble, *_ = four(points, 2 + 2 * depth)
 
         # ---- Opaque surface: emitter sampling, then its BSDF ----
-        bsdf = si.bsdf(ray)
-        u1, u2, u3, u4 = (
-            sampler.next_1d(active),
-            sampler.next_2d(active),
-            sampler.next_2d(active),
-            sampler.next_1d(active),
-        )
-        ds, arriving = scene.sample_emitter_direction(si, u2, False, solid)
-        wo = si.to_local(ds.d)
-        value, bsdf_pdf, sampled, sampled_value = bsdf.eval_pdf_sample(context, si, wo, u1, u3, solid)
-        lit = solid & (ds.pdf > 0.0) & dr.any(value > 0.0)
-        shadow = leave(si, ds.d, offset)
-        shadow.maxt = dr.select(dr.isfinite(ds.dist), ds.dist * (1.0 - 1e-4), dr.largest(mi.Float))
-        lit &= ~scene.ray_test(shadow, False, lit)
-        share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + bsdf_pdf))
-        L += dr.select(lit, share * beta * value * arriving, 0.0)
-
-        rough_normal = dr.select(from_front, si.sh_frame.n, -si.sh_frame.n)
-        reflectance = bsdf.eval_diffuse_reflectance(si, solid)
-        guide_here = solid & ~guided
-        albedo = dr.select(guide_here, beta * reflectance, albedo)
-        normal = dr.select(guide_here, rough_normal, normal)
-        guided |= guide_here
+        direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
+        if dr.hint(solid, exclude=[table, scene, points]):
+            light, bounce = _opaque(scene, si, ray, offset, mi.Point2f(light_u, light_v), coin, mi.Point2f(lobe_u, lobe_v))
+            L += beta * light
+            direction, weight, pdf, delta = bounce
+            if dr.hint(~guided, exclude=[table, scene, points]):
+                albedo = beta * si.bsdf().eval_diffuse_reflectance(si)
+                normal = mi.Normal3f(facing_normal)
+                guided = mi.Bool(True)
 
         # ---- Interface: Fresnel's coin ----
-        eta_facing = dr.gather(mi.Float, table.eta, facing, glass)
-        eta_beyond = dr.gather(mi.Float, table.eta, beyond, glass)
-        alpha = dr.gather(mi.Float, table.alpha, row, glass)
-        n = dr.select(from_front, si.n, -si.n)
-        event = scatter(-ray.d, n, rough_normal, eta_beyond / eta_facing, alpha, u1, u3)
+        if dr.hint(glass, exclude=[table, scene, points]):
+            eta = dr.gather(mi.Float, table.eta, beyond) / dr.gather(mi.Float, table.eta, facing)
+            alpha = dr.gather(mi.Float, table.alpha, row)
+            n = dr.select(from_front, si.n, -si.n)
+            event = scatter(-ray.d, n, facing_normal, eta, alpha, coin, mi.Point2f(lobe_u, lobe_v))
+            direction, weight = event.direction, mi.Color3f(event.weight)
+            eta_scale *= event.eta_squared
+            facing = dr.select(event.transmitted, beyond, facing)
 
         # ---- On to the next segment ----
-        beta *= dr.select(glass, mi.Color3f(event.weight), sampled_value)
-        direction = dr.select(glass, event.direction, si.to_world(sampled.wo))
-        eta_scale *= dr.select(glass, event.eta_squared, 1.0)
-        medium = dr.select(glass & event.transmitted, beyond, facing)
-        pdf = dr.select(glass, 1.0, sampled.pdf)
-        delta = dr.select(glass, True, mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta))
+        beta *= weight
+        medium = mi.UInt32(facing)
         previous = mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
@@ -141,8 +133,31 @@ def trace(kernel: Kernel, ray: mi.Ray3f, sampler: mi.Sampler, picture: Picture) 
 
         # ---- Russian roulette ----
         survive = dr.minimum(dr.max(beta) * eta_scale, 0.95)
-        gamble = depth >= rr_depth
-        beta = dr.select(gamble, beta / survive, beta)
-        active &= ~gamble | (u4 < survive)
+        gambling = depth >= rr_depth
+        beta = dr.select(gambling, beta / survive, beta)
+        active &= ~gambling | (gamble < survive)
 
     return Radiance(L, albedo, normal, violations, segments)
+
+
+def _opaque(
+    scene: mi.Scene,
+    si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
+    offset: mi.Float,
+    light: mi.Point2f,
+    lobe: mi.Float,
+    bounce: mi.Point2f,
+) -> tuple[mi.Color3f, tuple[mi.Vector3f, mi.Color3f, mi.Float, mi.Bool]]:
+    """Return the light by emitter sampling, and direction, weight, density and deltaness of the next bounce."""
+    bsdf = si.bsdf(ray)
+    ds, arriving = scene.sample_emitter_direction(si, light, False)
+    value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
+    lit = (ds.pdf > 0.0) & dr.any(value > 0.0)
+    shadow = leave(si, ds.d, offset)
+    shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
+    lit &= ~scene.ray_test(shadow, False, lit)
+    share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
+    seen = dr.select(lit, share * value * arriving, 0.0)
+    return seen, (si.to_world(sampled.wo), weight, sampled.pdf, delta)

@@ -6,7 +6,7 @@ import mitsuba as mi
 import numpy as np
 
 from ..procedural.surroundings.description import AreaLight, Environment
-from ..procedural.surroundings.hdri import bake_environment
+from ..procedural.surroundings.environments import bake_environment
 
 #: Our equirectangular axes (z up, azimuth from +x towards +y) seen from Mitsuba's (y up), whose azimuth runs the other
 #: way: used with the picture's columns reversed.

@@ -12,6 +12,7 @@ from ..procedural.surroundings.description import Camera
 from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
+from .sampler import four, samples
 
 #: Paths traced at a time. Each holds about 60 bytes of results, so a pass stays under 300 MB.
 PATHS_PER_PASS = 1 << 22
@@ -57,25 +58,27 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
     view, pixels = pinhole(camera, eye), camera.width * camera.height
     share = max(1, min(spp, PATHS_PER_PASS // pixels))
     sums, counts, done = np.zeros((9, pixels)), np.zeros(2), 0
-    for number in range(-(-spp // share)):
-        samples = min(share, spp - done)
-        result = _one_pass(kernel, view, pixels, samples, _pass_seed(seed, number))
-        sums += _pixel_means(result, samples) * samples
+    while done < spp:
+        count = min(share, spp - done)
+        result = _one_pass(kernel, view, pixels, done, count, seed)
+        sums += _pixel_means(result, count) * count
         counts += [np.array(result.violations).sum(dtype=np.int64), np.array(result.segments).sum(dtype=np.int64)]
-        done += samples
+        done += count
     _check_media(counts, eye)
     means = (sums / spp).astype(np.float32).reshape(3, 3, camera.height, camera.width)
     radiance, albedo, normal = np.ascontiguousarray(means.transpose(0, 2, 3, 1))
     return Noisy(radiance, albedo, normal, float(counts[0] / counts[1]))
 
 
-def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, samples: int, seed: int) -> Radiance:
-    sampler = mi.load_dict({"type": "independent", "sample_count": samples})
-    sampler.seed(seed, pixels * samples)
+def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int, seed: int) -> Radiance:
+    picture = kernel.description.picture
     # Samples of a pixel lie side by side: block_sum then adds them in a fixed order, whatever the threads do.
-    pixel = dr.arange(mi.UInt32, pixels * samples) // dr.opaque(mi.UInt32, samples)
-    ray, _ = pixel_rays(view, pixel, sampler.next_2d() - 0.5)
-    result = trace(kernel, ray, sampler, kernel.description.picture)
+    lane = dr.arange(mi.UInt32, pixels * count)
+    pixel = lane // dr.opaque(mi.UInt32, count)
+    points = samples(pixel, lane - pixel * count + dr.opaque(mi.UInt32, done), picture.spp, seed)
+    u, v, *_ = four(points, mi.UInt32(0))
+    ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
+    result = trace(kernel, ray, points, picture)
     dr.eval(result)  # once for all of it, not once a channel
     return result
 
@@ -83,10 +86,6 @@ def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, samples: int, seed: in
 def _pixel_means(result: Radiance, samples: int) -> np.ndarray:
     channels = [*result.radiance, *result.albedo, *result.normal]
     return np.stack([np.array(dr.block_sum(channel, samples), np.float64) for channel in channels]) / samples
-
-
-def _pass_seed(seed: int, number: int) -> int:
-    return int(np.random.SeedSequence(seed, spawn_key=(number,)).generate_state(1, np.uint32)[0])
 
 
 def _check_media(counts: np.ndarray, eye: str) -> None:

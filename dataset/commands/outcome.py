@@ -1,0 +1,26 @@
+"""How every command ends: 0 done, 1 the work failed, 2 the request was wrong; 130 stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rich.console import Console
+
+from ...procedural.errors import InputError
+
+#: What a shell reports for a program that SIGINT (signal 2) ended: 128 + 2.
+_INTERRUPTED = 130
+
+
+def outcome(command: Callable[[], None]) -> int:
+    """Run a command and return its exit code; a wrong request is told in one line, a fault of ours as a traceback."""
+    console = Console(stderr=True)
+    try:
+        command()
+    except InputError as error:
+        console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
+        return 2
+    except KeyboardInterrupt:
+        console.print("stopped; nothing half-written is left", markup=False, highlight=False)
+        return _INTERRUPTED
+    return 0

@@ -1,0 +1,68 @@
+"""Where the time goes: a bar while views are rendered, a table at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from time import perf_counter
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+
+class Stages:
+    """Seconds by stage, and the progress of the views. On a terminal a bar with an ETA, elsewhere a line a view."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._seconds: dict[str, float] = {}
+        self._start = perf_counter()
+        self._bar: Progress | None = None
+        self._done, self._total = 0, 0
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Count what happens inside towards a stage."""
+        start = perf_counter()
+        yield
+        self.add({stage: perf_counter() - start})
+
+    def add(self, seconds: Mapping[str, float]) -> None:
+        """Add seconds to stages."""
+        for stage, value in seconds.items():
+            self._seconds[stage] = self._seconds.get(stage, 0.0) + value
+
+    @contextmanager
+    def progress(self, total: int) -> Iterator[None]:
+        """Show the progress of `total` views inside."""
+        self._done, self._total = 0, total
+        if not self._console.is_terminal:
+            yield
+            return
+        columns = (TextColumn("views"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        with Progress(*columns, console=self._console, transient=True) as bar:
+            self._bar = bar
+            bar.add_task("views", total=total)
+            yield
+        self._bar = None
+
+    def advance(self) -> None:
+        """Count one view as done."""
+        self._done += 1
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], completed=self._done)
+        else:
+            seconds = perf_counter() - self._start
+            self._console.print(f"view {self._done}/{self._total} after {seconds:.1f} s", highlight=False)
+
+    def report(self, title: str, views: int) -> None:
+        """Print the seconds of each stage, in all and a view."""
+        total = perf_counter() - self._start
+        table = Table(title=title)
+        for column in ("stage", "seconds", "a view", "share"):
+            table.add_column(column, justify="left" if column == "stage" else "right")
+        known = sum(self._seconds.values())
+        for stage, seconds in (*self._seconds.items(), ("other", total - known), ("all", total)):
+            table.add_row(stage, f"{seconds:.2f}", f"{seconds / views:.3f}", f"{seconds / total:.1%}")
+        self._console.print(table)

@@ -1,0 +1,116 @@
+"""``render-scene``: one labelled scene from a seed, with its preview."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from pydantic import Field
+from rich.console import Console
+
+from ...annotate.keypoints import SceneKeypoints, scene_keypoints
+from ...annotate.labels import annotate
+from ...procedural.description import Scene
+from ...procedural.draw import draw_scene
+from ...procedural.settings import SceneSettings
+from ...render.backend import activate
+from .. import layout
+from ..config import layered, parsed
+from ..dataset_file import DatasetFile, installed_versions
+from ..pictures import srgb8, write_png
+from ..preview import PreviewRow, chosen_views, contact_sheet
+from ..writer import View, finish_dataset, start_dataset, write_scene
+from .outcome import outcome
+from .progress import Stages
+
+_DESCRIPTION = """Render one labelled scene of glass on a table.
+
+Every setting has a dotted name; --views, --spp, --width, --height and --hdri-dir are short for the ones they stand for.
+A preset (fast, standard, syn-todd) is taken first, then a YAML file, then the command line."""
+
+
+class RenderScene(SceneSettings):
+    """The request: what to draw, from which seed, and where to put it."""
+
+    seed: int = Field(default=0, ge=0, description="Seed of the data set, >= 0")
+    scene: int = Field(default=0, ge=0, le=999_999, description="Number of the scene in the data set, 0 to 999999")
+    out: Path = Field(default=Path("out"), description="Folder of the data set: absent, empty, or one made before")
+    name: str = Field(default="glassware", description="Name of the data set")
+    preset: str = Field(default="fast", description="Settings to start from: fast, standard or syn-todd")
+    config: Path | None = Field(default=None, description="YAML file of settings on top of the preset")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code says how it went."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return outcome(lambda: _render_scene(given))
+
+
+def _render_scene(arguments: Sequence[str]) -> None:
+    request = parsed(RenderScene, layered(RenderScene, arguments), arguments, "render-scene", _DESCRIPTION)
+    settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
+    stages = Stages(Console())
+    with stages.timed("backend"):
+        backend = activate()
+    head = DatasetFile(
+        name=request.name,
+        seed=request.seed,
+        config=settings.model_dump(mode="json"),
+        versions=installed_versions(),
+        backend=backend,
+    )
+    with stages.timed("description"):
+        scene = draw_scene(settings, request.seed, request.scene)
+    start_dataset(request.out, head, [request.scene])
+    previews = _written(request.out, scene, stages)
+    with stages.timed("preview"):
+        finish_dataset(request.out)
+        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", previews)
+        write_png(request.out / layout.PREVIEW, sheet)
+    stages.report(f"{request.out}: scene {request.scene} of seed {request.seed}", len(scene.cameras))
+
+
+def _written(out: Path, scene: Scene, stages: Stages) -> list[PreviewRow]:
+    """Render, label and write the scene view by view; return the views of the preview."""
+    points = scene_keypoints(scene)
+    shown, rows = set(chosen_views(len(scene.cameras))), []
+
+    def views() -> Iterator[View]:
+        for view in _views(scene, points, stages):
+            if view.number in shown:
+                rows.append(_preview_row(scene, view))
+            with stages.timed("writing"):
+                yield view
+
+    with stages.progress(len(scene.cameras)):
+        write_scene(out, scene, points, views())
+    return rows
+
+
+def _preview_row(scene: Scene, view: View) -> PreviewRow:
+    camera = scene.cameras[view.number]
+    picture = srgb8(view.frame.left, camera.exposure)
+    return PreviewRow(layout.view_name(view.number), picture, camera, view.frame.geometry, view.labels)
+
+
+def _views(scene: Scene, points: SceneKeypoints, stages: Stages) -> Iterator[View]:
+    # Only here: these bring Mitsuba, whose variant must be set first.
+    from ...render.kernel import load
+    from ...render.sight import line_of_sight
+    from ...render.view import render_view
+
+    with stages.timed("loading"):
+        kernel = load(scene)
+    for number, camera in enumerate(scene.cameras):
+        frame = render_view(kernel, number)
+        stages.add(frame.seconds)
+        with stages.timed("labels"):
+            sight = line_of_sight(kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
+            labels = annotate(scene, camera, frame.geometry, points, sight)
+        stages.advance()
+        yield View(number, frame, labels)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

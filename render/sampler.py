@@ -1,0 +1,113 @@
+"""Sample points: Owen-scrambled Sobol' sets of four dimensions, padded, one scramble a pixel.
+
+Burley 2020, "Practical Hash-based Owen Scrambling" (JCGT 9(4)): the set is scrambled by a hash, and its order is
+shuffled by another, so that sets drawn for different purposes are well spread each and independent of each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+#: Degree, coefficients and first direction numbers of the primitive polynomials for dimensions 2 to 4
+#: (Joe and Kuo 2008, "Constructing Sobol Sequences with Better Two-Dimensional Projections", table new-joe-kuo-6).
+_POLYNOMIALS = ((1, 0, (1,)), (2, 1, (1, 3)), (3, 1, (1, 3, 1)))
+_DIMENSIONS, _BITS = 4, 32
+#: Points in the table; longer sequences go on with fresh scrambles.
+_POINTS = 1 << 14
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The sample points of a wavefront: one path is sample `index` of pixel `pixel`."""
+
+    pixel: mi.UInt32
+    index: mi.UInt32
+    seed: mi.UInt32
+    mask: mi.UInt32  #: number of points in use less one, a power of two less one
+    table: mi.UInt32
+
+
+def samples(pixel: mi.UInt32, index: mi.UInt32, count: int, seed: int) -> Samples:
+    """Return sample points for paths.
+
+    Parameters
+    ----------
+    pixel, index : mi.UInt32
+        Which pixel, and which of its samples, each path is.
+    count : int
+        Samples of each pixel in all passes. Powers of two are spread best.
+    seed : int
+        32-bit seed of the picture.
+    """
+    points = min(_POINTS, 1 << max(0, count - 1).bit_length())
+    scalars = [dr.opaque(mi.UInt32, value) for value in (seed, points - 1)]
+    return Samples(pixel, index, *scalars, _table())
+
+
+def four(points: Samples, number: mi.UInt32) -> tuple[mi.Float, mi.Float, mi.Float, mi.Float]:
+    """Return the four coordinates of set `number`, each in [0, 1)."""
+    index, scramble = _shuffled(points, number)
+    return tuple(_coordinate(points, index, scramble, mi.UInt32(axis)) for axis in range(_DIMENSIONS))
+
+
+def one(points: Samples, number: mi.UInt32, axis: mi.UInt32) -> mi.Float:
+    """Return one coordinate of set `number`; `axis` may differ by lane."""
+    index, scramble = _shuffled(points, number)
+    return _coordinate(points, index, scramble, axis)
+
+
+def _shuffled(points: Samples, number: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]:
+    # Which stretch of the sequence this is joins the hash, so that what follows the table is scrambled anew.
+    lap = points.index & ~points.mask
+    order, scramble = mi.sample_tea_32(points.pixel ^ (lap * 0x9E3779B9), points.seed + number * 0x85EBCA6B, 4)
+    return _scrambled(points.index, order) & points.mask, scramble
+
+
+def _coordinate(points: Samples, index: mi.UInt32, scramble: mi.UInt32, axis: mi.UInt32) -> mi.Float:
+    raw = dr.gather(mi.UInt32, points.table, index * _DIMENSIONS + axis)
+    bits = _scrambled(raw, scramble ^ (axis * 0x9E3779B9 + 0x7F4A7C15))
+    return mi.Float(bits >> 8) * 2.0**-24
+
+
+def _scrambled(x: mi.UInt32, seed: mi.UInt32) -> mi.UInt32:
+    """Flip each bit by a hash of the bits above it (Laine and Karras 2011; constants of Burley 2020, listing 3)."""
+    x = dr.brev(x) + seed
+    for factor in (0x6C50B47C, 0xB82F1E52, 0xC7AFE638, 0x8D22F6E6):
+        x ^= x * factor
+    return dr.brev(x)
+
+
+@cache
+def _directions() -> np.ndarray:
+    """Direction numbers of the four dimensions, (4, 32) uint64 (Joe and Kuo 2008, eq. 2 and 3)."""
+    columns = [[1 << (_BITS - 1 - k) for k in range(_BITS)]]
+    for degree, coefficients, first in _POLYNOMIALS:
+        m = list(first)
+        for k in range(degree, _BITS):
+            value = m[k - degree] ^ (m[k - degree] << degree)
+            for j in range(1, degree):
+                value ^= ((coefficients >> (degree - 1 - j)) & 1) * (m[k - j] << j)
+            m.append(value)
+        columns.append([m[k] << (_BITS - 1 - k) for k in range(_BITS)])
+    return np.array(columns, np.uint64)
+
+
+def sobol(count: int) -> np.ndarray:
+    """Return the first points of the Sobol' sequence, (count, 4) uint32 as 32-bit fractions."""
+    index = np.arange(count, dtype=np.uint64)
+    points = np.zeros((count, _DIMENSIONS), np.uint64)
+    for bit in range(max(1, int(count - 1).bit_length())):
+        chosen = (index >> np.uint64(bit)) & np.uint64(1)
+        points ^= chosen[:, None] * _directions()[None, :, bit]
+    return points.astype(np.uint32)
+
+
+def _table() -> mi.UInt32:
+    table = mi.UInt32(sobol(_POINTS).ravel())
+    dr.make_opaque(table)
+    return table
