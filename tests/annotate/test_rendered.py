@@ -9,7 +9,7 @@ from glassware.annotate.checks import check_view
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
 
-#: The glass is a prism of 256 sides and the ball 5120 triangles, so a silhouette may miss a pixel centre here and there.
+#: The glass is a prism of 256 sides, the ball 5120 triangles: a silhouette may miss a pixel centre here and there.
 EDGE_PIXELS = 5
 
 
