@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
+from pathlib import Path
 from time import perf_counter
 from unittest.mock import patch
 
 import numpy as np
+from references import PASS_SPP, Reference, reference
+from scenes import digest
 
 from glassware.procedural.description import Scene
 from glassware.procedural.materials.description import OpaqueMaterial
@@ -72,6 +75,14 @@ def render(ours: Ours, spp: int, seed: int, clean: bool = True) -> Rendered:
     traced = perf_counter()
     denoised = _denoised(noisy) if clean else None
     return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)
+
+
+def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
+    """Return the converged picture of a loaded scene, from the folder as far as it is there."""
+    scene = ours.kernel.description
+    exposure = scene.cameras[0].exposure
+    path = folder / f"ours-{'plain-' if plain else ''}{digest(scene)}.npz"
+    return reference(path, spp, lambda seed: render(ours, PASS_SPP, seed, clean=False).noisy * exposure)
 
 
 def _denoised(noisy: Noisy) -> np.ndarray:

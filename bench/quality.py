@@ -17,17 +17,15 @@ from typing import Annotated
 
 import numpy as np
 import tyro
-from ours import Ours, loaded, render
-from references import Reference, reference, relmse
+from ours import Ours, Rendered, loaded, our_reference, render
+from pngs import write_exposed
+from references import Reference, relmse
 from rich.console import Console
-from scenes import NAMES, bench_scene, digest
+from scenes import NAMES, bench_scene
 from table import Row, report
 
-from glassware.dataset.pictures import srgb8, write_png
 from glassware.procedural.errors import InputError
 
-#: Samples of one pass of a reference: enough for the sample points to spread, few enough to stop and go on.
-PASS_SPP = 256
 #: A reference whose own noise is more than this share of a figure makes that figure doubtful.
 FLOOR_SHARE = 0.1
 
@@ -87,19 +85,6 @@ def _scene_rows(name: str, options: Options) -> list[Row]:
     return rows
 
 
-def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
-    """Return the converged picture of a loaded scene, from the folder where it is there."""
-    scene = ours.kernel.description
-    exposure, console = scene.cameras[0].exposure, Console(stderr=True)
-    name = f"ours-{'plain-' if plain else ''}{digest(scene)}"
-    return reference(
-        folder / f"{name}.npz",
-        max(2, -(-spp // PASS_SPP)),
-        lambda seed: render(ours, PASS_SPP, seed, clean=False).noisy * exposure,
-        lambda done, all_: console.print(f"{name}: reference pass {done} of {all_}", highlight=False),
-    )
-
-
 def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Options) -> list[Row]:
     exposure = ours.kernel.description.cameras[0].exposure
     runs = [render(ours, spp, seed=1 + repeat) for repeat in range(options.repeats)]
@@ -121,14 +106,8 @@ def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Opti
     ]
 
 
-def _times(runs: list) -> list[tuple[float, float]]:
+def _times(runs: list[Rendered]) -> list[tuple[float, float]]:
     return [(run.trace_seconds, run.denoise_seconds) for run in runs]
-
-
-def write_exposed(path: Path, exposed: np.ndarray) -> None:
-    """Write an exposed linear picture, (H, W, 3), as an 8-bit sRGB PNG."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_png(path, srgb8(exposed, 1.0))
 
 
 if __name__ == "__main__":

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 
 #: Added to the squared reference, so that black pixels do not decide: a tenth of white, squared, in exposed units.
 RELMSE_EPSILON = 0.01
+#: Samples of one pass of a reference: enough for the sample points to spread, few enough to stop and go on.
+PASS_SPP = 256
 #: First seed of the references' passes; measured pictures take small seeds, so the two never share samples.
 _REFERENCE_SEED = 1_000_000
 
@@ -42,31 +45,25 @@ def relmse(picture: np.ndarray, reference: Reference) -> float:
     return float(((picture - R) ** 2 / (R**2 + RELMSE_EPSILON)).mean())
 
 
-def reference(
-    path: Path, passes: int, one_pass: Callable[[int], np.ndarray], tell: Callable[[int, int], None] | None = None
-) -> Reference:
-    """Return the mean of at least `passes` passes, from the file as far as it goes and rendered from there on.
+def reference(path: Path, spp: int, one_pass: Callable[[int], np.ndarray]) -> Reference:
+    """Return the mean of at least `spp` samples, from the file as far as it goes and rendered from there on.
 
     Parameters
     ----------
     path : Path
         The ``.npz`` file; it is rewritten after every pass, so that nothing is lost when a run is stopped.
-    passes : int
-        Number of passes wanted, at least 2.
+    spp : int
+        Samples per pixel wanted, at least two passes of `PASS_SPP`.
     one_pass : callable
-        Renders a pass in exposed linear units, (H, W, 3), from a seed.
-    tell : callable, optional
-        Told the number of the finished passes and of all after each pass.
+        Renders `PASS_SPP` samples in exposed linear units, (H, W, 3), from a seed.
     """
-    if passes < 2:
-        raise ValueError(f"passes: expected at least 2, got {passes}")
+    passes, console = max(2, -(-spp // PASS_SPP)), Console(stderr=True)
     total, squares, done = _read(path)
     while done < passes:
         picture = np.asarray(one_pass(_REFERENCE_SEED + done), np.float64)
         total, squares, done = total + picture, squares + picture**2, done + 1
         _write(path, total, squares, done)
-        if tell is not None:
-            tell(done, passes)
+        console.print(f"reference {path.stem}: {done * PASS_SPP} of {passes * PASS_SPP} samples", highlight=False)
     mean = total / done
     spread = np.maximum(squares / done - mean**2, 0.0) * done / (done - 1)
     return Reference(mean, spread / done, done)

@@ -8,7 +8,6 @@ import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     InstanceOf,
     PlainSerializer,
@@ -20,10 +19,8 @@ from pydantic import (
 from .mesh import Mesh
 
 
-class Model(BaseModel):
+class Model(BaseModel, frozen=True, extra="forbid", arbitrary_types_allowed=True):
     """Frozen data; unknown fields are refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
 
 def _matrix4(value: object) -> np.ndarray:

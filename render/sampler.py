@@ -45,14 +45,14 @@ def samples(pixel: mi.UInt32, index: mi.UInt32, count: int, seed: int) -> Sample
         32-bit seed of the picture.
     """
     points = min(_POINTS, 1 << max(0, count - 1).bit_length())
-    scalars = [dr.opaque(mi.UInt32, value) for value in (seed, points - 1)]
-    return Samples(pixel, index, *scalars, _table())
+    return Samples(pixel, index, dr.opaque(mi.UInt32, seed), dr.opaque(mi.UInt32, points - 1), _table())
 
 
 def four(points: Samples, number: mi.UInt32) -> tuple[mi.Float, mi.Float, mi.Float, mi.Float]:
     """Return the four coordinates of set `number`, each in [0, 1)."""
     index, scramble = _shuffled(points, number)
-    return tuple(_coordinate(points, index, scramble, mi.UInt32(axis)) for axis in range(_DIMENSIONS))
+    a, b, c, d = (_coordinate(points, index, scramble, mi.UInt32(axis)) for axis in range(_DIMENSIONS))
+    return a, b, c, d
 
 
 def one(points: Samples, number: mi.UInt32, axis: mi.UInt32) -> mi.Float:

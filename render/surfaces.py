@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -50,7 +51,7 @@ def surface_table(surfaces: dict[int, Surface]) -> SurfaceTable:
     blank = Surface(0, -1, True, AIR, AIR, 0.0)
     rows = [blank if row is None else row for row in rows]
 
-    def column(kind: type, values: list) -> object:
+    def column(kind: type, values: list | np.ndarray) -> Any:
         array = kind(np.array(values))
         dr.make_opaque(array)
         return array

@@ -41,10 +41,17 @@ def render_view(kernel: Kernel, view: int) -> Frame:
     seconds["geometry"] = perf_counter() - start
 
     start = perf_counter()
-    pictures = [_clean(noisy) if scene.picture.denoise else noisy.radiance for noisy in (left, right)]
+    denoised = scene.picture.denoise
+    frame = Frame(
+        left=_clean(left) if denoised else left.radiance,
+        right=_clean(right) if denoised else right.radiance,
+        left_noisy=left.radiance if denoised else None,
+        right_noisy=right.radiance if denoised else None,
+        geometry=geometry,
+        seconds=seconds,
+    )
     seconds["denoise"] = perf_counter() - start
-    kept = (left.radiance, right.radiance) if scene.picture.denoise else (None, None)
-    return Frame(*pictures, *kept, geometry, seconds)
+    return frame
 
 
 def _clean(noisy: Noisy) -> np.ndarray:
