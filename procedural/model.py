@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import (
     BaseModel,
     BeforeValidator,
+    ConfigDict,
     Field,
     InstanceOf,
     PlainSerializer,
@@ -19,8 +20,14 @@ from pydantic import (
 from .mesh import Mesh
 
 
-class Model(BaseModel, frozen=True, extra="forbid", arbitrary_types_allowed=True):
+class Model(BaseModel):
     """Frozen data; unknown fields are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    if TYPE_CHECKING:  # pydantic makes frozen models hashable at run time; type checkers do not see it
+
+        def __hash__(self) -> int: ...
 
 
 def _matrix4(value: object) -> np.ndarray:
