@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from pydantic import (
@@ -24,10 +24,6 @@ class Model(BaseModel):
     """Frozen data; unknown fields are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-
-    if TYPE_CHECKING:  # pydantic makes frozen models hashable at run time; type checkers do not see it
-
-        def __hash__(self) -> int: ...
 
 
 def _matrix4(value: object) -> np.ndarray:

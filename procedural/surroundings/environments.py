@@ -30,7 +30,6 @@ def draw_environment(rng: np.random.Generator, settings: EnvironmentSettings) ->
     return draw_room(rng) if indoors else draw_sky(rng)
 
 
-@lru_cache(maxsize=1)
 def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
     """Return the radiance of an environment by direction, without its ``rotation`` and ``strength``.
 
@@ -50,12 +49,17 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
         Linear Rec.709, laid out as `sphere` says; read-only, because the last map is remembered (the meter and the
         renderer both ask for it).
     """
-    pixels = _baked(environment, height)
+    return _baked(environment, height)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
+
+
+@lru_cache(maxsize=1)
+def _baked(environment: Environment, height: int) -> np.ndarray:
+    pixels = _fresh(environment, height)
     pixels.setflags(write=False)
     return pixels
 
 
-def _baked(environment: Environment, height: int) -> np.ndarray:
+def _fresh(environment: Environment, height: int) -> np.ndarray:
     if isinstance(environment, PictureEnvironment):
         return read_hdri(environment.asset)
     if isinstance(environment, RoomEnvironment):
