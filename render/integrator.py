@@ -11,7 +11,7 @@ from ..procedural.description import Picture
 from .dielectric import scatter
 from .kernel import Kernel
 from .rays import leave
-from .sampler import Samples, four
+from .sampler import Samples, four, hashed
 from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
@@ -83,7 +83,7 @@ def trace(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture) -> R
         if dr.hint(active & ~opaque, exclude=[table, scene, points]):
             eta = dr.gather(mi.Float, table.eta, beyond) / dr.gather(mi.Float, table.eta, facing)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
-            event = scatter(-ray.d, n, ns, eta, alpha, coin, lobe_at)
+            event = scatter(-ray.d, n, ns, eta, alpha, coin, hashed(points, depth))
             direction, weight = event.direction, mi.Color3f(event.weight)
             eta_scale *= event.eta_squared
             facing = dr.select(event.transmitted, beyond, facing)

@@ -61,6 +61,12 @@ def one(points: Samples, number: mi.UInt32, axis: mi.UInt32) -> mi.Float:
     return _coordinate(points, index, scramble, axis)
 
 
+def hashed(points: Samples, number: mi.UInt32) -> mi.UInt32:
+    """Return a seed that is different for every path and every `number`, for processes of unknown length."""
+    seed, _ = mi.sample_tea_32(points.pixel ^ (points.index * 0x9E3779B9), points.seed ^ (number * 0xC2B2AE35 + 1), 4)
+    return seed
+
+
 def _shuffled(points: Samples, number: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]:
     # Which stretch of the sequence this is joins the hash, so that what follows the table is scrambled anew.
     lap = points.index & ~points.mask
