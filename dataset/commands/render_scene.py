@@ -13,6 +13,7 @@ from ...annotate.keypoints import SceneKeypoints, scene_keypoints
 from ...annotate.labels import annotate
 from ...procedural.description import Scene
 from ...procedural.draw import draw_scene
+from ...procedural.inputs import check_inputs
 from ...procedural.settings import SceneSettings
 from ...render.backend import activate
 from .. import layout
@@ -51,6 +52,8 @@ def _render_scene(arguments: Sequence[str]) -> None:
     request = parsed(RenderScene, layered(RenderScene, arguments), arguments, "render-scene", _DESCRIPTION)
     settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
     stages = Stages(Console())
+    with stages.timed("inputs"):
+        check_inputs(settings)
     with stages.timed("backend"):
         backend = activate()
     head = DatasetFile(
