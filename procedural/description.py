@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from .materials.description import OpaqueMaterial
 from .mesh import Mesh, joined, turned
@@ -39,7 +39,10 @@ class Liquid(Model):
     """What a vessel holds."""
 
     medium: Medium
-    level: float = Field(description="Height of the surface in the object frame [m]")
+    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
+    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
+    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
+    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
     fill: float = Field(gt=0.0, le=1.0, description="Share of the vessel's brimful volume")
     volume: float = Field(gt=0.0, description="Volume [m^3]")
 
@@ -84,6 +87,17 @@ class Picture(Model):
     max_depth: int = Field(default=64, ge=1, le=1024, description="Longest path, in surfaces met")
     rr_depth: int = Field(default=16, ge=1, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
+    layers: int = Field(default=24, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
+    refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
+    spectral: bool = Field(default=False, description="Whether light has wavelengths instead of red, green and blue")
+    dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
+
+
+    @model_validator(mode="after")
+    def _dispersion_needs_wavelengths(self) -> Picture:
+        if self.dispersion and not self.spectral:
+            raise ValueError("dispersion: expected spectral to be on as well, found it off")
+        return self
 
 
 class Scene(Model):

@@ -6,6 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+#: What a surface is a part of, by its code in layers: an opaque body, or one of a vessel's interfaces.
+PARTS = ("opaque", "outside", "wet_wall", "liquid_surface")
+#: How a refracted ray ended, by its code: it left the scene, met an opaque surface, or met too many interfaces.
+SURROUNDINGS, HIT, LOST = 0, 1, 2
+
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
@@ -28,6 +33,35 @@ class Geometry:
 
 
 @dataclass(frozen=True, eq=False)
+class Layers:
+    """All surfaces along the straight rays through the pixel centres, in order, as far as K of them.
+
+    A layer that a ray does not have is empty: Z +inf, everything else 0.
+    """
+
+    Z: np.ndarray  #: (K, H, W) float32, planar depth [m]
+    normal: np.ndarray  #: (K, H, W, 3) float16, unit normal, camera frame, facing the camera
+    id: np.ndarray  #: (K, H, W) uint16, instance id
+    part: np.ndarray  #: (K, H, W) uint8, index into `PARTS`
+    material: np.ndarray  #: (K, H, W) uint16, what the ray goes on in: index into `materials_of(scene)`, 0 is air
+    entering: np.ndarray  #: (K, H, W) bool, against the surface's own normal: into glass, into liquid from air, ...
+    count: np.ndarray  #: (H, W) uint16, surfaces that the ray really meets, those beyond K as well
+
+
+@dataclass(frozen=True, eq=False)
+class Refraction:
+    """Where the rays through the pixel centres really go: refracted at every interface, to the first opaque surface."""
+
+    state: np.ndarray  #: (H, W) uint8, `SURROUNDINGS`, `HIT` or `LOST`
+    hit: np.ndarray  #: (H, W, 3) float32, world: the point [m], for `SURROUNDINGS` the unit direction to it; 0 for lost
+    Z: np.ndarray  #: (H, W) float32, planar depth of the point in the camera frame [m]; +inf where there is none
+    id: np.ndarray  #: (H, W) uint16, instance id of the opaque surface; 0 where there is none
+    flow: np.ndarray  #: (H, W, 2) float32, where the point appears without glass, less the pixel [px]; NaN: nowhere
+    bounces: np.ndarray  #: (H, W) uint16, interfaces met
+    transmittance: np.ndarray  #: (H, W, 3) float16, share of light by Fresnel and absorption along the ray
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
 
@@ -36,4 +70,6 @@ class Frame:
     left_noisy: np.ndarray | None  #: (H, W, 3) float32, before the denoiser; None where none ran
     right_noisy: np.ndarray | None  #: (H, W, 3) float32
     geometry: Geometry
-    seconds: dict[str, float]  #: time spent on "picture", "geometry", "denoise" [s]
+    seconds: dict[str, float]  #: time spent on "picture", "geometry", "refraction", "denoise" [s]
+    layers: Layers | None = None  #: of the left camera; None where none were asked for
+    refraction: Refraction | None = None  #: of the left camera; None where it was not asked for

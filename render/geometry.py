@@ -1,4 +1,7 @@
-"""The label pass: straight rays through exact pixel centres, everything that they meet, no filter."""
+"""The label pass: straight rays through exact pixel centres, everything that they meet, no filter.
+
+One walk along each ray gives the first surface, the background, the silhouettes and, where asked for, K layers.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ import mitsuba as mi
 import numpy as np
 
 from ..procedural.surroundings.description import Camera
-from .frame import Geometry
+from .frame import Geometry, Layers
 from .kernel import Kernel
+from .layers import Recorder, layers_of, record, recorder
 from .rays import leave, pinhole, pixel_rays
 from .surfaces import registry_id
 
@@ -32,10 +36,16 @@ class Straight:
     transmittance: mi.Color3f
     crossed: mi.UInt64
     reached: mi.UInt64
+    met: mi.UInt32  #: surfaces along the ray, lamps excepted
 
 
 def trace_geometry(kernel: Kernel, camera: Camera, eye: str = "left") -> Geometry:
-    """Return what the straight rays through the pixel centres of one eye meet.
+    """Return what the straight rays through the pixel centres of one eye meet (`trace_straight` without layers)."""
+    return trace_straight(kernel, camera, 0, eye)[0]
+
+
+def trace_straight(kernel: Kernel, camera: Camera, layers: int, eye: str = "left") -> tuple[Geometry, Layers]:
+    """Return what the straight rays through the pixel centres of one eye meet, and the first surfaces in order.
 
     Parameters
     ----------
@@ -43,6 +53,8 @@ def trace_geometry(kernel: Kernel, camera: Camera, eye: str = "left") -> Geometr
         The loaded scene.
     camera : Camera
         The stereo pair.
+    layers : int
+        How many surfaces of each ray are recorded.
     eye : {"left", "right"}
         Which of the two.
     """
@@ -51,14 +63,15 @@ def trace_geometry(kernel: Kernel, camera: Camera, eye: str = "left") -> Geometr
         raise ValueError(f"a scene of {objects} objects: the label pass holds {MAX_OBJECTS} at the most")
     view = pinhole(camera, eye)
     ray, depth_per_distance = pixel_rays(view, dr.arange(mi.UInt32, camera.width * camera.height), mi.Point2f(0.0))
-    seen = straight(kernel, ray)
+    into = recorder(kernel, view, depth_per_distance, layers)
+    seen = straight(kernel, ray, into)
     Z, background_Z = seen.first * depth_per_distance, seen.background * depth_per_distance
     facing = dr.select(dr.dot(seen.normal, ray.d) > 0.0, -seen.normal, seen.normal)
     normal = view.world_R_camera.T @ mi.Vector3f(facing)
     dr.eval(Z, background_Z, normal, seen)
 
     shape = (camera.height, camera.width)
-    return Geometry(
+    geometry = Geometry(
         Z=np.array(Z).reshape(shape),
         normal=np.array(normal).T.reshape(*shape, 3).copy(),
         id=np.array(seen.first_id).astype(np.uint16).reshape(shape),
@@ -68,6 +81,7 @@ def trace_geometry(kernel: Kernel, camera: Camera, eye: str = "left") -> Geometr
         crossed=_bits(seen.crossed, objects, shape),
         reached=_bits(seen.reached, objects, shape),
     )
+    return geometry, layers_of(into, seen.met, shape)
 
 
 def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
@@ -80,8 +94,8 @@ def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
 
 
 @dr.syntax
-def straight(kernel: Kernel, ray: mi.Ray3f) -> Straight:
-    """Follow straight rays through everything that they meet."""
+def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Straight:
+    """Follow straight rays through everything that they meet; `into` takes their layers."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
     dr.make_opaque(offset)
     ray = mi.Ray3f(ray)
@@ -91,10 +105,10 @@ def straight(kernel: Kernel, ray: mi.Ray3f) -> Straight:
     normal, transmittance = mi.Normal3f(0.0), mi.Color3f(1.0)
     crossed, reached = mi.UInt64(0), mi.UInt64(0)
     blocker = mi.Int32(-2)  # the first opaque object: -2 none yet, -1 the table
-    surfaces = mi.UInt32(0)
+    surfaces, met = mi.UInt32(0), mi.UInt32(0)
     active = mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene]):
+    while dr.hint(active, exclude=[table, scene, into]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, surfaces == 0, active)
         row = registry_id(si.shape)
         # A lamp is part of the surroundings: as empty as the sky behind it.
@@ -103,6 +117,9 @@ def straight(kernel: Kernel, ray: mi.Ray3f) -> Straight:
         thing = dr.gather(mi.Int32, table.object, row, active)
         opaque = dr.gather(mi.Bool, table.opaque, row, active)
         distance = travelled + si.t
+
+        record(into, table, met, si, ray, distance, active)
+        met += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
         nearest = active & (first_id == 0)
         first = dr.select(nearest, distance, first)
@@ -126,7 +143,7 @@ def straight(kernel: Kernel, ray: mi.Ray3f) -> Straight:
         surfaces += 1
         active &= surfaces < MAX_SURFACES
 
-    return Straight(first, first_id, normal, background, background_id, transmittance, crossed, reached)
+    return Straight(first, first_id, normal, background, background_id, transmittance, crossed, reached, met)
 
 
 def _straight_transmittance(table, si, ray, row, active) -> mi.Color3f:

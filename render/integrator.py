@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -12,6 +13,7 @@ from .dielectric import scatter
 from .kernel import Kernel
 from .rays import leave
 from .sampler import Samples, four, hashed
+from .spectrum import absorption_at, first_only, grey_guide, index_at, to_rgb
 from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
@@ -32,59 +34,65 @@ class Radiance:
 
 
 @dr.syntax
-def trace(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture) -> Radiance:
+def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, picture: Picture) -> Radiance:
     """Trace one path for every camera ray.
 
     Light is gathered by emitter sampling and BSDF sampling with the balance heuristic (Veach 1997, eq. 9.8). A segment
-    is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; set 0 of the
-    sample points is the camera's, the others are used here.
+    is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
+    from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here.
     """
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
     max_depth, rr_depth = mi.UInt32(picture.max_depth), mi.UInt32(picture.rr_depth)
     dr.make_opaque(offset, max_depth, rr_depth)
 
+    carried = mi.UnpolarizedSpectrum(weight)
+
     # ---- Loop state ----
     ray = mi.Ray3f(ray)
     depth = mi.UInt32(0)
-    L, beta = mi.Color3f(0.0), mi.Color3f(1.0)  # radiance so far, throughput
+    L, beta = mi.UnpolarizedSpectrum(0.0), mi.UnpolarizedSpectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
     previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
     pdf, delta = mi.Float(1.0), mi.Bool(True)  # its density, and whether emitter sampling could not have found it
     medium = mi.UInt32(AIR_INDEX)  # medium of the segment, by the events so far
     albedo, normal, guided = mi.Color3f(0.0), mi.Normal3f(0.0), mi.Bool(False)
-    violations, segments = mi.UInt32(0), mi.UInt32(0)
+    violations, segments, alone = mi.UInt32(0), mi.UInt32(0), mi.Bool(False)
     active = mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, points]):
+    while dr.hint(active, exclude=[table, scene, points, carried]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = _met(table, si, ray, hit)
         segments += 1
         violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
-        beta *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
+        sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
+        beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
 
         emitted = beta * _ran_into(scene, si, previous, pdf, delta, active)
         L += emitted
         # The environment is its own guide: without it the denoiser would smear what glass shows of it.
-        albedo = dr.select(~hit & ~guided, dr.minimum(emitted, 1.0), albedo)
+        albedo = dr.select(~hit & ~guided, dr.minimum(grey_guide(emitted), 1.0), albedo)
         guided |= ~hit
 
         active = mi.Bool(hit)
         light_at, lobe_at, coin, gamble = _numbers(points, depth)
-        direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
+        direction, weight, pdf, delta = mi.Vector3f(0.0), mi.UnpolarizedSpectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
-        if dr.hint(active & opaque, exclude=[table, scene, points]):
+        if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
             light, direction, weight, pdf, delta = _opaque(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
-            if dr.hint(~guided, exclude=[table, scene, points]):
-                albedo, normal = beta * si.bsdf().eval_diffuse_reflectance(si), mi.Normal3f(ns)
+            if dr.hint(~guided, exclude=[table, scene, points, carried]):
+                albedo, normal = grey_guide(beta * si.bsdf().eval_diffuse_reflectance(si)), mi.Normal3f(ns)
                 guided = mi.Bool(True)
 
-        if dr.hint(active & ~opaque, exclude=[table, scene, points]):
-            eta = dr.gather(mi.Float, table.eta, beyond) / dr.gather(mi.Float, table.eta, facing)
+        if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
+            eta = _relative_index(table, facing, beyond, si.wavelengths)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
+            if picture.dispersion:  # from here on the path follows its first wavelength
+                beta = dr.select(alone, beta, first_only(beta))
+                alone = mi.Bool(True)
             event = scatter(-ray.d, n, ns, eta, alpha, coin, hashed(points, depth))
-            direction, weight = event.direction, mi.Color3f(event.weight)
+            direction, weight = event.direction, mi.UnpolarizedSpectrum(event.weight)
             eta_scale *= event.eta_squared
             facing = dr.select(event.transmitted, beyond, facing)
 
@@ -98,14 +106,19 @@ def trace(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture) -> R
         active &= dr.any(beta > 0.0) & (depth < max_depth) & (gamble < survive)
         beta *= dr.rcp(survive)
 
-    return Radiance(L, albedo, normal, violations, segments)
+    return Radiance(to_rgb(L * carried, ray.wavelengths), albedo, normal, violations, segments)
 
 
 def _numbers(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
     """Return the random numbers of one surface: lamp, direction, lobe or Fresnel's coin, roulette."""
-    a, b, c, d = four(points, 1 + 2 * depth)
-    coin, gamble, *_ = four(points, 2 + 2 * depth)
+    a, b, c, d = four(points, 2 + 2 * depth)
+    coin, gamble, *_ = four(points, 3 + 2 * depth)
     return mi.Point2f(a, b), mi.Point2f(c, d), coin, gamble
+
+
+def _relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, wavelengths: Any) -> mi.Float:
+    behind = index_at(table.index, beyond, wavelengths, mi.Bool(True))
+    return behind / index_at(table.index, facing, wavelengths, mi.Bool(True))
 
 
 def _met(
@@ -132,7 +145,7 @@ def _ran_into(
     pdf: mi.Float,
     delta: mi.Bool,
     active: mi.Bool,
-) -> mi.Color3f:
+) -> mi.Spectrum:
     """Return the light of the lamp or the sky that the path ran into, weighted against emitter sampling."""
     emitter = si.emitter(scene, active)
     ds = mi.DirectionSample3f(scene, si, previous)
@@ -149,7 +162,7 @@ def _opaque(
     light: mi.Point2f,
     lobe: mi.Float,
     bounce: mi.Point2f,
-) -> tuple[mi.Color3f, mi.Vector3f, mi.Color3f, mi.Float, mi.Bool]:
+) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
     """Return the light by emitter sampling, and direction, weight, density and deltaness of the next bounce."""
     bsdf = si.bsdf(ray)
     ds, arriving = scene.sample_emitter_direction(si, light, False)

@@ -13,6 +13,7 @@ from ..procedural.mesh import Mesh
 from ..procedural.optics.medium import AIR
 from .lighting import area_light, envmap
 from .opaque import opaque_bsdf
+from .spectrum import check_variant
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
 #: Rays start this share of the scene's largest coordinate off the surface that they leave, along its geometric normal.
@@ -33,6 +34,7 @@ class Kernel:
 
 def load(scene: Scene) -> Kernel:
     """Load a scene into Mitsuba (the variant must be active: `render.backend.activate`)."""
+    check_variant(scene.picture.dispersion)
     bodies = [*_table_bodies(scene), *_object_bodies(scene)]
     shapes = {f"body{i}": _mi_mesh(mesh, world_T, bsdf) for i, (mesh, world_T, bsdf, _) in enumerate(bodies)}
     lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
@@ -43,7 +45,7 @@ def load(scene: Scene) -> Kernel:
     light = Surface(0, -1, True, AIR, AIR, 0.0)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(_in_world(mesh.vertices, world_T)).max()) for mesh, world_T, *_ in bodies)
-    return Kernel(scene, mi_scene, surface_table(by_id), RAY_OFFSET * reach)
+    return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach)
 
 
 def _table_bodies(scene: Scene) -> list[tuple]:
@@ -61,7 +63,8 @@ def _object_bodies(scene: Scene) -> list[tuple]:
 def _vessel_bodies(vessel: Vessel, index: int) -> list[tuple]:
     bodies = []
     for interface in vessel.interfaces:
-        surface = Surface(vessel.id, index, False, interface.front, interface.back, interface.roughness)
+        media = interface.front, interface.back
+        surface = Surface(vessel.id, index, False, *media, interface.roughness, interface.part)
         # The ray loop refracts by the table; Mitsuba's own integrators, used as a check, by this BSDF.
         bsdf = {"type": "roughdielectric", "alpha": interface.roughness, "distribution": "ggx"}
         bsdf = bsdf if interface.roughness > 0 else {"type": "dielectric"}

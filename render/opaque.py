@@ -18,7 +18,7 @@ def opaque_bsdf(material: OpaqueMaterial) -> dict:
     colour = {
         "type": "bitmap",
         "bitmap": mi.Bitmap(np.ascontiguousarray(bake(material.base_colour), dtype=np.float32)),
-        "raw": True,  # already linear reflectance
+        "raw": False,  # reflectance, for spectral variants too; a float bitmap counts as linear
         "filter_type": "bilinear",
         "wrap_mode": "repeat",
         "to_uv": mi.ScalarTransform3f().scale([material.repeats, material.repeats]),

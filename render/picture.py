@@ -13,6 +13,7 @@ from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
 from .sampler import four, samples
+from .spectrum import draw_wavelengths
 
 #: Paths traced at a time. Each holds about 60 bytes of results, so a pass stays under 300 MB.
 PATHS_PER_PASS = 1 << 22
@@ -78,7 +79,8 @@ def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int,
     points = samples(pixel, lane - pixel * count + dr.opaque(mi.UInt32, done), picture.spp, seed)
     u, v, *_ = four(points, mi.UInt32(0))
     ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
-    result = trace(kernel, ray, points, picture)
+    ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
+    result = trace(kernel, ray, weight, points, picture)
     dr.eval(result)  # once for all of it, not once a channel
     return result
 

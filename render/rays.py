@@ -67,4 +67,4 @@ def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.
 def leave(si: mi.SurfaceInteraction3f, direction: mi.Vector3f, offset: float) -> mi.Ray3f:
     """Return a ray from the surface along `direction`, started `offset` [m] off it on the side that it goes to."""
     side = dr.select(dr.dot(si.n, direction) > 0.0, mi.Float(offset), -mi.Float(offset))
-    return mi.Ray3f(si.p + side * si.n, direction)
+    return mi.Ray3f(si.p + side * si.n, direction, si.time, si.wavelengths)

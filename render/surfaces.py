@@ -10,6 +10,8 @@ import mitsuba as mi
 import numpy as np
 
 from ..procedural.optics.medium import AIR, Medium
+from .frame import PARTS
+from .spectrum import media_columns
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
@@ -25,6 +27,7 @@ class Surface:
     front: Medium  #: the medium that the geometric normal points into
     back: Medium
     alpha: float  #: GGX roughness of an interface
+    part: str = PARTS[0]  #: one of `PARTS`
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,19 +40,24 @@ class SurfaceTable:
     front: mi.UInt32
     back: mi.UInt32
     alpha: mi.Float
-    eta: mi.Float  #: by medium
-    sigma_a: mi.Float  #: by medium and colour, 3 numbers each [1/m]
+    part: mi.UInt32  #: index into `PARTS`
+    eta: mi.Float  #: by medium, at the d line: what labels use
+    sigma_a: mi.Float  #: by medium and linear Rec.709 colour, 3 numbers each [1/m]: what labels use
+    index: mi.Float  #: by medium, for pictures in the active variant (`spectrum.index_at`)
+    absorption: mi.Float  #: by medium, for pictures in the active variant [1/m] (`spectrum.absorption_at`)
     media: tuple[Medium, ...]
 
 
-def surface_table(surfaces: dict[int, Surface]) -> SurfaceTable:
-    """Return the table of the surfaces given by registry id."""
+def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTable:
+    """Return the table of the surfaces given by registry id; with dispersion, indices follow the wavelength."""
     media = [AIR]
     for surface in surfaces.values():
         media += [medium for medium in (surface.front, surface.back) if medium not in media]
     rows = [surfaces.get(index) for index in range(max(surfaces) + 1)]
     blank = Surface(0, -1, True, AIR, AIR, 0.0)
     rows = [blank if row is None else row for row in rows]
+
+    index, absorption = media_columns(media, dispersion)
 
     def column(kind: type, values: list | np.ndarray) -> Any:
         array = kind(np.array(values))
@@ -63,8 +71,11 @@ def surface_table(surfaces: dict[int, Surface]) -> SurfaceTable:
         front=column(mi.UInt32, [media.index(row.front) for row in rows]),
         back=column(mi.UInt32, [media.index(row.back) for row in rows]),
         alpha=column(mi.Float, [row.alpha for row in rows]),
+        part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         eta=column(mi.Float, [medium.eta for medium in media]),
         sigma_a=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
+        index=column(mi.Float, index.astype(np.float32).ravel()),
+        absorption=column(mi.Float, absorption.astype(np.float32).ravel()),
         media=tuple(media),
     )
 
