@@ -76,8 +76,19 @@ def _shuffled(points: Samples, number: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]
 
 def _coordinate(points: Samples, index: mi.UInt32, scramble: mi.UInt32, axis: mi.UInt32) -> mi.Float:
     raw = dr.gather(mi.UInt32, points.table, index * _DIMENSIONS + axis)
-    bits = _scrambled(raw, scramble ^ (axis * 0x9E3779B9 + 0x7F4A7C15))
+    bits = _scrambled(raw, _mixed(scramble + axis * 0x9E3779B9))
     return mi.Float(bits >> 8) * 2.0**-24
+
+
+def _mixed(x: mi.UInt32) -> mi.UInt32:
+    """Return a hash of all bits in each bit (Wellons, "Hash Prospector", lowbias32).
+
+    A scramble flips a coordinate's leading bit by the seed's last one alone. Seeds of two axes that differ by a fixed number
+    would flip together in every pixel, and parts of the square would never be drawn.
+    """
+    x = (x ^ (x >> 16)) * 0x7FEB352D
+    x = (x ^ (x >> 15)) * 0x846CA68B
+    return x ^ (x >> 16)
 
 
 def _scrambled(x: mi.UInt32, seed: mi.UInt32) -> mi.UInt32:
