@@ -83,15 +83,23 @@ class Prop(Model):
 class Picture(Model):
     """How the pictures are computed."""
 
-    spp: int = Field(default=64, ge=1, le=1_048_576, description="Samples per pixel")
+    spp: int = Field(
+        default=64, ge=1, le=1_048_576, description="Samples per pixel; with `noise`, samples per pixel of each pass"
+    )
+    noise: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
+    )
+    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
     max_depth: int = Field(default=64, ge=1, le=1024, description="Longest path, in surfaces met")
     rr_depth: int = Field(default=16, ge=1, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
-    layers: int = Field(default=24, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
+    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
     refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
     spectral: bool = Field(default=False, description="Whether light has wavelengths instead of red, green and blue")
     dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
-
 
     @model_validator(mode="after")
     def _dispersion_needs_wavelengths(self) -> Picture:
