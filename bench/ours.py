@@ -68,7 +68,7 @@ def loaded(scene: Scene, plain: bool = False) -> Ours:
 def render(ours: Ours, spp: int, seed: int, clean: bool = True) -> Rendered:
     """Render the left eye of the first camera with `spp` samples."""
     scene = ours.kernel.description
-    picture = scene.picture.model_copy(update={"spp": spp})
+    picture = scene.picture.model_copy(update={"spp": spp, "noise": None})
     kernel = replace(ours.kernel, description=scene.model_copy(update={"picture": picture}))
     start = perf_counter()
     noisy = trace_picture(kernel, scene.cameras[0], "left", seed)
