@@ -83,8 +83,8 @@ def _coordinate(points: Samples, index: mi.UInt32, scramble: mi.UInt32, axis: mi
 def _mixed(x: mi.UInt32) -> mi.UInt32:
     """Return a hash of all bits in each bit (Wellons, "Hash Prospector", lowbias32).
 
-    A scramble flips a coordinate's leading bit by the seed's last one alone. Seeds of two axes that differ by a fixed number
-    would flip together in every pixel, and parts of the square would never be drawn.
+    A scramble flips a coordinate's leading bit by the seed's last one alone. If the seeds of two axes differed
+    by a constant, the axes would flip together in every pixel, and parts of their square would never be drawn.
     """
     x = (x ^ (x >> 16)) * 0x7FEB352D
     x = (x ^ (x >> 15)) * 0x846CA68B

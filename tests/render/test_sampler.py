@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chisquare
 from scipy.stats.qmc import Sobol
 
-#: Chance that a right sampler fails one of these tests with another seed; with the seeds given they pass or fail always.
+#: Chance that a right sampler fails one of these tests with another seed; these seeds pass or fail always.
 SIGNIFICANCE = 1e-4
 #: The same for correlations of n numbers, in standard deviations 1 / sqrt(n).
 SIGMAS = 4.0
