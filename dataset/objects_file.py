@@ -9,6 +9,8 @@ from pydantic import Field
 
 from ..annotate.keypoints import SceneKeypoints
 from ..procedural.description import Prop, Scene, Vessel
+from ..procedural.materials.description import OpaqueMaterial
+from ..procedural.materials_of import materials_of
 from ..procedural.model import Matrix4, Model, Vector3
 from ..procedural.optics.medium import Medium
 
@@ -32,11 +34,21 @@ class OpaqueSurface(Model):
     metallic: float = Field(description="0 dielectric, 1 metal")
 
 
+class MediumRecord(Model):
+    """A transparent medium as rays cross it."""
+
+    kind: Literal["medium"] = "medium"
+    medium: Medium = Field(description="Optical constants")
+
+
 class LiquidRecord(Model):
     """What a vessel holds."""
 
     medium: Medium = Field(description="Optical constants")
-    level: float = Field(description="Height of the surface in the object frame [m]")
+    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
+    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
+    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
+    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
     fill: float = Field(description="Share of the vessel's brimful volume")
     volume: float = Field(description="Volume [m^3]")
 
@@ -75,12 +87,22 @@ class ObjectsFile(Model):
 
     schema_version: Literal["glassware/objects/1"] = OBJECTS_SCHEMA
     objects: tuple[ObjectRecord, ...]
+    materials: tuple[Annotated[MediumRecord | OpaqueSurface, Field(discriminator="kind")], ...] = Field(
+        default=(), description="What `material` in layers.exr counts: air, then what the table and the objects are of"
+    )
 
 
 def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
     """Return the records of a scene's objects, with the keypoints that its views are labelled with."""
     rows = zip(scene.objects, points.local, strict=True)
-    return ObjectsFile(objects=tuple(_record(item, local) for item, local in rows))
+    return ObjectsFile(
+        objects=tuple(_record(item, local) for item, local in rows),
+        materials=tuple(_substance(material) for material in materials_of(scene)),
+    )
+
+
+def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
+    return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
 def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
@@ -111,5 +133,8 @@ def _parts(item: Vessel | Prop) -> tuple[Part, ...]:
 def _material(item: Vessel | Prop) -> GlassMaterial | OpaqueSurface:
     if isinstance(item, Vessel):
         return GlassMaterial(medium=item.glass, roughness=item.roughness)
-    surface = item.material
+    return _opaque(item.material)
+
+
+def _opaque(surface: OpaqueMaterial) -> OpaqueSurface:
     return OpaqueSurface(name=surface.name, roughness=surface.roughness, metallic=surface.metallic)

@@ -6,7 +6,8 @@ Wetting Phenomena", 2004, sections 1.1 and 2.2)::
 
     d(phi)/ds + sin(phi) / r = z / lc^2,    dr/ds = cos(phi),    dz/ds = sin(phi).
 
-phi grows from 0 on the axis to its value at the wall, so it serves as the independent variable.
+phi grows from 0 on the axis to its value at the wall, so it serves as the independent variable. It may pass 90 degrees:
+under a wall that leans inwards (the shoulder of a bottle) a wetting liquid overhangs, and the radius turns back.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from ..errors import InputError
 GRAVITY = 9.80665
 #: Slope [rad] up to which the linear equation is used. Its relative error is of the order of the slope squared, 1e-8.
 LINEAR_SLOPE = 1e-4
+#: Steepest slope at the wall [rad]. Just below half a turn, where the surface would run into itself on the way back.
+MOST_SLOPE = np.radians(175.0)
 #: Relative tolerance of the integration, below the error of the linear part.
 RTOL = 1e-10
 
@@ -37,14 +40,17 @@ class Meniscus:
     profile : (n, 2) float64
         Rows (r, z) [m] from the axis to the wall, z above the level of zero capillary pressure. In a vessel much wider
         than the capillary length that is the flat level in the middle.
+    angles : (n,) float64
+        Slope angle of the surface at each of them [rad].
     slope : float
-        Slope angle of the surface at the wall [rad]; positive climbs.
+        Slope angle of the surface at the wall [rad]; positive climbs, beyond pi / 2 overhangs.
     volume : float
         Liquid above z = 0 inside the contact line's radius (negative: missing below) [m^3], exact by the balance of
-        vertical forces.
+        vertical forces. Where the surface overhangs, the air under it outside that radius counts as missing liquid.
     """
 
     profile: np.ndarray
+    angles: np.ndarray
     slope: float
     volume: float
 
@@ -92,7 +98,8 @@ def meniscus(
     Raises
     ------
     InputError
-        A size that is not positive, or a surface that would overhang (its slope at the wall beyond the vertical).
+        A size that is not positive, or a surface that would close above itself (its slope at the wall beyond
+        `MOST_SLOPE`).
     """
     for name, value in (("radius", radius), ("density", density), ("surface tension", surface_tension)):
         if not (value > 0.0 and np.isfinite(value)):
@@ -101,24 +108,28 @@ def meniscus(
         raise InputError("meniscus, samples", "at least 8", samples)
     # Seen from the contact line, the surface runs inwards at pi + phi and the wall down at 3 pi / 2 - tilt.
     slope = np.pi / 2.0 - contact_angle - wall_tilt
-    if not abs(slope) <= np.pi / 2.0 + 1e-12:
-        raise InputError("meniscus", "a slope at the wall between -90 and 90 degrees", f"{np.degrees(slope):g} degrees")
+    if not abs(slope) <= MOST_SLOPE:
+        limit = f"a slope at the wall of at most {np.degrees(MOST_SLOPE):g} degrees"
+        raise InputError("meniscus", limit, f"{np.degrees(slope):g} degrees")
     length = capillary_length(density, surface_tension)
-    climb = min(abs(slope), np.pi / 2.0)
-    profile = _unit_profile(radius / length, climb, samples) * length
+    profile, angles = _unit_profile(radius / length, abs(slope), samples)
+    profile *= length
     profile[-1, 0] = radius
-    profile[:, 1] *= 1.0 if slope >= 0.0 else -1.0
+    if slope < 0.0:
+        profile[:, 1] *= -1.0
+        angles = -angles
     profile.setflags(write=False)
+    angles.setflags(write=False)
     # rho g V = 2 pi R gamma sin(slope): the wall's pull carries the liquid above z = 0 (de Gennes et al. 2004, 2.4).
     volume = 2.0 * np.pi * radius * length**2 * np.sin(slope)
-    return Meniscus(profile, float(slope), float(volume))
+    return Meniscus(profile, angles, float(slope), float(volume))
 
 
-def _unit_profile(radius: float, climb: float, samples: int) -> np.ndarray:
-    """Return rows (r, z) in units of the capillary length, for a climbing surface."""
+def _unit_profile(radius: float, climb: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows (r, z) in units of the capillary length, and the slope angles, for a climbing surface."""
     if climb <= LINEAR_SLOPE:
         r = np.linspace(0.0, radius, samples)
-        return np.stack([r, _linear_height(r, radius, climb)], axis=1)
+        return np.stack([r, _linear_height(r, radius, climb)], axis=1), _linear_slope(r, radius, climb)
 
     def miss(log_start: float) -> float:
         return float(_integrated(np.exp(log_start), climb).y[0, -1]) - radius
@@ -131,12 +142,18 @@ def _unit_profile(radius: float, climb: float, samples: int) -> np.ndarray:
     inner = np.stack([r, _linear_height(r, start, LINEAR_SLOPE)], axis=1)
     # Slopes by the cube: z decays exponentially away from the wall, so most of the surface is nearly flat.
     slopes = LINEAR_SLOPE + (climb - LINEAR_SLOPE) * np.linspace(0.0, 1.0, samples - flat) ** 3
-    return np.concatenate([inner, _integrated(start, climb, slopes).y.T])
+    rows = np.concatenate([inner, _integrated(start, climb, slopes).y.T])
+    return rows, np.concatenate([_linear_slope(r, start, LINEAR_SLOPE), slopes])
 
 
 def _linear_height(r: np.ndarray, edge: float, slope: float) -> np.ndarray:
     """Return ``slope I0(r) / I1(edge)``, the surface of small slopes; scaled, so that it cannot overflow."""
     return slope * i0e(r) * np.exp(r - edge) / i1e(edge)
+
+
+def _linear_slope(r: np.ndarray, edge: float, slope: float) -> np.ndarray:
+    """Return the derivative of `_linear_height`, ``slope I1(r) / I1(edge)``."""
+    return slope * i1e(r) * np.exp(r - edge) / i1e(edge)
 
 
 def _integrated(start: float, climb: float, slopes: np.ndarray | None = None) -> OptimizeResult:

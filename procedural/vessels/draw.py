@@ -9,11 +9,12 @@ from ..model import Profile
 from ..optics.medium import Medium
 from .curve import Curve
 from .families import FAMILIES, Family, Size, draw_size
-from .interfaces import dry_interfaces, flat_top, wet_interfaces
-from .liquid import brimful_volume, highest_level, level_of_volume, volume_below
+from .interfaces import dry_interfaces, wet_interfaces
+from .liquid import brimful_volume, level_of_volume, volume_below
 from .outline import Outline
 from .revolve import segments_for
 from .settings import VesselSettings
+from .surface import Surface, most_volume, surface_of_volume
 from .wall import WallShape, glass_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
@@ -22,7 +23,7 @@ LEAST_CORNER = 1.5e-3
 LEAST_BORE = 4.5e-3
 #: Most that a wall is thicker at the bottom than at the top [m].
 MOST_TAPER = 1.5e-3
-#: Least depth of a liquid [m]: less is a film, whose shape is not a level's.
+#: Least depth of a liquid [m]: less is a film, whose shape the floor decides, not the wall.
 LEAST_DEPTH = 4e-3
 
 
@@ -69,7 +70,7 @@ def draw_vessel(
     section = glass_section(outline, shape, settings.chord_error)
     lift = np.array([0.0, 0.5 * section.outer.points[-1, 1]])
     outer, inner = (Curve(curve.points - lift, curve.normals) for curve in (section.outer, section.inner))
-    liquid, roughness = _draw_filling(rng, settings, inner, liquid_medium), _draw_roughness(rng, settings)
+    volume, roughness = _draw_volume(rng, settings, inner, liquid_medium), _draw_roughness(rng, settings)
     reach = float(outer.points[:, 0].max())
     common = {
         "glass": glass,
@@ -77,10 +78,12 @@ def draw_vessel(
         "segments": segments_for(reach, settings.chord_error),
         "name": name,
     }
-    if liquid is None:
-        interfaces = dry_interfaces(outer, inner, **common)
+    if volume is None or liquid_medium is None:
+        liquid, interfaces = None, dry_interfaces(outer, inner, **common)
     else:
-        interfaces = wet_interfaces(outer, inner, flat_top(inner, liquid.level), liquid=liquid.medium, **common)
+        surface = surface_of_volume(inner, volume, liquid_medium, settings.chord_error)
+        liquid = _liquid(inner, surface, liquid_medium)
+        interfaces = wet_interfaces(outer, inner, surface.top, liquid=liquid_medium, **common)
     return Vessel(
         id=id,
         name=name,
@@ -124,18 +127,27 @@ def _draw_shape(
     return WallShape(wall, taper, base, fillet, corner, min(punt, 0.12 * foot))
 
 
-def _draw_filling(
+def _draw_volume(
     rng: np.random.Generator, settings: VesselSettings, inner: Curve, medium: Medium | None
-) -> Liquid | None:
+) -> float | None:
     filled, share = rng.random() < settings.fill_probability, rng.uniform(*settings.fill)
     if medium is None or not filled:
         return None
     brimful = brimful_volume(inner.points)
     least = volume_below(inner.points, float(inner.points[0, 1]) + LEAST_DEPTH)
-    most = volume_below(inner.points, highest_level(inner.points))
-    volume = float(np.clip(share * brimful, least, most))
-    level = level_of_volume(inner.points, volume)
-    return Liquid(medium=medium, level=level, fill=volume / brimful, volume=volume)
+    return float(np.clip(share * brimful, least, most_volume(inner, medium)))
+
+
+def _liquid(inner: Curve, surface: Surface, medium: Medium) -> Liquid:
+    return Liquid(
+        medium=medium,
+        level=level_of_volume(inner.points, surface.volume),
+        centre=surface.centre,
+        contact=surface.contact,
+        contact_angle=surface.contact_angle,
+        fill=surface.volume / brimful_volume(inner.points),
+        volume=surface.volume,
+    )
 
 
 def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:

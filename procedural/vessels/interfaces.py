@@ -63,7 +63,7 @@ def wet_interfaces(
         From the axis to the rim's crown, normals out of the glass (`wall.Section`).
     top : Curve
         The liquid's surface from the axis to the contact line, normals into the air; it ends on the inner curve's
-        polygon (`flat_top`).
+        polygon (`surface.Surface`).
     glass, liquid : Medium
         The two media.
     roughness : float
@@ -90,10 +90,10 @@ def wet_interfaces(
     )
 
 
-def flat_top(inner: Curve, level: float) -> Curve:
-    """Return the profile of a flat liquid surface at a level [m], from the axis to the inner curve's polygon."""
-    radius = float(np.interp(level, inner.points[:, 1], inner.points[:, 0]))
-    return Curve(np.array([[0.0, level], [radius, level]]), np.array([[0.0, 1.0], [0.0, 1.0]]))
+def normal_at(inner: Curve, height: float) -> np.ndarray:
+    """Return the inner curve's unit normal (2,) at a height [m] above its floor, between those of its points."""
+    normal = np.array([np.interp(height, inner.points[:, 1], column) for column in inner.normals.T])
+    return normal / np.hypot(*normal)
 
 
 def cut_at(inner: Curve, contact: np.ndarray) -> tuple[Curve, Curve]:
@@ -109,9 +109,9 @@ def cut_at(inner: Curve, contact: np.ndarray) -> tuple[Curve, Curve]:
     z = inner.points[:, 1]
     if not z[0] < contact[1] < z[-1]:
         raise ValueError(f"contact: expected a height between {z[0]} and {z[-1]}, got {contact[1]}")
-    normal = np.array([np.interp(contact[1], z, column) for column in inner.normals.T])
+    normal = normal_at(inner, contact[1])
     below, above = z < contact[1] - CONTACT_MERGE, z > contact[1] + CONTACT_MERGE
-    point, normal = np.array([contact]), (normal / np.hypot(*normal))[None]
+    point, normal = np.array([contact]), normal[None]
     return (
         Curve(np.concatenate([inner.points[below], point]), np.concatenate([inner.normals[below], normal])),
         Curve(np.concatenate([point, inner.points[above]]), np.concatenate([normal, inner.normals[above]])),

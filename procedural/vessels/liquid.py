@@ -7,9 +7,9 @@ from scipy.optimize import root_scalar
 
 from ..errors import InputError
 
-#: Least distance of a liquid's level below the rim's crown [m]: about the capillary rise of water on a clean wall
-#: (sqrt(2) capillary lengths is 3.9 mm at the most, and the last of it is thin), and clear of the rim's rounding.
-RIM_MARGIN = 4e-3
+#: Least distance of the contact line below the rim's crown [m]: clear of the rim's rounding, which takes half of the
+#: thickest wall (2 mm).
+RIM_MARGIN = 2.5e-3
 #: Largest error of a level found from a volume [m].
 LEVEL_TOLERANCE = 1e-12
 
@@ -37,13 +37,13 @@ def brimful_volume(inner: np.ndarray) -> float:
     return float(_frusta(points[:, 0], points[:, 1]).sum())
 
 
-def highest_level(inner: np.ndarray) -> float:
-    """Return the highest level that a liquid may have [m]: `RIM_MARGIN` below the rim's crown."""
+def highest_contact(inner: np.ndarray) -> float:
+    """Return the highest that a liquid may reach on the wall [m]: `RIM_MARGIN` below the rim's crown."""
     return float(np.asarray(inner)[-1, 1]) - RIM_MARGIN
 
 
 def level_of_volume(inner: np.ndarray, volume: float) -> float:
-    """Return the level at which the inside holds a volume [m].
+    """Return the level at which the inside holds a volume under a flat surface [m].
 
     Parameters
     ----------
@@ -57,16 +57,16 @@ def level_of_volume(inner: np.ndarray, volume: float) -> float:
     InputError
         Where there is nothing to fill in, or the level would be less than `RIM_MARGIN` below the rim's crown.
     """
-    most = volume_below(inner, highest_level(inner))
+    most = volume_below(inner, highest_contact(inner))
     if not 0.0 < volume <= most:
         raise InputError("liquid.volume", f"more than 0 and at most {most:.3e} m^3 (below the rim)", f"{volume:.3e}")
-    bracket = (float(np.asarray(inner)[0, 1]), highest_level(inner))
+    bracket = (float(np.asarray(inner)[0, 1]), highest_contact(inner))
     return root_scalar(lambda z: volume_below(inner, z) - volume, bracket=bracket, xtol=LEVEL_TOLERANCE).root
 
 
 def level_of_fill(inner: np.ndarray, fill: float) -> float:
     """Return the level at which a share of the brimful volume is filled [m]; InputError as `level_of_volume`."""
-    most = volume_below(inner, highest_level(inner)) / brimful_volume(inner)
+    most = volume_below(inner, highest_contact(inner)) / brimful_volume(inner)
     if not 0.0 < fill <= most:
         raise InputError("liquid.fill", f"more than 0 and at most {most:.4f} (below the rim)", fill)
     return level_of_volume(inner, min(fill, most) * brimful_volume(inner))

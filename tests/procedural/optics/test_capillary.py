@@ -151,6 +151,29 @@ def test_sizes_must_be_positive(field, value):
         meniscus(**arguments)
 
 
-def test_an_overhanging_surface_is_refused():
+def test_a_surface_that_would_close_above_itself_is_refused():
     with pytest.raises(InputError, match="slope at the wall"):
-        meniscus(0.03, **WATER, contact_angle=0.1, wall_tilt=-0.3)
+        meniscus(0.03, **WATER, contact_angle=0.1, wall_tilt=-1.6)
+
+
+@pytest.mark.parametrize("radius", [0.05 * LENGTH, LENGTH, 10.0 * LENGTH])
+def test_under_a_leaning_wall_the_surface_overhangs_and_still_balances_the_pull(radius):
+    surface = meniscus(radius, **WATER, contact_angle=np.radians(25.0), wall_tilt=np.radians(-40.0), samples=4000)
+    r, z = surface.profile.T
+    assert np.degrees(surface.slope) == pytest.approx(105.0)
+    assert r.max() > r[-1] == radius
+    # In a narrow tube the middle is level to the last bit.
+    assert np.all(np.diff(z) >= -1e-15)
+    pull = 2.0 * np.pi * radius * LENGTH**2 * np.sin(surface.slope)
+    # The trapezium's error goes with the square of the spacing of 4,000 samples.
+    assert _volume(surface.profile) == pytest.approx(pull, rel=2e-5)
+
+
+@pytest.mark.parametrize(("angle", "tilt"), [(25.0, 0.0), (20.0, -35.0), (89.9999, 0.0), (130.0, 0.0)])
+def test_the_slopes_are_those_of_the_profile(angle, tilt):
+    surface = meniscus(0.02, **WATER, contact_angle=np.radians(angle), wall_tilt=np.radians(tilt), samples=4000)
+    steps = np.diff(surface.profile, axis=0)
+    middle = 0.5 * (surface.angles[1:] + surface.angles[:-1])
+    assert np.abs(np.arctan2(steps[:, 1], steps[:, 0]) - middle).max() < 1e-5
+    assert surface.angles[0] == 0.0
+    assert surface.angles[-1] == pytest.approx(surface.slope, abs=1e-12)
