@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Literal, Protocol
 
 import numpy as np
@@ -10,7 +11,7 @@ from pydantic import Field
 from ..procedural.description import Scene
 from ..procedural.model import Matrix4, Model, Vector3
 from ..procedural.surroundings.description import Camera
-from ..render.frame import Geometry
+from ..render.frame import Geometry, Sampling
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states
 from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
@@ -102,11 +103,30 @@ class ObjectLabel(Model):
     centroid: Centroid
 
 
+class PictureNoise(Model):
+    """How far one eye's picture was taken before the denoiser."""
+
+    spp: int = Field(description="Samples per pixel")
+    noise: float | None = Field(
+        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
+    )
+
+
 class Labels(Model):
     """All objects of a scene in one view, in the order of their ids."""
 
     schema_version: Literal["glassware/labels/1"] = LABELS_SCHEMA
     objects: tuple[ObjectLabel, ...]
+    left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
+    right: PictureNoise | None = Field(default=None, description="Of the right picture")
+
+
+def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> Labels:
+    """Return the labels with what is known of the pictures' noise."""
+    if sampling is None:
+        return labels
+    left, right = (PictureNoise(spp=eye.spp, noise=None if isnan(eye.noise) else eye.noise) for eye in sampling)
+    return labels.model_copy(update={"left": left, "right": right})
 
 
 def annotate(

@@ -1,4 +1,4 @@
-"""OpenEXR pictures of named float32 channels."""
+"""OpenEXR pictures of named channels, float32 or, where that is enough, half."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ import OpenEXR
 
 from ..procedural.errors import InputError
 
-#: Ids are stored in float32 as well: every whole number below 2^24 is exact in it, and a file of one type is read by
-#: more programs.
+#: Ids are stored as floats as well, which more programs read. Float32 holds every whole number below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
 
 
 def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
-    """Write channels, each (H, W), as float32 with ZIP compression; the same channels give the same bytes.
+    """Write channels, each (H, W), with ZIP compression; the same channels give the same bytes.
 
-    Infinities and NaN survive. The header has no date and no name, so files can be compared.
+    Float16 arrays are written as half, everything else as float32. Infinities and NaN survive. The header has no date
+    and no name, so files can be compared.
     """
     shapes = {values.shape for values in channels.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2:
         raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    stored = {name: OpenEXR.Channel(_float32(values)) for name, values in channels.items()}
+    stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
     OpenEXR.File(header, stored).write(str(path))
 
 
 def read_exr(path: Path) -> dict[str, np.ndarray]:
-    """Return the channels of a file, each (H, W) float32; InputError where it is missing or damaged."""
+    """Return the channels of a file, each (H, W) float32 or float16; InputError where it is missing or damaged."""
     if not path.is_file():
         raise InputError(path, "a readable EXR file", "none")
     try:
@@ -37,13 +37,13 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     except (RuntimeError, ValueError) as error:  # a file cut short is one or the other
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
     for name, values in channels.items():
-        if values.dtype != np.float32:
-            raise InputError(f"{path}: channel {name}", "float32", values.dtype)
+        if values.dtype not in (np.float32, np.float16):
+            raise InputError(f"{path}: channel {name}", "float32 or half", values.dtype)
     return channels
 
 
 def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:
-    """Return channels side by side, (H, W, n) float32.
+    """Return channels side by side, (H, W, n).
 
     Parameters
     ----------
@@ -66,13 +66,15 @@ def unstacked(values: np.ndarray, names: str) -> dict[str, np.ndarray]:
 
 
 def channel(channels: dict[str, np.ndarray], name: str, path: Path) -> np.ndarray:
-    """Return one channel, (H, W) float32; InputError where the file has none of that name."""
+    """Return one channel, (H, W); InputError where the file has none of that name."""
     if name not in channels:
         raise InputError(path, f"a channel {name}", f"{sorted(channels)}")
     return channels[name]
 
 
-def _float32(values: np.ndarray) -> np.ndarray:
+def _stored(values: np.ndarray) -> np.ndarray:
+    if values.dtype == np.float16:
+        return np.ascontiguousarray(values)
     if np.issubdtype(values.dtype, np.integer) and values.size and int(values.max()) >= _LARGEST_WHOLE:
         raise ValueError(f"ids: expected below {_LARGEST_WHOLE}, got {values.max()}")
     return np.ascontiguousarray(values, dtype=np.float32)

@@ -8,7 +8,7 @@
         scene.json  meshes/*.ply  objects.json  views.json
         000/
             camera.json  labels.json  instances.png
-            left.png  right.png  left.exr  right.exr  geometry.exr
+            left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
 ASSETS, SCENES = "assets", "scenes"
 SCENE, OBJECTS, SCENE_VIEWS = "scene.json", "objects.json", "views.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
+LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 EYES = ("left", "right")
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")

@@ -16,13 +16,14 @@ from ..procedural.errors import InputError
 from ..procedural.model import Model
 from ..procedural.scene_file import check_schema, load_scene, parsed, read_json
 from ..procedural.surroundings.description import Camera
-from ..render.frame import Geometry
+from ..render.frame import Geometry, Layers, Refraction
 from . import layout
 from .camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .dataset_file import DatasetFile
 from .exr import channel, read_exr, stacked
 from .objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .pictures import read_png
+from .ray_files import read_layers, read_refraction
 from .writer import read_head
 
 M = TypeVar("M", bound=Model)
@@ -71,6 +72,14 @@ class StoredView:
             crossed=self._masks("mask_amodal", Z.shape),
             reached=self._masks("mask_seen", Z.shape),
         )
+
+    def layers(self) -> Layers:
+        """Return the surfaces along the left camera's straight rays, as many layers as the file has."""
+        return read_layers(self.folder / layout.LAYERS)
+
+    def refraction(self) -> Refraction:
+        """Return where the left camera's refracted rays go."""
+        return read_refraction(self.folder / layout.REFRACTION)
 
     def _masks(self, field: str, shape: tuple[int, ...]) -> np.ndarray:
         masks = np.zeros((0, *shape), bool)

@@ -6,9 +6,10 @@ really there, and never names a scene that is not.
 
 from __future__ import annotations
 
+from math import isnan
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -20,10 +21,6 @@ from ..procedural.scene_file import parsed, read_json
 from ..render.frame import Frame
 from . import layout
 from .durable import write_atomically
-
-#: Keeps the relative error finite in black pixels; the usual choice for relMSE (Rousselle et al. 2011, "Adaptive
-#: Sampling and Reconstruction using Greedy Error Minimization", section 5).
-_RELATIVE_FLOOR = 1e-2
 
 #: One row per view. Lists run over the scene's objects by ascending id.
 SCHEMA = pa.schema(
@@ -44,7 +41,10 @@ SCHEMA = pa.schema(
         ("visible_pixels", pa.list_(pa.int64())),
         ("visible_fractions", pa.list_(pa.float64())),
         ("seen_through_fractions", pa.list_(pa.float64())),
-        ("noise", pa.float64()),
+        ("spp_left", pa.int32()),
+        ("spp_right", pa.int32()),
+        ("noise_left", pa.float64()),
+        ("noise_right", pa.float64()),
         ("seconds_picture", pa.float64()),
         ("seconds_geometry", pa.float64()),
         ("seconds_denoise", pa.float64()),
@@ -72,7 +72,10 @@ class ViewRow(Model):
     visible_pixels: tuple[int, ...]
     visible_fractions: tuple[float | None, ...]  #: null where an object is out of the frame
     seen_through_fractions: tuple[float | None, ...]
-    noise: float | None  #: relMSE of the left picture before the denoiser against after; null without a denoiser
+    spp_left: int | None  #: samples per pixel that were taken
+    spp_right: int | None
+    noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
+    noise_right: float | None
     seconds_picture: float | None
     seconds_geometry: float | None
     seconds_denoise: float | None
@@ -107,17 +110,20 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
         visible_pixels=tuple(label.pixels.visible for label in labels.objects),
         visible_fractions=tuple(None if share is None else share.visible for share in shares),
         seen_through_fractions=tuple(None if share is None else share.seen_through for share in shares),
-        noise=None if frame.left_noisy is None else relative_error(frame.left_noisy, frame.left),
+        **_sampling(frame),
         seconds_picture=frame.seconds.get("picture"),
         seconds_geometry=frame.seconds.get("geometry"),
         seconds_denoise=frame.seconds.get("denoise"),
     )
 
 
-def relative_error(picture: np.ndarray, reference: np.ndarray) -> float:
-    """Return relMSE, the mean of ``(picture - reference)^2 / (reference^2 + 0.01)``, of (H, W, 3) radiances."""
-    picture, reference = picture.astype(np.float64), reference.astype(np.float64)
-    return float(np.mean((picture - reference) ** 2 / (reference**2 + _RELATIVE_FLOOR)))
+def _sampling(frame: Frame) -> dict[str, Any]:
+    left, right = frame.sampling or (None, None)
+    columns = {}
+    for eye, taken in (("left", left), ("right", right)):
+        columns[f"spp_{eye}"] = None if taken is None else taken.spp
+        columns[f"noise_{eye}"] = None if taken is None or isnan(taken.noise) else taken.noise
+    return columns
 
 
 def read_scene_views(root: Path) -> list[SceneViews]:

@@ -26,6 +26,7 @@ from .durable import is_leftover, remove_leftovers, whole_folder, write_atomical
 from .exr import unstacked, write_exr
 from .objects_file import objects_file
 from .pictures import srgb8, write_png
+from .ray_files import write_layers, write_refraction
 from .views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 
 
@@ -160,6 +161,10 @@ def _write_view(folder: Path, camera: Camera, view: View) -> None:
         write_png(folder / f"{eye}.png", srgb8(picture, camera.exposure))
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)
+    if frame.layers is not None:
+        write_layers(folder / layout.LAYERS, frame.layers)
+    if frame.refraction is not None:
+        write_refraction(folder / layout.REFRACTION, frame.refraction)
 
 
 def _channels(geometry: Geometry) -> dict:

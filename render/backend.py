@@ -22,7 +22,7 @@ CUDA = "cuda_ad_rgb"
 _LEAST_THREADS = 2
 
 
-def activate(variant: str | None = None) -> str:
+def activate(variant: str | None = None, spectral: bool | None = None) -> str:
     """Set a Mitsuba variant that has been proven to work here; safe to call again.
 
     Parameters
@@ -30,6 +30,8 @@ def activate(variant: str | None = None) -> str:
     variant : str, optional
         A name such as ``"llvm_ad_rgb"``. By default the one that is active already; else `CUDA` where a device works,
         else `LLVM`.
+    spectral : bool, optional
+        Whether the default is to have wavelengths instead of red, green and blue; None does not mind.
 
     Returns
     -------
@@ -41,7 +43,7 @@ def activate(variant: str | None = None) -> str:
     InputError
         If Mitsuba has no such variant, or the machine lacks what it needs: the message says what to install.
     """
-    chosen = variant or _active() or (CUDA if cuda_works() else LLVM)
+    chosen = variant or _coloured(_active() or (CUDA if cuda_works() else LLVM), spectral)
     if chosen == _active():
         return chosen
     # Before the imports below, so that a missing library is one clear line and not a line of Dr.Jit's as well.
@@ -64,6 +66,11 @@ def activate(variant: str | None = None) -> str:
     mi.set_variant(chosen)
     dr.set_thread_count(max(dr.thread_count(), _LEAST_THREADS))
     return chosen
+
+
+def _coloured(variant: str, spectral: bool | None) -> str:
+    backend = variant.split("_")[0]
+    return variant if spectral is None else f"{backend}_ad_{'spectral' if spectral else 'rgb'}"
 
 
 @functools.cache

@@ -61,6 +61,14 @@ class Refraction:
     transmittance: np.ndarray  #: (H, W, 3) float16, share of light by Fresnel and absorption along the ray
 
 
+@dataclass(frozen=True)
+class Sampling:
+    """How far a picture was taken before the denoiser."""
+
+    spp: int  #: samples per pixel
+    noise: float  #: relative error, estimated: the root of the expected mean of (I - R)^2 / (R^2 + 0.01); NaN unknown
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
@@ -71,5 +79,6 @@ class Frame:
     right_noisy: np.ndarray | None  #: (H, W, 3) float32
     geometry: Geometry
     seconds: dict[str, float]  #: time spent on "picture", "geometry", "refraction", "denoise" [s]
+    sampling: tuple[Sampling, Sampling] | None = None  #: of the left and the right picture; None where not rendered
     layers: Layers | None = None  #: of the left camera; None where none were asked for
     refraction: Refraction | None = None  #: of the left camera; None where it was not asked for

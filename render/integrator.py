@@ -41,15 +41,12 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
     is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
     from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here.
     """
-    scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
-    max_depth, rr_depth = mi.UInt32(picture.max_depth), mi.UInt32(picture.rr_depth)
-    dr.make_opaque(offset, max_depth, rr_depth)
-
-    carried = mi.UnpolarizedSpectrum(weight)
+    scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
+    offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
+    rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
     # ---- Loop state ----
-    ray = mi.Ray3f(ray)
-    depth = mi.UInt32(0)
+    ray, depth = mi.Ray3f(ray), mi.UInt32(0)
     L, beta = mi.UnpolarizedSpectrum(0.0), mi.UnpolarizedSpectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
     previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
@@ -70,7 +67,7 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
 
         emitted = beta * _ran_into(scene, si, previous, pdf, delta, active)
         L += emitted
-        # The environment is its own guide: without it the denoiser would smear what glass shows of it.
+        # The sky is its own guide: without it the denoiser would smear what glass shows of it.
         albedo = dr.select(~hit & ~guided, dr.minimum(grey_guide(emitted), 1.0), albedo)
         guided |= ~hit
 
@@ -98,8 +95,7 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
 
         # ---- On to the next segment, if roulette lets it ----
         beta *= weight
-        medium = mi.UInt32(facing)
-        previous = mi.Interaction3f(si)
+        medium, previous = mi.UInt32(facing), mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
         survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, _SURVIVE), 1.0)

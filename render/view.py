@@ -8,10 +8,11 @@ import numpy as np
 
 from ..procedural.randomness import stream_seed
 from .denoise import denoise
-from .frame import Frame
-from .geometry import trace_geometry
+from .frame import Frame, Sampling
+from .geometry import trace_straight
 from .kernel import Kernel
 from .picture import Noisy, trace_picture
+from .refraction import trace_refraction
 
 
 def render_view(kernel: Kernel, view: int) -> Frame:
@@ -37,8 +38,12 @@ def render_view(kernel: Kernel, view: int) -> Frame:
     seconds["picture"] = perf_counter() - start
 
     start = perf_counter()
-    geometry = trace_geometry(kernel, camera)
+    geometry, layers = trace_straight(kernel, camera, scene.picture.layers)
     seconds["geometry"] = perf_counter() - start
+
+    start = perf_counter()
+    refraction = trace_refraction(kernel, [camera])[0] if scene.picture.refraction else None
+    seconds["refraction"] = perf_counter() - start
 
     start = perf_counter()
     denoised = scene.picture.denoise
@@ -49,6 +54,9 @@ def render_view(kernel: Kernel, view: int) -> Frame:
         right_noisy=right.radiance if denoised else None,
         geometry=geometry,
         seconds=seconds,
+        sampling=(Sampling(left.spp, left.noise), Sampling(right.spp, right.noise)),
+        layers=layers if scene.picture.layers else None,
+        refraction=refraction,
     )
     seconds["denoise"] = perf_counter() - start
     return frame

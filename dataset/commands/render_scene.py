@@ -10,7 +10,7 @@ from pydantic import Field
 from rich.console import Console
 
 from ...annotate.keypoints import SceneKeypoints, scene_keypoints
-from ...annotate.labels import annotate
+from ...annotate.labels import annotate, with_noise
 from ...procedural.description import Scene
 from ...procedural.draw import draw_scene
 from ...procedural.inputs import check_inputs
@@ -55,7 +55,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
     with stages.timed("inputs"):
         check_inputs(settings)
     with stages.timed("backend"):
-        backend = activate()
+        backend = activate(spectral=settings.picture.spectral)
     head = DatasetFile(
         name=request.name,
         seed=request.seed,
@@ -110,7 +110,7 @@ def _views(scene: Scene, points: SceneKeypoints, stages: Stages) -> Iterator[Vie
         stages.add(frame.seconds)
         with stages.timed("labels"):
             sight = line_of_sight(kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
-            labels = annotate(scene, camera, frame.geometry, points, sight)
+            labels = with_noise(annotate(scene, camera, frame.geometry, points, sight), frame.sampling)
         stages.advance()
         yield View(number, frame, labels)
 
