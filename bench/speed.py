@@ -30,8 +30,9 @@ def time_to(curve: list[Point], error: float) -> tuple[float, bool]:
     error : float
         relMSE after denoising.
     """
-    # Of points that are no better than a cheaper one only the cheaper counts: error falls along the curve.
-    better = [point for i, point in enumerate(curve) if all(point.clean < other.clean for other in curve[:i])]
+    # Points that another one beats in both time and error do not count: error falls along the curve.
+    better = [p for p in curve if not any(q.seconds <= p.seconds and q.clean <= p.clean for q in curve if q is not p)]
+    better.sort(key=lambda point: point.seconds)
     if len(better) < 2:
         return (better[0].seconds, better[0].clean <= error)
     x = np.log([point.clean for point in better])
