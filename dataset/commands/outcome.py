@@ -20,7 +20,18 @@ def outcome(command: Callable[[], None]) -> int:
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
         return 2
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, RuntimeError) as error:
+        if not _stopped(error):
+            raise
         console.print("stopped; nothing half-written is left", markup=False, highlight=False)
         return _INTERRUPTED
     return 0
+
+
+def _stopped(error: BaseException | None) -> bool:
+    """Tell whether Ctrl-C is behind an error: Dr.Jit wraps what is raised while it records a loop."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
