@@ -33,7 +33,7 @@ LABEL_SHARE = 0.15
 #: Most that a scene of the fast preset may take on two cores [s].
 FAST_SECONDS = 180.0
 #: What makes labels: geometry, and what is computed from it.
-_LABELS = ("geometry", "labels")
+_LABELS = ("geometry", "refraction", "labels")
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _rows(once: dict, first: dict, later: dict, views: int, fast: bool) -> list[
     compiling = sum(first.values()) - sum(later.values()) / (views - 1)
     rows.append(Row("first view, beyond a later one", compiling, "s", note="compiling kernels"))
     share = sum(later[stage] for stage in _LABELS) / later["picture"]
-    rows.append(_judged("labels over picture", share, "", LABEL_SHARE, "geometry and labels"))
+    rows.append(_judged("labels over picture", share, "", LABEL_SHARE, "geometry, refraction, labels"))
     rows.append(_judged("all", total, "s", FAST_SECONDS, "") if fast else Row("all", total, "s"))
     return rows
 
