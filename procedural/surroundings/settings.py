@@ -72,7 +72,7 @@ class CameraSettings(Model):
         default=0.06499999761581421, gt=0.0, le=1.0, description="Left to right camera [m], 0 to 1 (Syn-TODD)"
     )
     slack: FactorRange = Field(
-        default=(1.05, 1.6), description="Range of the distance over the shortest that shows all objects, >= 1"
+        default=(1.0, 1.35), description="Range of the distance over the shortest that shows all objects, >= 1"
     )
     min_distance: float = Field(default=0.3, gt=0.0, description="Shortest distance to the point looked at [m], > 0")
     lowest_elevation: float = Field(

@@ -1,0 +1,43 @@
+"""``glassware COMMAND ...``: every command under one name."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+
+from rich.console import Console
+
+from ...procedural.errors import InputError
+from . import render_scene
+from .outcome import outcome
+
+#: Name of each command, what it does, and its entry point.
+_COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {
+    "render": ("one labelled scene from a seed (also: render-scene)", render_scene.main),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command that the first argument names; the exit code is its own."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if given and given[0] in _COMMANDS:
+        return _COMMANDS[given[0]][1](given[1:])
+    if given in (["--help"], ["-h"]):
+        _help()
+        return 0
+    return outcome(lambda: _refuse(given))
+
+
+def _help() -> None:
+    console = Console()
+    console.print("usage: glassware COMMAND [OPTIONS]", highlight=False)
+    for name, (purpose, _) in _COMMANDS.items():
+        console.print(f"  {name:10} {purpose}", highlight=False)
+
+
+def _refuse(given: Sequence[str]) -> None:
+    raise InputError("glassware", f"a command, one of {', '.join(_COMMANDS)}", given[0] if given else "none")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
