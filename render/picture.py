@@ -21,6 +21,8 @@ PATHS_PER_PASS = 1 << 22
 #: Share of segments that may start in the wrong medium. Rays that slip through the hairline between two triangles do;
 #: a reversed or missing interface gives a share of several per cent.
 MAX_VIOLATIONS = 1e-4
+#: So many segments may do so in a picture of any size: in a tiny one a single ray in a hairline is more than that share.
+FEW_VIOLATIONS = 10
 #: Groups that the samples of a batch are averaged in; their spread tells the noise. A variance from four groups is
 #: off by 80 % in one pixel (chi-square with three degrees of freedom), by 0.2 % over the pixels of a small picture.
 _GROUPS = 4
@@ -150,7 +152,7 @@ def _group_means(result: Radiance, count: int, group: int) -> np.ndarray:
 
 
 def _check_media(counts: np.ndarray, eye: str) -> None:
-    if counts[0] > MAX_VIOLATIONS * counts[1]:
+    if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
             f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments arrive in another medium than they started in "
             f"(at most {MAX_VIOLATIONS:g} of them may): an interface is missing or turned round"
