@@ -14,6 +14,7 @@ from ...annotate.labels import annotate, with_noise
 from ...procedural.description import Scene
 from ...procedural.draw import draw_scene
 from ...procedural.inputs import check_inputs
+from ...procedural.sanity import check_scene
 from ...procedural.settings import SceneSettings
 from ...render.backend import activate
 from .. import layout
@@ -65,6 +66,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
     )
     with stages.timed("description"):
         scene = draw_scene(settings, request.seed, request.scene)
+        check_scene(scene)
     start_dataset(request.out, head, [request.scene])
     previews = _written(request.out, scene, stages)
     with stages.timed("preview"):

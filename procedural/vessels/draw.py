@@ -54,7 +54,7 @@ def draw_vessel(
     Returns
     -------
     Vessel
-        With ``world_T_object`` the identity; the frame's origin is the centre of the bounding box, z up.
+        With ``world_T_object`` the identity; the origin is the centre of the bounding box, z up.
 
     Raises
     ------
@@ -72,12 +72,8 @@ def draw_vessel(
     outer, inner = (Curve(curve.points - lift, curve.normals) for curve in (section.outer, section.inner))
     volume, roughness = _draw_volume(rng, settings, inner, liquid_medium), _draw_roughness(rng, settings)
     reach = float(outer.points[:, 0].max())
-    common = {
-        "glass": glass,
-        "roughness": roughness,
-        "segments": segments_for(reach, settings.chord_error),
-        "name": name,
-    }
+    segments = segments_for(reach, settings.chord_error)
+    common = {"glass": glass, "roughness": roughness, "segments": segments, "name": name}
     if volume is None or liquid_medium is None:
         liquid, interfaces = None, dry_interfaces(outer, inner, **common)
     else:

@@ -71,7 +71,7 @@ def test_the_meshes_normals_meet_at_the_contact_angle(full_vessels):
         ring = np.flatnonzero(top.vertices[:, 2] == np.float32(vessel.liquid.contact))
         on_wall = {tuple(row): normal for row, normal in zip(wall.vertices.tolist(), wall.normals, strict=True)}
         cosines = [top.normals[i].astype(float) @ on_wall[tuple(top.vertices[i].tolist())] for i in ring]
-        # Normals of float32; at 5 degrees an error of 1e-7 in the cosine is one of 1e-6 in the angle.
+        # Normals of float32; at 10 degrees an error of 1e-7 in the cosine is one of 6e-7 in the angle.
         expected = max(vessel.liquid.medium.contact_angle, LEAST_ANGLE)
         assert np.arccos(cosines) == pytest.approx(expected, abs=5e-6)
         assert vessel.liquid.contact_angle == pytest.approx(expected, abs=1e-9)
@@ -135,7 +135,7 @@ def test_a_liquid_that_wets_meets_the_wall_at_the_least_angle():
     assert _angle_at_wall(surface, np.array([-1.0, 0.0])) == pytest.approx(LEAST_ANGLE, abs=1e-7)
     # What that costs in height is what the constant's comment says.
     rise = surface.contact - surface.centre
-    assert 1.0 - rise / (np.sqrt(2.0) * LENGTH) == pytest.approx(0.045, abs=LENGTH / 0.03)
+    assert 1.0 - rise / (np.sqrt(2.0) * LENGTH) == pytest.approx(0.091, abs=0.5 * LENGTH / 0.03)
 
 
 def test_a_liquid_without_its_constants_is_flat():
