@@ -23,8 +23,9 @@ class Check:
     name: str
     expected: float
     measured: float
-    error: float  #: distance of the two, in `unit`
-    unit: str  #: of `error`, `limit` and `bound`
+    unit: str  #: of both
+    error: float  #: distance of the two
+    error_unit: str  #: of `error`, `limit` and `bound`
     limit: float  #: what rounding, facets and noise explain at most
     basis: str  #: where `limit` comes from
     bound: float | None = None  #: what the project promises; None where `limit` is all there is to ask
@@ -52,9 +53,9 @@ def worst(
     basis : str
         Where the limit comes from.
     unit : str
-        Unit of the error; percent where `relative`.
+        Unit of the quantity.
     relative : bool
-        Whether the error is a percentage of the closed form.
+        Whether error, limit and bound are percentages of the closed form; in `unit` otherwise.
     bound : float, optional
         What the project promises, in the unit of the error.
     """
@@ -65,8 +66,10 @@ def worst(
         raise ValueError(f"{name}: expected numbers, measured {measured}")
     error = np.abs(measured - expected) * (100.0 / np.abs(expected) if relative else 1.0)
     at = np.unravel_index(np.argmax(error / limit), error.shape)
-    unit = "%" if relative else unit
-    return Check(name, *(float(v[at]) for v in (expected, measured, error)), unit, float(limit[at]), basis, bound)
+    numbers = (float(values[at]) for values in (expected, measured, error, limit))
+    return Check(
+        name, next(numbers), next(numbers), unit, next(numbers), "%" if relative else unit, next(numbers), basis, bound
+    )
 
 
 def mean_check(name: str, expected: float, values: np.ndarray, rounding: float, bound: float | None) -> Check:

@@ -16,6 +16,8 @@ from .loading import interface, loaded
 #: What the project promises [%].
 ABSORPTION_BOUND, FURNACE_BOUND = 0.2, 0.2
 _GLASS, _WATER = Medium(name="glass", eta=1.52), Medium(name="water", eta=1.333)
+#: Settings of a picture whose paths end only where light does.
+_TO_THE_END = {"max_depth": 1024, "rr_depth": 1024}
 #: Absorption of the slab, in three colours [1/m]: 5 cm let 90, 37 and 13 % pass.
 _SIGMA = (2.0, 20.0, 40.0)
 
@@ -65,6 +67,8 @@ def beer_lambert(paths: int, lengths: tuple[float, ...] = (0.01, 0.02, 0.05)) ->
 def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> list[Check]:
     """Look at a hollow ball of clear glass, empty and full of water, in a white furnace: it must be invisible.
 
+    Paths are followed to their end, without roulette: what is lost, the interfaces lose. `roulette` has the rest.
+
     Parameters
     ----------
     paths : int
@@ -75,14 +79,37 @@ def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> li
     outer, inner = shell(0.05, 0.046)
     checks = []
     for alpha in alphas:
-        empty = loaded(interface(both(outer, inner), _GLASS, roughness=alpha))
+        empty = loaded(interface(both(outer, inner), _GLASS, roughness=alpha), **_TO_THE_END)
         filled = loaded(
             interface(outer, _GLASS, roughness=alpha),
             interface(inner, _GLASS, _WATER, roughness=alpha, part="wet_wall"),
+            **_TO_THE_END,
         )
         what = f"rough {alpha:g}" if alpha > 0.0 else "smooth"
         for state, kernel in (("empty", empty), ("filled", filled)):
             checks.append(_white(f"White furnace: {what} glass, {state}", kernel, paths))
+    return checks
+
+
+def roulette(paths: int, alphas: tuple[float, ...] = (0.0, 0.2, 0.5)) -> list[Check]:
+    """Look at the same filled ball with the roulette and the longest path of a picture's default settings.
+
+    Parameters
+    ----------
+    paths : int
+        Paths at each ball.
+    alphas : tuple of float
+        GGX roughness of the glass.
+    """
+    outer, inner = shell(0.05, 0.046)
+    checks = []
+    for alpha in alphas:
+        kernel = loaded(
+            interface(outer, _GLASS, roughness=alpha),
+            interface(inner, _GLASS, _WATER, roughness=alpha, part="wet_wall"),
+        )
+        what = f"rough {alpha:g}" if alpha > 0.0 else "smooth"
+        checks.append(_white(f"White furnace with roulette: {what} glass, filled", kernel, paths))
     return checks
 
 

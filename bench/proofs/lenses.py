@@ -33,9 +33,7 @@ def ball_lens(subdivisions: int = 6) -> list[Check]:
     # A facet lies under the sphere by edge^2 / 8 at its sides and edge^2 / 6 at its middle. Its smoothed normal is that
     # of the point of the sphere in its direction, so heights are off by that share at each of the two surfaces.
     sagitta = (1.11 * 2.0**-subdivisions) ** 2 / 6.0
-    return [
-        _focal("Focal length of a ball lens [mm]", kernel, np.array([0.0, 0.0, -1.0]), radius, expected, 2.0 * sagitta)
-    ]
+    return [_focal("Focal length of a ball lens", kernel, np.array([0.0, 0.0, -1.0]), radius, expected, 2.0 * sagitta)]
 
 
 def plano_convex_lens(rings: int = 65, segments: int = 256) -> list[Check]:
@@ -53,9 +51,7 @@ def plano_convex_lens(rings: int = 65, segments: int = 256) -> list[Check]:
     # Along a meridian facets are chords of the sphere. Around it they are chords of the ring: heights shrink by that.
     sagitta = edge**2 / 6.0 + (2.0 * np.pi / segments) ** 2 / 6.0
     return [
-        _focal(
-            "Focal length of a plano-convex lens [mm]", kernel, np.array([0.0, 0.0, -1.0]), radius, expected, sagitta
-        )
+        _focal("Focal length of a plano-convex lens", kernel, np.array([0.0, 0.0, -1.0]), radius, expected, sagitta)
     ]
 
 
@@ -73,7 +69,7 @@ def _focal(name: str, kernel: object, along: np.ndarray, radius: float, expected
     rounding = 2 * ROUNDINGS * EPS * expected / (share * radius)
     limit = 100.0 * (sagitta + 5.0 / 3.0 * rounding + 10.0 * 4.0 * (2.0 * share) ** 4)
     basis = "facets, float32, fourth-order aberration"
-    return worst(name, expected * 1e3, 1e3 / power, limit, basis, relative=True, bound=FOCAL_BOUND)
+    return worst(name, expected * 1e3, 1e3 / power, limit, basis, unit="mm", relative=True, bound=FOCAL_BOUND)
 
 
 def _power(kernel: object, along: np.ndarray, height: float) -> float:

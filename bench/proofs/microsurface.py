@@ -21,8 +21,8 @@ def reciprocity(rays: int, alphas: tuple[float, ...] = (0.05, 0.2, 0.5), seed: i
     """Send diffuse light at a rough interface from both sides and compare how much goes from where to where.
 
     Reversed, a path carries the same light: ``f(i, o) = f(o, i)`` for reflection and ``f(i, o) / n_o^2 =
-    f(o, i) / n_i^2`` for transmission (Veach 1997, eq. 5.12). Under diffuse light the flux from cell i to cell o is then
-    that from o to i, times the ratio of the squared indices where it crosses. Cells are compared by chi-square.
+    f(o, i) / n_i^2`` for transmission (Veach 1997, eq. 5.12). Under diffuse light the flux from cell i to cell o is
+    then that from o to i, times the ratio of the squared indices where it crosses. Cells are compared by chi-square.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _chi2(name: str, one: np.ndarray, other: np.ndarray, scale: float) -> Check:
     limit = stats.chi2.isf(FALSE_ALARM, len(a)) / len(a)
     basis = f"chi-square of {len(a)} cells, {a.sum() + b.sum():.0f} events, false alarm {FALSE_ALARM:g}"
     measured = float(statistic / len(a))
-    return Check(name + ", chi-square a cell", 1.0, measured, measured, "", float(limit), basis)
+    return Check(name + ", chi-square a cell", 1.0, measured, "", measured, "", float(limit), basis)
 
 
 def first_facet(rays: int, alpha: float = 0.1, degrees: float = 30.0, seed: int = 1) -> list[Check]:
@@ -116,7 +116,16 @@ def first_facet(rays: int, alpha: float = 0.1, degrees: float = 30.0, seed: int 
         limit = stats.norm.isf(FALSE_ALARM / used.sum())
         basis = f"normal law in {used.sum()} cells, false alarm {FALSE_ALARM:g}"
         checks.append(
-            Check(f"{name}: largest lack, in sigma", 0.0, deficit, max(deficit, 0.0), "", float(limit), basis)
+            Check(
+                f"{name}: largest lack in a cell",
+                0.0,
+                float(deficit),
+                "sigma",
+                float(max(deficit, 0.0)),
+                "sigma",
+                float(limit),
+                basis,
+            )
         )
         lost = 1.0 - theirs.sum()
         difference = np.abs(ours - theirs).sum()
@@ -124,7 +133,16 @@ def first_facet(rays: int, alpha: float = 0.1, degrees: float = 30.0, seed: int 
         noise = spread.sum() * np.sqrt(2.0 / np.pi) + stats.norm.isf(FALSE_ALARM) * np.sqrt((spread**2).sum())
         basis = "light that Mitsuba's model loses, and noise"
         checks.append(
-            Check(f"{name}: summed difference", 0.0, difference, 100.0 * difference, "%", 100.0 * (lost + noise), basis)
+            Check(
+                f"{name}: summed difference",
+                0.0,
+                100.0 * float(difference),
+                "%",
+                100.0 * float(difference),
+                "%",
+                100.0 * float(lost + noise),
+                basis,
+            )
         )
     return checks
 

@@ -161,11 +161,12 @@ def apparent_depth(angles_deg: np.ndarray) -> list[Check]:
     limit = 100.0 * limit / expected
     return [
         worst(
-            f"Apparent depth under water at {angle:g} deg [mm]",
+            f"Apparent depth under water at {angle:g} deg",
             expected[i] * 1e3,
             seen[i] * 1e3,
             limit[i],
             "float32, start offset",
+            unit="mm",
             relative=True,
         )
         for i, angle in enumerate(angles_deg)
@@ -208,7 +209,7 @@ def _azimuth(directions: mi.Vector3f) -> np.ndarray:
 
 
 def _ramp() -> np.ndarray:
-    """A map whose radiance grows evenly from column to column."""
+    """Return a map whose radiance grows evenly from column to column."""
     columns = np.roll(np.linspace(1.0, 2.0, _COLUMNS), _COLUMNS // 2)  # the jump back from 2 to 1 lies at -x
     return np.broadcast_to(columns[None, :, None], (_COLUMNS // 2, _COLUMNS, 3))
 

@@ -1,0 +1,106 @@
+"""The renderer against the laws of optics: quantity, closed form, measured, error, bound.
+
+    python bench/physics.py
+    python bench/physics.py --only fresnel energy --json physics.json
+
+The same measurements run in the tests with smaller budgets (`tests/render/physics/`), held to what rounding, facets and
+noise explain. Here they are held to what the project promises; where it promises nothing, to the same limits.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated
+
+import mitsuba as mi
+import numpy as np
+import tyro
+from proofs import derivatives, energy, fresnel, lenses, microsurface, snell
+from proofs.check import Check
+from rich.console import Console
+from table import Row, report
+
+from glassware.procedural.errors import InputError
+from glassware.render.backend import activate
+
+#: Every measurement by its topic, at the budget of the printed table.
+TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
+    "snell": (
+        lambda: snell.slab(np.arange(0.0, 86.0)),
+        lambda: snell.prism_angles(np.arange(36.0, 81.0)),
+        lambda: snell.apparent_depth(np.array([0.5, 20.0, 45.0, 70.0])),
+    ),
+    "dispersion": (snell.dispersed_prism,),
+    "fresnel": (lambda: fresnel.shares(1 << 20), fresnel.critical_angle, fresnel.brewster_angle),
+    "lenses": (lenses.ball_lens, lenses.plano_convex_lens, lenses.glass_of_water),
+    "absorption": (lambda: energy.beer_lambert(4_000_000),),
+    "energy": (
+        lambda: energy.furnace(100_000),
+        lambda: energy.roulette(2_000_000),
+        lambda: energy.radiance_inside(100_000),
+        lambda: energy.radiance_inside(400_000, alpha=0.2),
+    ),
+    "microsurface": (
+        lambda: microsurface.reciprocity(4_000_000),
+        lambda: microsurface.first_facet(4_000_000, alpha=0.05),
+        lambda: microsurface.first_facet(4_000_000, alpha=0.1),
+    ),
+    "derivatives": (derivatives.slab, derivatives.ball_by_differences),
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to measure."""
+
+    only: tuple[str, ...] = ()
+    """Topics to measure; all by default."""
+    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
+    """File to write the figures to."""
+
+
+def main() -> int:
+    """Measure and print."""
+    options = tyro.cli(Options, description=__doc__)
+    try:
+        chosen = _chosen(options.only)
+        variant = activate()
+    except InputError as error:
+        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
+        return 2
+    start = perf_counter()
+    rows = [_row(check) for topic in chosen for measure in TOPICS[topic] for check in measure()]
+    facts = {"variant": variant, "mitsuba": mi.__version__, "seconds": round(perf_counter() - start)}
+    return report("The renderer against the laws of optics", rows, options.json_file, **facts)
+
+
+def _chosen(names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if name not in TOPICS:
+            raise InputError("--only", "topics of " + ", ".join(TOPICS), name)
+    return names or tuple(TOPICS)
+
+
+def _row(check: Check) -> Row:
+    bound = check.limit if check.bound is None else check.bound
+    unit = "" if check.error_unit == check.unit else f"error in {check.error_unit}; "
+    explained = "" if check.bound is None else f"explained: {check.limit:.2g}; "
+    return Row(
+        name=check.name,
+        measured=check.measured,
+        unit=check.unit,
+        expected=check.expected,
+        error=check.error,
+        bound=bound,
+        ratio=check.error / bound,
+        ok=bool(check.error <= bound),
+        note=unit + explained + check.basis,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
