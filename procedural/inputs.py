@@ -10,7 +10,7 @@ from .surroundings.hdri import hdri_files, read_hdri
 
 
 def check_inputs(settings: SceneSettings) -> None:
-    """Read every file of the folders in the settings, so that a bad one is refused whether a scene would draw it or not.
+    """Read every file of the folders in the settings: a bad one is refused, whether a scene would draw it or not.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ PATHS_PER_PASS = 1 << 22
 #: Share of segments that may start in the wrong medium. Rays that slip through the hairline between two triangles do;
 #: a reversed or missing interface gives a share of several per cent.
 MAX_VIOLATIONS = 1e-4
-#: So many segments may do so in a picture of any size: in a tiny one a single ray in a hairline is more than that share.
+#: So many segments may do so in a picture of any size: in a tiny one a single hairline is more than that share.
 FEW_VIOLATIONS = 10
 #: Groups that the samples of a batch are averaged in; their spread tells the noise. A variance from four groups is
 #: off by 80 % in one pixel (chi-square with three degrees of freedom), by 0.2 % over the pixels of a small picture.
