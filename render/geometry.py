@@ -98,8 +98,7 @@ def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Str
     """Follow straight rays through everything that they meet; `into` takes their layers."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
     dr.make_opaque(offset)
-    ray = mi.Ray3f(ray)
-    travelled = mi.Float(0.0)
+    origin, direction, ray = mi.Point3f(ray.o), mi.Vector3f(ray.d), mi.Ray3f(ray)
     first, background = mi.Float(dr.inf), mi.Float(dr.inf)
     first_id, background_id = mi.UInt32(0), mi.UInt32(0)
     normal, transmittance = mi.Normal3f(0.0), mi.Color3f(1.0)
@@ -116,7 +115,8 @@ def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Str
         instance = dr.gather(mi.UInt32, table.instance, row, active)
         thing = dr.gather(mi.Int32, table.object, row, active)
         opaque = dr.gather(mi.Bool, table.opaque, row, active)
-        distance = travelled + si.t
+        # Along the whole ray: a sum over its segments would miss the little that each starts off its surface.
+        distance = dr.dot(si.p - origin, direction)
 
         record(into, table, met, si, ray, distance, active)
         met += dr.select(active, mi.UInt32(1), mi.UInt32(0))
@@ -138,7 +138,6 @@ def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Str
         reached |= dr.select(before | (blocker == thing), bit, mi.UInt64(0))
         blocker = dr.select(stops, thing, blocker)
 
-        travelled = distance
         ray = leave(si, ray.d, offset)
         surfaces += 1
         active &= surfaces < MAX_SURFACES

@@ -17,7 +17,7 @@ from ..procedural.errors import InputError
 from ..procedural.surroundings.description import Camera
 from .dielectric import refracted, upright_normal
 from .frame import HIT, LOST, SURROUNDINGS, Refraction
-from .integrator import _met
+from .integrator import met
 from .kernel import Kernel
 from .rays import Pinhole, leave, pinhole, pixel_rays
 from .surfaces import registry_id
@@ -41,7 +41,6 @@ class Refracted:
     length: mi.Float  #: geometric length of the whole path [m]; only for `HIT`
 
 
-@dr.syntax
 def refract(
     kernel: Kernel,
     ray: mi.Ray3f,
@@ -76,8 +75,17 @@ def refract(
     """
     if derivatives and not dr.is_diff_v(mi.Float):
         raise InputError("derivatives", "a variant with AD, such as llvm_ad_rgb", mi.variant())
+    eta = kernel.surfaces.eta if eta is None else eta
+    sigma_a = kernel.surfaces.sigma_a if sigma_a is None else sigma_a
+    return _followed(kernel, ray, eta, sigma_a, max_interfaces, "evaluated" if derivatives else "symbolic")
+
+
+@dr.syntax
+def _followed(
+    kernel: Kernel, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
+) -> Refracted:
+    """Follow rays as `refract` says, in a symbolic or an evaluated loop."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
-    eta, sigma_a = table.eta if eta is None else eta, table.sigma_a if sigma_a is None else sigma_a
     limit = mi.UInt32(max_interfaces)
     dr.make_opaque(offset, limit)
 
@@ -88,12 +96,12 @@ def refract(
     transmittance = mi.Color3f(1.0)
     active = mi.Bool(True)
 
-    while dr.hint(active, mode="evaluated" if derivatives else "symbolic", exclude=[table, scene, eta, sigma_a, limit]):
+    while dr.hint(active, mode=mode, exclude=[table, scene, eta, sigma_a, limit]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
         row = registry_id(si.shape)
         # A lamp is part of the surroundings: as empty as the sky behind it.
         hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, active) > 0)
-        opaque, facing, beyond, n, ns = _met(table, si, ray, hit)
+        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         travelled = dr.select(hit, si.t, 0.0)
         length += travelled
         transmittance *= dr.exp(-dr.gather(mi.Color3f, sigma_a, facing, hit) * travelled)
@@ -105,7 +113,7 @@ def refract(
 
         active &= ~ends & (bounces < limit)
         ratio = dr.gather(mi.Float, eta, beyond, active) / dr.gather(mi.Float, eta, facing)
-        turned, share = _through(-ray.d, n, ns, ratio)
+        turned, share = through(-ray.d, n, ns, ratio)
         direction = dr.select(active, turned, direction)
         transmittance *= dr.select(active, share, 1.0)
         ray = leave(si, direction, offset)
@@ -114,7 +122,7 @@ def refract(
     return Refracted(state, point, direction, instance, bounces, transmittance, length)
 
 
-def _through(wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float) -> tuple[mi.Vector3f, mi.Float]:
+def through(wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float) -> tuple[mi.Vector3f, mi.Float]:
     """Return the direction behind an interface and the share of light that takes it; mirrored where that is total."""
     facet = upright_normal(wi, n, ns, eta)
     cos_i = dr.dot(wi, facet)

@@ -38,9 +38,26 @@ def backend() -> str:
 
 @pytest.fixture(scope="session")
 def analytic() -> ModuleType:
-    """The module `tests/analytic.py`, imported by path as all test files are: a scene of closed forms."""
-    name = "glassware_tests_analytic"
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("analytic.py"))
+    """The module `tests/analytic.py`: a scene of closed forms."""
+    return _module("analytic")
+
+
+@pytest.fixture(scope="session")
+def optical_bench() -> ModuleType:
+    """The module `tests/optical_bench.py`: scenes of one glass body each."""
+    return _module("optical_bench")
+
+
+@pytest.fixture(scope="session")
+def numpy_tracer() -> ModuleType:
+    """The module `tests/numpy_tracer.py`: a second, independent refractive ray tracer."""
+    return _module("numpy_tracer")
+
+
+def _module(stem: str) -> ModuleType:
+    """Import a module beside this file by its path, as all test files are."""
+    name = f"glassware_tests_{stem}"
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{stem}.py"))
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)
