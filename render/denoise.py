@@ -11,8 +11,7 @@ import pyoidn
 def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return the picture without its noise.
 
-    The guides are cleaned first, so that the coin tosses in the glass do not reach the picture through them
-    (Open Image Denoise's documentation, "prefiltering").
+    The guides must be free of noise (`guides.trace_guides`): they are trusted.
 
     Parameters
     ----------
@@ -28,21 +27,18 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
     (H, W, 3) float32
         Linear radiance, >= 0.
     """
-    clean_albedo = _filtered({pyoidn.OIDN_IMAGE_ALBEDO: albedo})
-    clean_normal = _filtered({pyoidn.OIDN_IMAGE_NORMAL: normal})
-    guides = {pyoidn.OIDN_IMAGE_ALBEDO: clean_albedo, pyoidn.OIDN_IMAGE_NORMAL: clean_normal}
-    return _filtered({pyoidn.OIDN_IMAGE_COLOR: colour, **guides}, hdr=True, clean_guides=True)
-
-
-def _filtered(images: dict[str, np.ndarray], hdr: bool = False, clean_guides: bool = False) -> np.ndarray:
-    device = _device()
+    images = {
+        pyoidn.OIDN_IMAGE_COLOR: colour,
+        pyoidn.OIDN_IMAGE_ALBEDO: albedo,
+        pyoidn.OIDN_IMAGE_NORMAL: normal,
+    }
     images = {name: np.ascontiguousarray(image, dtype=np.float32) for name, image in images.items()}
-    result = np.zeros_like(next(iter(images.values())))
+    result, device = np.zeros_like(images[pyoidn.OIDN_IMAGE_COLOR]), _device()
     with pyoidn.Filter(device, pyoidn.OIDN_FILTER_TYPE_RT) as task:
         for name, image in (*images.items(), (pyoidn.OIDN_IMAGE_OUTPUT, result)):
             task.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
-        task.set_bool("hdr", hdr)
-        task.set_bool("cleanAux", clean_guides)
+        task.set_bool("hdr", True)
+        task.set_bool("cleanAux", True)
         task.set_quality(pyoidn.OIDN_QUALITY_HIGH)
         task.commit()
         task.execute()

@@ -13,7 +13,7 @@ from .dielectric import scatter
 from .kernel import Kernel
 from .rays import leave
 from .sampler import Samples, four, hashed
-from .spectrum import absorption_at, first_only, grey_guide, index_at, to_rgb
+from .spectrum import absorption_at, first_only, index_at, to_rgb
 from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
@@ -27,8 +27,6 @@ class Radiance:
     """What a bundle of paths brought back, one entry a path."""
 
     radiance: mi.Color3f
-    albedo: mi.Color3f  #: guide: reflectance of the first rough surface, dimmed on the way there
-    normal: mi.Normal3f  #: guide: its normal, world frame
     violations: mi.UInt32  #: segments whose medium was not the one that the next surface faced them with
     segments: mi.UInt32
 
@@ -52,25 +50,19 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
     previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
     pdf, delta = mi.Float(1.0), mi.Bool(True)  # its density, and whether emitter sampling could not have found it
     medium = mi.UInt32(AIR_INDEX)  # medium of the segment, by the events so far
-    albedo, normal, guided = mi.Color3f(0.0), mi.Normal3f(0.0), mi.Bool(False)
     violations, segments, alone = mi.UInt32(0), mi.UInt32(0), mi.Bool(False)
     active = mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, points, carried]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
         hit = active & si.is_valid()
-        opaque, facing, beyond, n, ns = _met(table, si, ray, hit)
+        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         segments += 1
         violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
         sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
         beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
 
-        emitted = beta * _ran_into(scene, si, previous, pdf, delta, active)
-        L += emitted
-        # The sky is its own guide: without it the denoiser would smear what glass shows of it.
-        albedo = dr.select(~hit & ~guided, dr.minimum(grey_guide(emitted), 1.0), albedo)
-        guided |= ~hit
-
+        L += beta * _ran_into(scene, si, previous, pdf, delta, active)
         active = mi.Bool(hit)
         light_at, lobe_at, coin, gamble = _numbers(points, depth)
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.UnpolarizedSpectrum(0.0), mi.Float(1.0), mi.Bool(True)
@@ -78,9 +70,6 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
             light, direction, weight, pdf, delta = _opaque(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
-            if dr.hint(~guided, exclude=[table, scene, points, carried]):
-                albedo, normal = grey_guide(beta * si.bsdf().eval_diffuse_reflectance(si)), mi.Normal3f(ns)
-                guided = mi.Bool(True)
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
             eta = _relative_index(table, facing, beyond, si.wavelengths)
@@ -102,7 +91,7 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         active &= dr.any(beta > 0.0) & (depth < max_depth) & (gamble < survive)
         beta *= dr.rcp(survive)
 
-    return Radiance(to_rgb(L * carried, ray.wavelengths), albedo, normal, violations, segments)
+    return Radiance(to_rgb(L * carried, ray.wavelengths), violations, segments)
 
 
 def _numbers(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
@@ -117,7 +106,7 @@ def _relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, w
     return behind / index_at(table.index, facing, wavelengths, mi.Bool(True))
 
 
-def _met(
+def met(
     table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, hit: mi.Bool
 ) -> tuple[mi.Bool, mi.UInt32, mi.UInt32, mi.Normal3f, mi.Normal3f]:
     """Return of the surface met: whether it is opaque, the media before and behind it, and its normals.

@@ -10,13 +10,14 @@ import numpy as np
 
 from ..procedural.description import Picture
 from ..procedural.surroundings.description import Camera
+from .guides import trace_guides
 from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
 from .sampler import four, samples
 from .spectrum import draw_wavelengths
 
-#: Paths traced at a time. Each holds about 60 bytes of results, so a pass stays under 300 MB.
+#: Paths traced at a time. Each holds 20 bytes of results, so a pass stays under 100 MB.
 PATHS_PER_PASS = 1 << 22
 #: Share of segments that may start in the wrong medium. Rays that slip through the hairline between two triangles do;
 #: a reversed or missing interface gives a share of several per cent.
@@ -74,8 +75,8 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
         _check_media(sums.counts, eye)
         if picture.noise is not None and sums.noise(camera.exposure) <= picture.noise:
             break
-    means = sums.means().astype(np.float32).reshape(3, 3, camera.height, camera.width)
-    radiance, albedo, normal = np.ascontiguousarray(means.transpose(0, 2, 3, 1))
+    radiance = sums.means().astype(np.float32).T.reshape(camera.height, camera.width, 3)
+    albedo, normal = trace_guides(kernel, camera, eye)
     violations = float(sums.counts[0] / sums.counts[1])
     return Noisy(radiance, albedo, normal, sums.noise(camera.exposure), sums.spp, violations)
 
@@ -85,19 +86,19 @@ class _Sums:
 
     def __init__(self, pixels: int) -> None:
         self.spp, self.groups, self.squares = 0, 0, 0
-        self.weighted = np.zeros((9, pixels))  # sum of n m
+        self.weighted = np.zeros((3, pixels))  # sum of n m
         self.spread, self.cross = np.zeros((3, pixels)), np.zeros((3, pixels))  # sums of (n m)^2 and of n^2 m
         self.counts = np.zeros(2)  # violations, segments
 
     def add(self, means: np.ndarray, size: int) -> None:
-        """Add the means (9, pixels) of a group of samples."""
+        """Add the means (3, pixels) of a group of samples."""
         self.weighted += size * means
-        self.spread += (size * means[:3]) ** 2
-        self.cross += size**2 * means[:3]
+        self.spread += (size * means) ** 2
+        self.cross += size**2 * means
         self.spp, self.groups, self.squares = self.spp + size, self.groups + 1, self.squares + size**2
 
     def means(self) -> np.ndarray:
-        """Return the means over all samples, (9, pixels)."""
+        """Return the means over all samples, (3, pixels)."""
         return self.weighted / self.spp
 
     def noise(self, exposure: float) -> float:
@@ -108,7 +109,7 @@ class _Sums:
         """
         if self.groups < 2:
             return float("nan")
-        mean = self.means()[:3]
+        mean = self.means()
         scatter = self.spread - 2.0 * mean * self.cross + mean**2 * self.squares
         variance = np.maximum(scatter, 0.0) / self.spp**2 * self.groups / (self.groups - 1)
         relative = exposure**2 * variance / ((exposure * mean) ** 2 + RELATIVE_FLOOR)
@@ -145,10 +146,9 @@ def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int,
 
 
 def _group_means(result: Radiance, count: int, group: int) -> np.ndarray:
-    """Return the means of each group of samples, (count // group, 9, pixels)."""
-    channels = [*result.radiance, *result.albedo, *result.normal]
-    sums = [np.array(dr.block_sum(channel, group), np.float64) for channel in channels]
-    return np.stack(sums).reshape(len(channels), -1, count // group).transpose(2, 0, 1) / group
+    """Return the means of each group of samples, (count // group, 3, pixels)."""
+    sums = [np.array(dr.block_sum(channel, group), np.float64) for channel in result.radiance]
+    return np.stack(sums).reshape(3, -1, count // group).transpose(2, 0, 1) / group
 
 
 def _check_media(counts: np.ndarray, eye: str) -> None:
