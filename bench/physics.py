@@ -12,6 +12,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Annotated
@@ -19,7 +20,7 @@ from typing import Annotated
 import mitsuba as mi
 import numpy as np
 import tyro
-from proofs import derivatives, energy, fresnel, lenses, microsurface, snell
+from proofs import derivatives, energy, fresnel, lenses, microsurface, snell, vessels
 from proofs.check import Check
 from rich.console import Console
 from table import Row, report
@@ -40,9 +41,12 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
     "absorption": (lambda: energy.beer_lambert(4_000_000),),
     "energy": (
         lambda: energy.furnace(100_000),
-        lambda: energy.roulette(2_000_000),
         lambda: energy.radiance_inside(100_000),
         lambda: energy.radiance_inside(400_000, alpha=0.2),
+    ),
+    "vessels": (
+        lambda: vessels.second_tracer(300),
+        *(partial(vessels.default_furnace, 4_000_000, alpha) for alpha in (0.0, 0.05, 0.2, 0.5)),
     ),
     "microsurface": (
         lambda: microsurface.reciprocity(4_000_000),

@@ -99,9 +99,9 @@ def ball_by_differences(heights: int = 24) -> list[Check]:
     heights : int
         Number of rays, off the axis by up to half the radius.
     """
-    radius, step, subdivisions = 0.04, 1e-3, 6
+    radius, subdivisions = 0.04, 6
     kernel = loaded(interface(ball(radius, subdivisions), _GLASS), props=[screen((0.1, -0.2, -0.2), (0.11, 0.2, 0.2))])
-    height = radius * np.linspace(0.08, 0.5, heights)
+    height = radius * np.linspace(0.2, 0.5, heights)
     origins = np.stack([np.full(heights, -0.1), height, 0.3 * height], 1)
     directions = np.broadcast_to([1.0, 0.0, 0.0], origins.shape)
 
@@ -126,8 +126,8 @@ def ball_by_differences(heights: int = 24) -> list[Check]:
 
     checks = []
     for what, function, at, h in (
-        ("index", landing, _GLASS.eta, step),
-        ("place of its vertices", landing_moved, 0.0, radius * step),
+        ("index", landing, _GLASS.eta, 4e-3),
+        ("place of its vertices", landing_moved, 0.0, 1e-3 * radius),
     ):
         ours = _forward(function, at)
         law = _central(function, at, h)

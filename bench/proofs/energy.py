@@ -67,7 +67,8 @@ def beer_lambert(paths: int, lengths: tuple[float, ...] = (0.01, 0.02, 0.05)) ->
 def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> list[Check]:
     """Look at a hollow ball of clear glass, empty and full of water, in a white furnace: it must be invisible.
 
-    Paths are followed to their end, without roulette: what is lost, the interfaces lose. `roulette` has the rest.
+    Paths are followed to their end, without roulette: what is lost, the interfaces lose.
+    `vessels.default_furnace` has roulette and the longest path of a picture.
 
     Parameters
     ----------
@@ -88,28 +89,6 @@ def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> li
         what = f"rough {alpha:g}" if alpha > 0.0 else "smooth"
         for state, kernel in (("empty", empty), ("filled", filled)):
             checks.append(_white(f"White furnace: {what} glass, {state}", kernel, paths))
-    return checks
-
-
-def roulette(paths: int, alphas: tuple[float, ...] = (0.0, 0.2, 0.5)) -> list[Check]:
-    """Look at the same filled ball with the roulette and the longest path of a picture's default settings.
-
-    Parameters
-    ----------
-    paths : int
-        Paths at each ball.
-    alphas : tuple of float
-        GGX roughness of the glass.
-    """
-    outer, inner = shell(0.05, 0.046)
-    checks = []
-    for alpha in alphas:
-        kernel = loaded(
-            interface(outer, _GLASS, roughness=alpha),
-            interface(inner, _GLASS, _WATER, roughness=alpha, part="wet_wall"),
-        )
-        what = f"rough {alpha:g}" if alpha > 0.0 else "smooth"
-        checks.append(_white(f"White furnace with roulette: {what} glass, filled", kernel, paths))
     return checks
 
 

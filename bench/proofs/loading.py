@@ -14,7 +14,7 @@ from glassware.procedural.description import Interface, Picture, Prop, Scene, Ve
 from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
 from glassware.procedural.mesh import Mesh, joined
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.surroundings.description import Camera, PictureEnvironment, Table
+from glassware.procedural.surroundings.description import Camera, PictureEnvironment, SkyEnvironment, Table
 from glassware.render.kernel import Kernel, load
 
 from .bodies import box
@@ -24,6 +24,10 @@ SCREEN_ID = 9
 _CLAY = OpaqueMaterial(name="clay", base_colour=UniformTexture(colour=(0.5, 0.5, 0.5)), roughness=1.0)
 #: A table is part of every scene. This one is too small to be met: 1e-5 m, half a metre aside.
 _TABLE = np.array([[0.3, 0.3, -0.3], [0.30001, 0.3, -0.3], [0.3, 0.30001, -0.3]])
+#: Stands in a description until `loaded_scene` puts a map in its place; it is never baked.
+_SKY = SkyEnvironment(
+    sun_elevation=1.0, sun_radiance=1.0, sun_radius=0.1, turbidity=3.0, cloudiness=0.0, ground=(0.5,) * 3, seed=1
+)
 #: Radiance 1 in every direction: a white furnace.
 FURNACE = np.ones((8, 16, 3))
 
@@ -77,19 +81,38 @@ def loaded(
         size=tuple(np.ptp(joined([item.mesh for item in interfaces], "all").bounds, axis=0)),
         world_T_object=np.eye(4),
     )
-    with tempfile.TemporaryDirectory(prefix="glassware-proof-") as folder:
-        description = Scene(
+    return loaded_scene(
+        Scene(
             seed=1,
             scene_id=0,
-            table=Table(mesh=Mesh("table", _TABLE, [[0, 1, 2]], uv=np.zeros((3, 2))), material=_CLAY, size=(1e-5,) * 3),
+            table=_speck(),
             vessels=(vessel,),
             props=tuple(props),
-            environment=_map(environment, Path(folder)),
+            environment=_SKY,
             lights=(),
             cameras=(_camera(),),
             picture=Picture.model_validate(picture),
-        )
-        return load(description)
+        ),
+        environment,
+    )
+
+
+def loaded_scene(description: Scene, environment: np.ndarray = FURNACE) -> Kernel:
+    """Load a scene under a map of radiance, (h, 2 * h, 3), in place of its own surroundings."""
+    planes = {name: np.ascontiguousarray(environment[..., i], dtype=np.float32) for i, name in enumerate("RGB")}
+    with tempfile.TemporaryDirectory(prefix="glassware-proof-") as folder:
+        path = Path(folder) / "map.exr"
+        OpenEXR.File({}, planes).write(str(path))
+        return load(description.model_copy(update={"environment": PictureEnvironment(asset=asset(path))}))
+
+
+def alone(description: Scene) -> Scene:
+    """Return a scene with its vessels and nothing else: the table far too small to be met, no props, no lamps."""
+    return description.model_copy(update={"table": _speck(), "props": (), "lights": ()})
+
+
+def _speck() -> Table:
+    return Table(mesh=Mesh("table", _TABLE, [[0, 1, 2]], uv=np.zeros((3, 2))), material=_CLAY, size=(1e-5,) * 3)
 
 
 def _camera() -> Camera:
@@ -103,10 +126,3 @@ def _camera() -> Camera:
         exposure=1.0,
         grid_index=0,
     )
-
-
-def _map(pixels: np.ndarray, folder: Path) -> PictureEnvironment:
-    planes = {name: np.ascontiguousarray(pixels[..., i], dtype=np.float32) for i, name in enumerate("RGB")}
-    path = folder / "map.exr"
-    OpenEXR.File({}, planes).write(str(path))
-    return PictureEnvironment(asset=asset(path))

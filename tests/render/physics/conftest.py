@@ -1,0 +1,45 @@
+"""The measurements of `bench/proofs`, imported by path, at budgets of a test."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+PROOFS = Path(__file__).resolve().parents[3] / "bench" / "proofs"
+
+
+@pytest.fixture
+def law(backend: str) -> Callable[[str], ModuleType]:
+    """Name -> the module of `bench/proofs`."""
+    package = "glassware_proofs"
+    if package not in sys.modules:
+        spec = importlib.util.spec_from_file_location(
+            package, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]
+        )
+        sys.modules[package] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[package])
+    return lambda name: importlib.import_module(f"{package}.{name}")
+
+
+@pytest.fixture
+def holds() -> Callable[[list], None]:
+    """Assert that what is measured differs from the law by no more than rounding, facets and noise explain."""
+
+    def check_all(checks: list) -> None:
+        assert checks
+        for check in checks:
+            assert check.error <= check.limit, f"{check.name}: {check.error:g} {check.error_unit} over {check.limit:g}"
+
+    return check_all
+
+
+@pytest.fixture
+def broken() -> Callable[[list], bool]:
+    """Tell whether any measurement differs by more."""
+    return lambda checks: any(check.error > check.limit for check in checks)
