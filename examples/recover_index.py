@@ -1,0 +1,212 @@
+"""Recover index and colour of a ball of dyed liquid from one rendered picture, by gradient descent.
+
+    python examples/recover_index.py [--out docs/recover_index.png]
+
+The picture is path-traced with everything that light does. Derivatives come from a model that knows less: for each
+pixel the refracted ray, dimmed by Fresnel and absorption, and the first mirror image. What it leaves out, light that is
+mirrored inside the ball, some 4 %, is rendered at the present estimate every few steps and added; so the right answer
+is where picture and model agree, not beside it. The ball hangs before a smooth pattern, because a derivative only sees
+as far as the pattern is monotonic. The loss is over the ball's inner part: the derivative of the refracted ray does not
+know that silhouettes move.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from argparse import ArgumentParser
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import trimesh
+from rich.console import Console
+
+from glassware.dataset.exr import write_exr
+from glassware.procedural.assets import asset
+from glassware.procedural.description import Interface, Picture, Scene, Vessel
+from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
+from glassware.procedural.mesh import Mesh
+from glassware.procedural.optics.medium import AIR, Medium
+from glassware.procedural.surroundings.description import Camera, PictureEnvironment, Table
+from glassware.render.backend import activate
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+#: What is to be found, and where the search begins.
+TRUTH, START = 1.45, 1.30
+#: The same of its absorption for red, green and blue [1/m].
+COLOUR, COLOUR_START = (1.0, 4.0, 2.5), 2.0
+STEPS, RATE, COLOUR_RATE = 120, 0.01, 0.1
+#: Steps between two renderings of what the model leaves out.
+RENEWED = 10
+SIZE, RADIUS, HEIGHT = 96, 0.1, 2.0
+#: Part of the ball's radius, as the eye sees it, that the loss looks at.
+INNER = 0.8
+
+
+def main() -> int:
+    """Render, fit, print and draw."""
+    options = ArgumentParser(description="Recover a ball's index from one picture.")
+    options.add_argument("--out", type=Path, default=Path("docs/recover_index.png"))
+    given = options.parse_args()
+    activate("llvm_ad_rgb")
+    with tempfile.TemporaryDirectory() as folder:
+        pattern = Path(folder) / "pattern.exr"
+        write_pattern(pattern)
+        picture, history, fitted = fit(pattern)
+    Console().print(f"absorption {COLOUR}: found {np.round(history[-1][2:], 2)} from {COLOUR_START} per metre")
+    Console().print(f"index {TRUTH}: found {history[-1][0]:.4f} from {START}, off by {history[-1][0] - TRUTH:+.4f}")
+    draw(given.out, picture, fitted, history)
+    return 0
+
+
+def write_pattern(path: Path) -> None:
+    """Write the surroundings: waves of red, green and blue as broad as the ball shows whole."""
+    row, column = np.mgrid[:64, :128]
+    azimuth, height = 2 * np.pi * (column + 0.5) / 128, np.cos(np.pi * (row + 0.5) / 64)
+    planes = [0.5 + 0.35 * np.cos(3 * azimuth), 0.5 + 0.35 * np.sin(2.0 * height), 0.5 + 0.35 * np.sin(2 * azimuth)]
+    write_exr(path, {name: plane.astype(np.float32) for name, plane in zip("RGB", planes, strict=True)})
+
+
+def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) -> Scene:
+    """Return a ball of dyed liquid before a pattern; the table that every scene has lies far below."""
+    liquid = Medium(name="dyed liquid", eta=index, sigma_a=colour)
+    solid = trimesh.creation.icosphere(subdivisions=5)
+    normals = solid.vertices / np.linalg.norm(solid.vertices, axis=1, keepdims=True)
+    mesh = Mesh("ball", RADIUS * normals, solid.faces, normals)
+    pose = np.eye(4)
+    pose[2, 3] = HEIGHT
+    ball = Vessel(
+        id=2,
+        name="ball",
+        category="ball",
+        glass=liquid,
+        roughness=0.0,
+        wall=2 * RADIUS,
+        outer=((0.0, -RADIUS), (RADIUS, 0.0), (0.0, RADIUS)),
+        inner=((0.0, RADIUS), (0.0, RADIUS)),
+        interfaces=(Interface(part="outside", mesh=mesh, front=AIR, back=liquid),),
+        size=(2 * RADIUS,) * 3,
+        world_T_object=pose,
+    )
+    board = trimesh.creation.box(extents=(0.1, 0.1, 0.01))
+    grey = OpaqueMaterial(name="grey", base_colour=UniformTexture(colour=(0.5, 0.5, 0.5)), roughness=1.0)
+    world_T_camera = np.eye(4)
+    world_T_camera[:3, :3] = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    world_T_camera[:3, 3] = (0.0, -0.5, HEIGHT)
+    return Scene(
+        seed=1,
+        scene_id=0,
+        table=Table(
+            mesh=Mesh("table", board.vertices - [0, 0, 0.005], board.faces), material=grey, size=(0.1, 0.1, 0.01)
+        ),
+        vessels=(ball,),
+        props=(),
+        environment=PictureEnvironment(asset=asset(pattern)),
+        lights=(),
+        cameras=(
+            Camera(
+                width=SIZE,
+                height=SIZE,
+                focal=2.0 * SIZE,
+                centre=((SIZE - 1) / 2,) * 2,
+                world_T_camera=world_T_camera,
+                baseline=0.05,
+                exposure=1.0,
+                grid_index=0,
+            ),
+        ),
+        picture=Picture(spp=256, denoise=False),
+    )
+
+
+def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]:
+    """Return the picture, index and loss after each step, and what the model shows at the end."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from glassware.render.kernel import load
+    from glassware.render.picture import trace_picture
+    from glassware.render.rays import pinhole, pixel_rays
+
+    scene = ball_scene(TRUTH, COLOUR, pattern)
+    kernel, camera = load(scene), scene.cameras[0]
+    picture = trace_picture(kernel, camera, "left", 1).radiance
+    ray, _ = pixel_rays(pinhole(camera), dr.arange(mi.UInt32, SIZE * SIZE), mi.Point2f(0.0))
+    target = mi.Color3f(np.ascontiguousarray(picture.reshape(-1, 3).T))
+    rows, columns = np.mgrid[:SIZE, :SIZE] - (SIZE - 1) / 2
+    # The ball's outline is the cone of half angle asin(radius / distance).
+    inner = np.hypot(rows, columns) < INNER * camera.focal * np.tan(np.arcsin(RADIUS / 0.5))
+    weight = mi.Float(inner.ravel().astype(np.float32) / inner.sum())
+
+    optimiser = mi.ad.Adam(lr=RATE, params={"index": mi.Float(START), "colour": mi.Color3f(COLOUR_START)})
+    optimiser.set_learning_rate({"colour": COLOUR_RATE})
+    history, rest = [], mi.Color3f(0.0)
+    for step in range(STEPS + 1):
+        index, colour = optimiser["index"], optimiser["colour"]
+        shown = model(kernel, ray, index, colour)
+        if step % RENEWED == 0:
+            guess = ball_scene(float(index[0]), tuple(np.array(colour).ravel().tolist()), pattern)
+            rendered = trace_picture(load(guess), camera, "left", 2 + step).radiance
+            rest = mi.Color3f(np.ascontiguousarray(rendered.reshape(-1, 3).T)) - dr.detach(shown)
+        loss = dr.sum(weight * dr.squared_norm(shown + rest - target))
+        history.append((float(index[0]), float(loss[0]), *np.array(colour).ravel().tolist()))
+        dr.backward(loss)
+        optimiser.step()
+        optimiser["colour"] = dr.maximum(optimiser["colour"], 0.0)
+    return picture, history, np.array(dr.detach(shown + rest)).T.reshape(SIZE, SIZE, 3)
+
+
+def model(kernel, ray, index, colour):
+    """Return the light of the refracted rays and of the first mirror image, differentiable by index and colour."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from glassware.render.refraction import refract
+
+    eta = dr.select(dr.arange(mi.UInt32, 2) == 0, 1.0, index)  # media: air, glass
+    lane = dr.arange(mi.UInt32, 6)
+    sigma_a = dr.select(lane < 3, 0.0, dr.gather(mi.Float, dr.ravel(colour), lane % 3))
+    end = refract(kernel, ray, eta, sigma_a, derivatives=True)
+    si = kernel.mi_scene.ray_intersect(ray)
+    cos = -dr.dot(si.sh_frame.n, ray.d)
+    reflectance, *_ = mi.fresnel(cos, index)
+    mirrored = mi.reflect(-ray.d, si.sh_frame.n)
+    share = dr.select(si.is_valid(), reflectance, 0.0)
+    return end.transmittance * arriving(kernel, end.direction) + share * arriving(kernel, mirrored)
+
+
+def arriving(kernel, direction):
+    """Return the surroundings' radiance from a direction."""
+    import drjit as dr
+    import mitsuba as mi
+
+    seen = dr.zeros(mi.SurfaceInteraction3f, dr.width(direction))
+    seen.wi = -direction
+    return mi.Color3f(kernel.mi_scene.environment().eval(seen))
+
+
+def draw(out: Path, picture: np.ndarray, fitted: np.ndarray, history: list[tuple[float, ...]]) -> None:
+    """Draw the picture, the fitted model, and index and loss by step."""
+    figure, axes = plt.subplots(1, 5, figsize=(15, 3), layout="constrained")
+    for panel, values, title in ((axes[0], picture, "rendered picture"), (axes[1], fitted, "fitted")):
+        panel.imshow(np.clip(values, 0, 1) ** (1 / 2.2))
+        panel.set_title(title)
+        panel.axis("off")
+    index, loss, *colour = np.array(history).T
+    axes[2].plot(index)
+    axes[2].axhline(TRUTH, color="black", linestyle=":")
+    axes[2].set(title=f"index: {index[-1]:.4f} (true {TRUTH})", xlabel="step")
+    for name, found, true in zip(("red", "green", "blue"), colour, COLOUR, strict=True):
+        axes[3].plot(found, color=name)
+        axes[3].axhline(true, color=name, linestyle=":")
+    axes[3].set(title="absorption [1/m]", xlabel="step")
+    axes[4].semilogy(loss)
+    axes[4].set(title="mean squared error", xlabel="step")
+    figure.savefig(out, dpi=80)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
