@@ -75,7 +75,8 @@ def _followed(
         weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
         alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape), hit)
 
-        light = exposure * grey_guide(si.emitter(scene, active).eval(si, active))
+        emitter = si.emitter(scene, active)
+        light = exposure * grey_guide(emitter.eval(si, active))
         albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
         rough = hit & (opaque | (alpha > 0.0))
         colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import binary_dilation
 
 from glassware.procedural.description import Picture
 from glassware.procedural.mesh import Mesh
@@ -85,7 +86,10 @@ def test_smooth_glass_in_even_light_is_invisible_rims_above_all(furnace, fill):
         assert glass.sum() > 500
         for shown in (rim, glass):
             assert (np.abs(light[shown] - 1.0) > ROUNDING).mean() <= STRAY
-        np.testing.assert_allclose(light[~glass], 1.0, atol=1e-6)
+        # A pixel beside the silhouette may have samples on glass.
+        camera = kernel.description.cameras[number]
+        away = ~binary_dilation(glass.reshape(camera.height, camera.width), np.ones((3, 3), bool)).ravel()
+        np.testing.assert_allclose(light[away], 1.0, atol=1e-6)
 
 
 def test_the_default_path_length_loses_next_to_no_light(furnace):
