@@ -36,7 +36,12 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
         lambda: snell.apparent_depth(np.array([0.5, 20.0, 45.0, 70.0])),
     ),
     "dispersion": (snell.dispersed_prism,),
-    "fresnel": (lambda: fresnel.shares(1 << 20), fresnel.critical_angle, fresnel.brewster_angle),
+    "fresnel": (
+        lambda: fresnel.shares(1 << 20),
+        fresnel.refracted_share,
+        fresnel.critical_angle,
+        fresnel.brewster_angle,
+    ),
     "lenses": (lenses.ball_lens, lenses.plano_convex_lens, lenses.glass_of_water),
     "absorption": (lambda: energy.beer_lambert(4_000_000),),
     "energy": (
@@ -100,7 +105,7 @@ def _row(check: Check) -> Row:
         expected=check.expected,
         error=check.error,
         bound=bound,
-        ratio=check.error / bound,
+        ratio=check.error / bound if bound > 0.0 else None,
         ok=bool(check.error <= bound),
         note=unit + explained + check.basis,
     )

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .bundles import scattered
+from glassware.procedural.optics.medium import Medium
+
+from .bodies import box
+from .bundles import refracted_rays, rows, scattered
 from .check import EPS, ROUNDINGS, Check, worst
+from .loading import interface, loaded
 
 #: What the project promises of reflectance and transmittance [%].
 FRESNEL_BOUND = 0.1
@@ -59,6 +63,18 @@ def shares(coins: int) -> list[Check]:
             name = f"Fresnel: {what}, {side}, 0-89 deg"
             checks.append(worst(name, law, found, limit, basis, relative=True, bound=FRESNEL_BOUND))
     return checks
+
+
+def refracted_share() -> list[Check]:
+    """Measure what the refracted trace says of light through both faces of a slab at 0 to 89 degrees."""
+    theta = np.radians(np.arange(90.0))
+    kernel = loaded(interface(box((0, -0.2, -0.2), (0.02, 0.2, 0.2)), Medium(name="glass", eta=_N)))
+    directions = np.stack([np.cos(theta), np.sin(theta), np.zeros_like(theta)], 1)
+    found = rows(refracted_rays(kernel, -0.05 * directions, directions).transmittance)[:, 0]
+    through = 1.0 - reflectance(theta, _N)
+    limit = 100.0 * (2.0 * _by_rounding(theta, _N) / through + ROUNDINGS * EPS)
+    name = "Fresnel: transmittance of a slab, refracted ray, 0-89 deg"
+    return [worst(name, through**2, found, limit, "float32", relative=True, bound=FRESNEL_BOUND)]
 
 
 def critical_angle() -> list[Check]:

@@ -60,14 +60,14 @@ def second_tracer(rays: int, most: int = 6) -> list[Check]:
     explained = exact.bounces * moved + 2.0 * shift
     return [
         Check(
-            f"Drawn glass of water, {used.sum()} rays: same interfaces as the second tracer",
+            "Drawn glass of water: rays that meet what the second tracer's meet",
             100.0,
             100.0 * float(same[used].mean()),
             "%",
             100.0 * float(1.0 - same[used].mean()),
             "%",
             0.0,
-            f"none of {used.sum()} may differ; {int((~steady).sum())} of {rays} graze an edge",
+            f"none of {used.sum()} rays may differ; {int((~steady).sum())} of {rays} graze an edge and are left out",
         ),
         worst(
             "Drawn glass of water: landing point, off the second tracer's",
