@@ -105,8 +105,8 @@ def _row(check: Check) -> Row:
         expected=check.expected,
         error=check.error,
         bound=bound,
-        ratio=check.error / bound if bound > 0.0 else None,
-        ok=bool(check.error <= bound),
+        ratio=check.share if check.bound is None else check.error / bound,
+        ok=check.share <= 1.0 if check.bound is None else check.error <= bound,
         note=unit + explained + check.basis,
     )
 

@@ -24,10 +24,11 @@ class Check:
     expected: float
     measured: float
     unit: str  #: of both
-    error: float  #: distance of the two
+    error: float  #: distance of the two; the largest of all that were measured
     error_unit: str  #: of `error`, `limit` and `bound`
     limit: float  #: what rounding, facets and noise explain at most
     basis: str  #: where `limit` comes from
+    share: float  #: largest share of its limit that any of them uses: at most 1 in a right renderer
     bound: float | None = None  #: what the project promises; None where `limit` is all there is to ask
 
 
@@ -42,7 +43,7 @@ def worst(
     relative: bool = False,
     bound: float | None = None,
 ) -> Check:
-    """Return the check of the entry that uses most of its limit, of arrays of one shape.
+    """Return the check of arrays of one shape: the entry with the largest error, and the most that any limit is used.
 
     Parameters
     ----------
@@ -65,11 +66,26 @@ def worst(
     if not np.isfinite(measured).all():
         raise ValueError(f"{name}: expected numbers, measured {measured}")
     error = np.abs(measured - expected) * (100.0 / np.abs(expected) if relative else 1.0)
-    at = np.unravel_index(np.argmax(error / limit), error.shape)
-    numbers = (float(values[at]) for values in (expected, measured, error, limit))
+    at = np.unravel_index(np.argmax(error), error.shape)
     return Check(
-        name, next(numbers), next(numbers), unit, next(numbers), "%" if relative else unit, next(numbers), basis, bound
+        name=name,
+        expected=float(expected[at]),
+        measured=float(measured[at]),
+        unit=unit,
+        error=float(error[at]),
+        error_unit="%" if relative else unit,
+        limit=float(limit[at]),
+        basis=basis,
+        share=float((error / limit).max()),
+        bound=bound,
     )
+
+
+def single(name: str, expected: float, measured: float, error: float, unit: str, limit: float, basis: str) -> Check:
+    """Return the check of one number whose error is not a plain difference, such as a test statistic."""
+    share = error / limit if limit > 0.0 else float("inf") if error > 0.0 else 0.0
+    numbers = float(expected), float(measured), unit, float(error), unit, float(limit)
+    return Check(name, *numbers, basis, float(share))
 
 
 def mean_check(name: str, expected: float, values: np.ndarray, rounding: float, bound: float | None) -> Check:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from .bundles import rows, scattered
-from .check import FALSE_ALARM, Check
+from .check import FALSE_ALARM, Check, single
 
 _N = 1.5
 #: Cells that expect fewer events than this are pooled: a normal law holds well enough above (Cochran 1954 asks for 5).
@@ -81,14 +81,14 @@ def _chi2(name: str, one: np.ndarray, other: np.ndarray, scale: float) -> Check:
     limit = stats.chi2.isf(FALSE_ALARM, len(a)) / len(a)
     basis = f"chi-square of {len(a)} cells, {a.sum() + b.sum():.0f} events, false alarm {FALSE_ALARM:g}"
     measured = float(statistic / len(a))
-    return Check(name + ", chi-square a cell", 1.0, measured, "", measured, "", float(limit), basis)
+    return single(name + ", chi-square a cell", 1.0, measured, measured, "", limit, basis)
 
 
 def first_facet(rays: int, alpha: float = 0.1, degrees: float = 30.0, seed: int = 1) -> list[Check]:
     """Compare with Mitsuba's `roughdielectric`, which ends at the first facet and loses what would meet another.
 
     Our light in a cell is Mitsuba's and what came there over more facets. So no cell may hold less than Mitsuba's, and
-    all excess together is what Mitsuba's model loses. Twice the excess bounds the summed absolute difference.
+    all excess together, the summed difference, is what Mitsuba's model loses.
 
     Parameters
     ----------
@@ -115,34 +115,14 @@ def first_facet(rays: int, alpha: float = 0.1, degrees: float = 30.0, seed: int 
         name = f"First facet, rough {alpha:g}, {side}, {degrees:g} deg"
         limit = stats.norm.isf(FALSE_ALARM / used.sum())
         basis = f"normal law in {used.sum()} cells, false alarm {FALSE_ALARM:g}"
-        checks.append(
-            Check(
-                f"{name}: largest lack in a cell",
-                0.0,
-                float(deficit),
-                "sigma",
-                float(max(deficit, 0.0)),
-                "sigma",
-                float(limit),
-                basis,
-            )
-        )
+        checks.append(single(f"{name}: largest lack in a cell", 0.0, deficit, max(deficit, 0.0), "sigma", limit, basis))
         lost = 1.0 - theirs.sum()
-        difference = np.abs(ours - theirs).sum()
+        difference = 100.0 * np.abs(ours - theirs).sum()
         # What noise alone adds to a sum of absolute values, at most, and its own spread.
         noise = spread.sum() * np.sqrt(2.0 / np.pi) + stats.norm.isf(FALSE_ALARM) * np.sqrt((spread**2).sum())
         basis = "light that Mitsuba's model loses, and noise"
         checks.append(
-            Check(
-                f"{name}: summed difference",
-                0.0,
-                100.0 * float(difference),
-                "%",
-                100.0 * float(difference),
-                "%",
-                100.0 * float(lost + noise),
-                basis,
-            )
+            single(f"{name}: summed difference", 0.0, difference, difference, "%", 100.0 * (lost + noise), basis)
         )
     return checks
 

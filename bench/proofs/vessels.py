@@ -17,7 +17,7 @@ from glassware.procedural.settings import SceneSettings
 from glassware.render.kernel import RAY_OFFSET
 
 from .bundles import refracted_rays, rows, traced
-from .check import EPS, ROUNDINGS, Check, mean_check, worst
+from .check import EPS, ROUNDINGS, Check, mean_check, single, worst
 from .energy import FURNACE_BOUND
 from .loading import alone, loaded_scene
 
@@ -59,12 +59,11 @@ def second_tracer(rays: int, most: int = 6) -> list[Check]:
     landed = np.linalg.norm(rows(end.point) - exact.point, axis=1)
     explained = exact.bounces * moved + 2.0 * shift
     return [
-        Check(
+        single(
             "Drawn glass of water: rays that meet what the second tracer's meet",
             100.0,
-            100.0 * float(same[used].mean()),
-            "%",
-            100.0 * float(1.0 - same[used].mean()),
+            100.0 * same[used].mean(),
+            100.0 * (1.0 - same[used].mean()),
             "%",
             0.0,
             f"none of {used.sum()} rays may differ; {int((~steady).sum())} of {rays} graze an edge and are left out",
