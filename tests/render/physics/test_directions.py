@@ -50,9 +50,22 @@ def test_an_index_wrong_in_the_fifth_digit_is_found(law, broken, monkeypatch, wr
 
 
 def test_a_gap_of_air_between_water_and_glass_is_found(law, broken, monkeypatch):
+    lenses, bodies = law("lenses"), law("bodies")
+    right = lenses.loaded
+
+    def with_gap(outside, wet):
+        bore = float(wet.mesh.bounds[1, 0])
+        water = bodies.tube(bore - 1e-5, 0.09, 2048, "water")
+        dry = wet.model_copy(update={"front": outside.front})
+        return right(outside, dry, lenses.interface(water, wet.front, part="liquid_surface"))
+
+    monkeypatch.setattr(lenses, "loaded", with_gap)
+    assert broken(lenses.glass_of_water())
+
+
+def test_a_bore_wrong_by_a_hundredth_of_a_millimetre_is_found(law, broken, monkeypatch):
     lenses = law("lenses")
     right = lenses.tube
-    # The water shrunk by a hundredth of a millimetre of its bore, as if its wall were elsewhere.
     monkeypatch.setattr(
         lenses, "tube", lambda r, *rest, **named: right(r - 1e-5 * named.get("inwards", 0), *rest, **named)
     )
