@@ -17,9 +17,9 @@ from glassware.procedural.description import Scene
 from glassware.procedural.materials.description import OpaqueMaterial
 from glassware.render import kernel as render_kernel
 from glassware.render.backend import activate
-from glassware.render.denoise import denoise
 from glassware.render.kernel import Kernel, load
-from glassware.render.picture import Noisy, trace_picture
+from glassware.render.picture import trace_picture
+from glassware.render.view import clean as clean_picture
 
 #: Samples of the picture that compiles the kernels.
 _WARM_UP = 1
@@ -73,7 +73,7 @@ def render(ours: Ours, spp: int, seed: int, clean: bool = True) -> Rendered:
     start = perf_counter()
     noisy = trace_picture(kernel, scene.cameras[0], "left", seed)
     traced = perf_counter()
-    denoised = _denoised(noisy) if clean else None
+    denoised = clean_picture(noisy) if clean else None
     return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)
 
 
@@ -83,10 +83,6 @@ def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
     exposure = scene.cameras[0].exposure
     path = folder / f"ours-{'plain-' if plain else ''}{digest(scene)}.npz"
     return reference(path, spp, lambda seed: render(ours, PASS_SPP, seed, clean=False).noisy * exposure)
-
-
-def _denoised(noisy: Noisy) -> np.ndarray:
-    return denoise(noisy.radiance, np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
 
 
 def _plain_materials() -> AbstractContextManager[object]:

@@ -19,7 +19,7 @@ from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
 _SHADOW_EPSILON = 1e-4
 #: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
-_SURVIVE = 0.95
+_SURVIVE = 0.99
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,6 +37,7 @@ class Noisy:
     """A picture before the denoiser, with its guides, and what it cost."""
 
     radiance: np.ndarray  #: (H, W, 3) float32, linear Rec.709
+    variance: np.ndarray  #: (H, W, 3) float32, of each value, estimated; 0 for one sample
     albedo: np.ndarray  #: (H, W, 3) float32
     normal: np.ndarray  #: (H, W, 3) float32, world frame
     noise: float  #: relative error, estimated; see `_Sums.noise`
@@ -75,10 +76,11 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
         _check_media(sums.counts, eye)
         if picture.noise is not None and sums.noise(camera.exposure) <= picture.noise:
             break
-    radiance = sums.means().astype(np.float32).T.reshape(camera.height, camera.width, 3)
+    shape = (camera.height, camera.width, 3)
+    radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (sums.means(), sums.variance()))
     albedo, normal = trace_guides(kernel, camera, eye)
     violations = float(sums.counts[0] / sums.counts[1])
-    return Noisy(radiance, albedo, normal, sums.noise(camera.exposure), sums.spp, violations)
+    return Noisy(radiance, variance, albedo, normal, sums.noise(camera.exposure), sums.spp, violations)
 
 
 class _Sums:
@@ -109,11 +111,16 @@ class _Sums:
         """
         if self.groups < 2:
             return float("nan")
+        relative = exposure**2 * self.variance() / ((exposure * self.means()) ** 2 + RELATIVE_FLOOR)
+        return float(np.sqrt(relative.mean()))
+
+    def variance(self) -> np.ndarray:
+        """Return the estimated variance of the means, (3, pixels); 0 for one sample, of which nothing is known."""
+        if self.groups < 2:
+            return np.zeros_like(self.weighted)
         mean = self.means()
         scatter = self.spread - 2.0 * mean * self.cross + mean**2 * self.squares
-        variance = np.maximum(scatter, 0.0) / self.spp**2 * self.groups / (self.groups - 1)
-        relative = exposure**2 * variance / ((exposure * mean) ** 2 + RELATIVE_FLOOR)
-        return float(np.sqrt(relative.mean()))
+        return np.maximum(scatter, 0.0) / self.spp**2 * self.groups / (self.groups - 1)
 
 
 def _one_batch(kernel: Kernel, view: Pinhole, sums: _Sums, batch: int, seed: int) -> None:

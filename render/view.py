@@ -8,6 +8,7 @@ import numpy as np
 
 from ..procedural.randomness import stream_seed
 from .denoise import denoise
+from .fireflies import spread_fireflies
 from .frame import Frame, Sampling
 from .geometry import trace_straight
 from .kernel import Kernel
@@ -48,8 +49,8 @@ def render_view(kernel: Kernel, view: int) -> Frame:
     start = perf_counter()
     denoised = scene.picture.denoise
     frame = Frame(
-        left=_clean(left) if denoised else left.radiance,
-        right=_clean(right) if denoised else right.radiance,
+        left=clean(left) if denoised else left.radiance,
+        right=clean(right) if denoised else right.radiance,
         left_noisy=left.radiance if denoised else None,
         right_noisy=right.radiance if denoised else None,
         geometry=geometry,
@@ -62,5 +63,6 @@ def render_view(kernel: Kernel, view: int) -> Frame:
     return frame
 
 
-def _clean(noisy: Noisy) -> np.ndarray:
-    return denoise(noisy.radiance, np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
+def clean(noisy: Noisy) -> np.ndarray:
+    """Return the picture without fireflies and noise, (H, W, 3) float32."""
+    return denoise(spread_fireflies(noisy.radiance, noisy.variance), np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
