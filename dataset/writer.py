@@ -6,9 +6,10 @@ whole or not at all, and the index is made from the scenes that are there.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
@@ -64,7 +65,10 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
         if set(layout.scene_ids(root)) - set(scenes):
             _check_same(root / layout.DATASET, kept, head)
         head = head.model_copy(update={"assets": kept.assets})
-    (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
+    try:
+        (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(root, "a folder that can be made and written to", error.strerror) from error
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
     _write_head(root, head)
@@ -137,9 +141,17 @@ def _check_same(path: Path, kept: DatasetFile, head: DatasetFile) -> None:
     where = f"{path}: a scene that this run does not replace was made with another"
     if kept.seed != head.seed:
         raise InputError(f"{where} seed", str(head.seed), kept.seed)
-    for name in sorted({*kept.config, *head.config}):
-        if kept.config.get(name) != head.config.get(name):
-            raise InputError(f"{where} setting {name}", str(head.config.get(name)), kept.config.get(name))
+    for name, asked, found in _differences(head.config, kept.config):
+        raise InputError(f"{where} setting {name}", str(asked), found)
+
+
+def _differences(asked: Any, found: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Yield the dotted name and both values of each setting that differs."""
+    if isinstance(asked, dict) and isinstance(found, dict):
+        for key in sorted({*asked, *found}):
+            yield from _differences(asked.get(key), found.get(key), f"{name}.{key}" if name else key)
+    elif asked != found:
+        yield name, asked, found
 
 
 def _write_head(root: Path, head: DatasetFile) -> None:
