@@ -7,16 +7,15 @@ from collections.abc import Callable
 from rich.console import Console
 
 from ...procedural.errors import InputError
-
-#: What a shell reports for a program that SIGINT (signal 2) ended: 128 + 2.
-_INTERRUPTED = 130
+from .stopping import exit_code, stoppable
 
 
 def outcome(command: Callable[[], None]) -> int:
     """Run a command and return its exit code; a wrong request is told in one line, a fault of ours as a traceback."""
     console = Console(stderr=True)
     try:
-        command()
+        with stoppable():
+            command()
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
         return 2
@@ -24,7 +23,7 @@ def outcome(command: Callable[[], None]) -> int:
         if not _stopped(error):
             raise
         console.print("stopped; nothing half-written is left", markup=False, highlight=False)
-        return _INTERRUPTED
+        return exit_code()
     return 0
 
 

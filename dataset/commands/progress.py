@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from .stopping import check_stop
+
 
 class Stages:
     """Seconds by stage, and the progress of the views. On a terminal a bar with an ETA, elsewhere a line a view."""
@@ -48,7 +50,8 @@ class Stages:
         self._bar = None
 
     def advance(self) -> None:
-        """Count one view as done."""
+        """Count one view as done, and stop here if that was asked for."""
+        check_stop()
         self._done += 1
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], completed=self._done)

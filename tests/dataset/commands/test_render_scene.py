@@ -127,22 +127,32 @@ def test_a_scene_made_again_in_the_same_folder_takes_the_first_ones_place(made, 
     assert not {name for name in same if name.endswith((".exr", ".ply", "scene.json", "labels.json"))}
 
 
-def test_ctrl_c_leaves_no_half_scene(small, tmp_path):
+def _started(command) -> subprocess.Popen:
+    # A parent in a script's background ignores SIGINT, and its children would inherit that.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "a scheduler's SIGTERM"])
+def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     out = tmp_path / "out"
     arguments = ["--config", str(small), "--views", "57", "--spp", "512", "--out", str(out)]
-    child = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    child = _started([*COMMAND, *arguments])
     try:
         assert child.stdout is not None
         assert child.stdout.readline().startswith("view 1/57")  # the first view is on disk, or about to be
         partial = list((out / "scenes").iterdir())
-        child.send_signal(signal.SIGINT)
+        child.send_signal(number)
         _, errors = child.communicate(timeout=PATIENCE)
     finally:
         child.kill()
         child.wait()
     assert len(partial) == 1
     assert partial[0].name.startswith(".")
-    assert child.returncode == 130, errors
+    assert child.returncode == 128 + number, errors
     (line,) = errors.splitlines()
     assert "stopped" in line
     assert list((out / "scenes").iterdir()) == []
