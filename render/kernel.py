@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..procedural.description import TABLE_ID, Prop, Scene, Vessel
+from ..procedural.description import TABLE_ID, Interface, Prop, Scene, Vessel
 from ..procedural.mesh import Mesh
 from ..procedural.optics.medium import AIR
-from .lighting import area_light, envmap
-from .opaque import opaque_bsdf
+from .lighting import area_light, envmap, keep_numbers_out_of_kernels
+from .opaque import opaque_bsdf, repeated
 from .spectrum import check_variant
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
@@ -32,15 +31,26 @@ class Kernel:
     offset: float  #: distance that rays start off a surface [m]
 
 
-def load(scene: Scene) -> Kernel:
-    """Load a scene into Mitsuba (the variant must be active: `render.backend.activate`)."""
+def load(scene: Scene, glass_for_mitsuba: bool = False) -> Kernel:
+    """Load a scene into Mitsuba (the variant must be active: `render.backend.activate`).
+
+    Parameters
+    ----------
+    scene : Scene
+        The description.
+    glass_for_mitsuba : bool
+        Give glass the BSDFs that Mitsuba's own integrators need to draw it. Ours refracts by the surface table, and
+        every such BSDF would be compiled into its kernel, index and all, for nothing.
+    """
     check_variant(scene.picture.dispersion)
-    bodies = [*_table_bodies(scene), *_object_bodies(scene)]
+    table = mi.load_dict(opaque_bsdf(scene.table.material))
+    bodies = [*_table_bodies(scene, table), *_object_bodies(scene, None if glass_for_mitsuba else table)]
     shapes = {f"body{i}": _mi_mesh(mesh, world_T, bsdf) for i, (mesh, world_T, bsdf, _) in enumerate(bodies)}
     lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
     contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
     # Merging shapes would lose the identity that ids and media hang on.
     mi_scene = mi.load_dict(contents, optimize=False)
+    keep_numbers_out_of_kernels(mi_scene)
     records = {f"body{i}": surface for i, (*_, surface) in enumerate(bodies)}
     light = Surface(0, -1, True, AIR, AIR, 0.0)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
@@ -48,40 +58,44 @@ def load(scene: Scene) -> Kernel:
     return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach)
 
 
-def _table_bodies(scene: Scene) -> list[tuple]:
+def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:
     surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
-    return [(scene.table.mesh, np.eye(4), opaque_bsdf(scene.table.material), surface)]
+    return [(repeated(scene.table.mesh, scene.table.material), np.eye(4), bsdf, surface)]
 
 
-def _object_bodies(scene: Scene) -> list[tuple]:
+def _object_bodies(scene: Scene, glass: mi.BSDF | None) -> list[tuple]:
     bodies = []
     for index, item in enumerate(scene.objects):
-        bodies += _vessel_bodies(item, index) if isinstance(item, Vessel) else [_prop_body(item, index)]
+        bodies += _vessel_bodies(item, index, glass) if isinstance(item, Vessel) else [_prop_body(item, index)]
     return bodies
 
 
-def _vessel_bodies(vessel: Vessel, index: int) -> list[tuple]:
+def _vessel_bodies(vessel: Vessel, index: int, glass: mi.BSDF | None) -> list[tuple]:
+    """Return the interfaces; `glass` stands in for their BSDFs, which are made where there is none."""
     bodies = []
     for interface in vessel.interfaces:
         media = interface.front, interface.back
         surface = Surface(vessel.id, index, False, *media, interface.roughness, interface.part)
-        # The ray loop refracts by the table; Mitsuba's own integrators, used as a check, by this BSDF.
-        bsdf = {"type": "roughdielectric", "alpha": interface.roughness, "distribution": "ggx"}
-        bsdf = bsdf if interface.roughness > 0 else {"type": "dielectric"}
-        bsdf |= {"int_ior": interface.back.eta, "ext_ior": interface.front.eta}
-        bodies.append((interface.mesh, vessel.world_T_object, bsdf, surface))
+        bodies.append((interface.mesh, vessel.world_T_object, glass or _glass_bsdf(interface), surface))
     return bodies
+
+
+def _glass_bsdf(interface: Interface) -> mi.BSDF:
+    bsdf = {"type": "roughdielectric", "alpha": interface.roughness, "distribution": "ggx"}
+    bsdf = bsdf if interface.roughness > 0 else {"type": "dielectric"}
+    return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
 
 
 def _prop_body(prop: Prop, index: int) -> tuple:
     surface = Surface(prop.id, index, True, AIR, AIR, 0.0)
-    return prop.mesh, prop.world_T_object, opaque_bsdf(prop.material), surface
+    bsdf = mi.load_dict(opaque_bsdf(prop.material))
+    return repeated(prop.mesh, prop.material), prop.world_T_object, bsdf, surface
 
 
-def _mi_mesh(mesh: Mesh, world_T_mesh: np.ndarray, bsdf: dict) -> mi.Mesh:
+def _mi_mesh(mesh: Mesh, world_T_mesh: np.ndarray, bsdf: mi.BSDF) -> mi.Mesh:
     """Return the mesh in the world frame. Equal positions in two meshes of one object stay equal to the last bit."""
     properties = mi.Properties()
-    properties["mesh_bsdf"] = mi.load_dict(bsdf)
+    properties["mesh_bsdf"] = bsdf
     properties["face_normals"] = mesh.normals is None
     shape = mi.Mesh(
         mesh.name,
@@ -92,13 +106,14 @@ def _mi_mesh(mesh: Mesh, world_T_mesh: np.ndarray, bsdf: dict) -> mi.Mesh:
         has_vertex_texcoords=mesh.uv is not None,
     )
     parameters = mi.traverse(shape)
-    parameters["vertex_positions"] = dr.ravel(mi.Point3f(_in_world(mesh.vertices, world_T_mesh).T))
-    parameters["faces"] = dr.ravel(mi.Vector3u(mesh.faces.T.astype(np.uint32)))
+    # Flat arrays as they lie: Dr.Jit's vectors would be turned by a kernel that is compiled anew for every mesh size.
+    parameters["vertex_positions"] = mi.Float(_in_world(mesh.vertices, world_T_mesh).ravel())
+    parameters["faces"] = mi.UInt32(mesh.faces.astype(np.uint32).ravel())
     if mesh.normals is not None:
         turned = (mesh.normals @ world_T_mesh[:3, :3].T).astype(np.float32)
-        parameters["vertex_normals"] = dr.ravel(mi.Vector3f(turned.T))
+        parameters["vertex_normals"] = mi.Float(turned.ravel())
     if mesh.uv is not None:
-        parameters["vertex_texcoords"] = dr.ravel(mi.Vector2f(mesh.uv.T))
+        parameters["vertex_texcoords"] = mi.Float(mesh.uv.astype(np.float32).ravel())
     parameters.update()
     return shape
 

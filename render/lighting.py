@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -11,6 +12,10 @@ from ..procedural.surroundings.environments import bake_environment
 #: Our equirectangular axes (z up, azimuth from +x towards +y) seen from Mitsuba's (y up), whose azimuth runs the other
 #: way: used with the picture's columns reversed.
 _WORLD_T_ENVMAP = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+#: The sky is sampled as if the scene lay in a ball of this radius, or of the next power of two that holds it [m]. It
+#: only has to be so far that shadow rays pass everything; a scene's own radius would stand in the kernel as a literal.
+_SKY_RADIUS = 64.0
 
 
 def envmap(environment: Environment) -> dict:
@@ -47,3 +52,18 @@ def area_light(light: AreaLight) -> dict:
         "emitter": {"type": "area", "radiance": {"type": "rgb", "value": list(light.radiance)}},
         "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
     }
+
+
+def keep_numbers_out_of_kernels(scene: mi.Scene) -> None:
+    """Make what Mitsuba writes into kernels as literals opaque: poses of lamps, and the scene's radius for the sky."""
+    parameters = mi.traverse(scene)
+    for shape in scene.shapes():
+        if shape.is_emitter():
+            pose = parameters[f"{shape.id()}.to_world"]
+            dr.make_opaque(pose)
+            parameters[f"{shape.id()}.to_world"] = pose
+    parameters.update()
+    corners = np.abs(np.array([scene.bbox().min, scene.bbox().max])).max(axis=0)
+    radius = max(_SKY_RADIUS, 2.0 ** np.ceil(np.log2(np.linalg.norm(corners))))
+    ball = mi.load_dict({"type": "scene", "ball": {"type": "sphere", "radius": float(radius)}})
+    scene.environment().set_scene(ball)

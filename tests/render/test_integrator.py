@@ -38,7 +38,8 @@ def lifted(backend, drawn, clear):
                 "picture": Picture(spp=SPP, max_depth=64, rr_depth=64),
                 "cameras": scene.cameras[-1:],
             }
-        )
+        ),
+        glass_for_mitsuba=True,
     )
 
 
