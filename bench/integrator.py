@@ -1,0 +1,185 @@
+"""Rays a second inside the integrator against Dr.Jit's bare `ray_intersect`, in one run, taking turns.
+
+python bench/integrator.py [--scene filled] [--spp 8] [--rounds 5] [--json FILE]
+
+The integrator's rays are the segments of its paths and its shadow rays. The bare ones are the rays of the same paths
+after the first hit, recorded in the order in which they were traced: the same distribution in the same scene, and
+incoherent, because they have left surfaces in all directions.
+"""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from scenes import NAMES, bench_scene
+from table import Row, report
+
+from glassware.render.backend import activate
+
+#: Least share of the bare rate that the integrator must reach.
+BOUND = 0.5
+WIDTH, HEIGHT = 320, 240
+#: Most rays that are recorded; 24 bytes each.
+CAPACITY = 1 << 23
+
+
+@dataclass
+class Taken:
+    """Seconds of each round."""
+
+    wall: list[float]
+    cpu: list[float]
+
+    def add(self, work: Callable[[], None]) -> None:
+        """Do the work and take its time. The machine may have other users, whom CPU time does not count."""
+        wall, cpu = perf_counter(), process_time()
+        work()
+        self.wall.append(perf_counter() - wall)
+        self.cpu.append(process_time() - cpu)
+
+
+def main() -> int:
+    """Measure and print; 1 where the bound is broken."""
+    options = ArgumentParser(description=__doc__)
+    options.add_argument("--scene", choices=NAMES, default="filled")
+    options.add_argument("--spp", type=int, default=8)
+    options.add_argument("--rounds", type=int, default=5)
+    options.add_argument("--json", type=Path)
+    given = options.parse_args()
+    variant = activate()
+    from glassware.render.kernel import load
+
+    scene = bench_scene(given.scene, WIDTH, HEIGHT)
+    kernel = load(scene)
+    with _recording() as record:
+        segments = _traced(kernel, given.spp)
+    rays, shadows = record.rays(), record.shadows()
+    ours, bare = Taken([], []), Taken([], [])
+    _traced(kernel, given.spp), _bare(kernel, rays)  # compiles
+    for _ in range(given.rounds):
+        ours.add(lambda: _traced(kernel, given.spp))
+        bare.add(lambda: _bare(kernel, rays))
+    recorded = len(rays.maxt)
+    rows = [
+        Row("segments", segments / 1e6, "M"),
+        Row("shadow rays", shadows / 1e6, "M"),
+        Row("recorded rays", recorded / 1e6, "M", note="of the segments that leave a surface"),
+    ]
+    for name, one, other in (("CPU", ours.cpu, bare.cpu), ("wall", ours.wall, bare.wall)):
+        rate, bare_rate = (segments + shadows) / median(one) / 1e6, recorded / median(other) / 1e6
+        judged = {"bound": BOUND, "ok": rate / bare_rate >= BOUND} if name == "CPU" else {}
+        rows += [
+            Row(f"integrator, {name} time", rate, "M rays/s"),
+            Row(f"bare ray_intersect, {name} time", bare_rate, "M rays/s"),
+            Row(f"integrator / bare, {name} time", rate / bare_rate, "", **judged),
+        ]
+    facts = {"scene": given.scene, "size": f"{WIDTH}x{HEIGHT}", "spp": given.spp, "variant": variant}
+    return report("Rays inside the integrator", rows, given.json, rounds=given.rounds, **facts)
+
+
+def _traced(kernel: Any, spp: int) -> int:
+    """Trace the picture once and return the number of segments."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from glassware.render.integrator import trace
+    from glassware.render.rays import pinhole, pixel_rays
+    from glassware.render.sampler import four, samples
+    from glassware.render.spectrum import draw_wavelengths
+
+    lane = dr.arange(mi.UInt32, WIDTH * HEIGHT * spp)
+    pixel = lane // dr.opaque(mi.UInt32, spp)
+    points = samples(pixel, lane - pixel * dr.opaque(mi.UInt32, spp), spp, 1)
+    u, v, *_ = four(points, mi.UInt32(0))
+    ray, _ = pixel_rays(pinhole(kernel.description.cameras[0]), pixel, mi.Point2f(u, v) - 0.5)
+    ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
+    result = trace(kernel, ray, weight, points, kernel.description.picture)
+    dr.eval(result)
+    return int(np.array(result.segments).sum(dtype=np.int64))
+
+
+def _bare(kernel: Any, rays: Any) -> None:
+    """Intersect the rays with the scene and read what a path needs of the hit."""
+    import drjit as dr
+    import mitsuba as mi
+
+    si = kernel.mi_scene.ray_intersect(rays, mi.RayFlags.All, False)
+    dr.eval(si.t + dr.sum(si.p) + dr.sum(si.n) + dr.sum(si.sh_frame.n) + dr.sum(si.uv))
+    dr.sync_thread()
+
+
+class _Record:
+    """Rays that left surfaces, and the number of shadow rays."""
+
+    def __init__(self) -> None:
+        import drjit as dr
+        import mitsuba as mi
+
+        self._next, self._shadows = dr.zeros(mi.UInt32, 1), dr.zeros(mi.UInt32, 1)
+        self._o, self._d = dr.zeros(mi.Point3f, CAPACITY), dr.zeros(mi.Vector3f, CAPACITY)
+
+    def bounce(self, ray: Any, coherent: Any, active: Any) -> None:
+        """Keep the rays that are active and no camera rays."""
+        import drjit as dr
+        import mitsuba as mi
+
+        wanted = mi.Bool(active) & ~mi.Bool(coherent)
+        slot = dr.scatter_inc(self._next, mi.UInt32(0), wanted)
+        wanted &= slot < CAPACITY
+        dr.scatter(self._o, ray.o, slot, wanted)
+        dr.scatter(self._d, ray.d, slot, wanted)
+
+    def shadow(self, active: Any) -> None:
+        """Count shadow rays."""
+        import drjit as dr
+        import mitsuba as mi
+
+        dr.scatter_add(self._shadows, mi.UInt32(1), mi.UInt32(0), mi.Bool(active))
+
+    def rays(self) -> Any:
+        """Return the recorded rays."""
+        import drjit as dr
+        import mitsuba as mi
+
+        index = dr.arange(mi.UInt32, min(int(self._next[0]), CAPACITY))
+        ray = mi.Ray3f(dr.gather(mi.Point3f, self._o, index), dr.gather(mi.Vector3f, self._d, index))
+        ray.maxt = dr.full(mi.Float, dr.largest(mi.Float), len(index))
+        dr.eval(ray)
+        return ray
+
+    def shadows(self) -> int:
+        """Return the number of shadow rays."""
+        return int(self._shadows[0])
+
+
+@contextmanager
+def _recording() -> Iterator[_Record]:
+    """Record what the integrator asks of Mitsuba's scene; for one trace, which is not timed."""
+    import mitsuba as mi
+
+    record, intersect, test = _Record(), mi.Scene.ray_intersect, mi.Scene.ray_test
+
+    def intersected(scene: Any, ray: Any, flags: Any, coherent: Any, active: Any) -> Any:
+        record.bounce(ray, coherent, active)
+        return intersect(scene, ray, flags, coherent, active)
+
+    def tested(scene: Any, ray: Any, coherent: Any, active: Any) -> Any:
+        record.shadow(active)
+        return test(scene, ray, coherent, active)
+
+    with patch.object(mi.Scene, "ray_intersect", intersected), patch.object(mi.Scene, "ray_test", tested):
+        yield record
+
+
+if __name__ == "__main__":
+    sys.exit(main())
