@@ -1,9 +1,10 @@
 """Derivatives of the path-traced picture by absorption, roughness and light, for gradient descent.
 
 They are estimated from the same paths as the picture. Absorption and light move no path, so each path's derivative is
-exact; roughness moves directions, and its derivative is the path's radiance times the score of its walks (`walk_score`),
-right in the mean and noisier. Silhouettes, shadows and facets' edges need no special care: no derivative here is of a
-place. What moves surfaces or bends rays (pose, shape, index) has derivatives in `refraction.refract`.
+exact; roughness moves directions, and its derivative is the path's radiance times the score of its walks
+(`walk_score`), right in the mean and noisier. Silhouettes, shadows and edges of facets need no special care: no
+derivative here is of a place. What moves surfaces or bends rays (pose, shape, index) has derivatives in
+`refraction.refract`.
 """
 
 from __future__ import annotations
@@ -105,8 +106,8 @@ def picture_derivatives(
 ) -> PictureDerivatives:
     """Return a picture and its derivative by every parameter as images (forward mode).
 
-    Parameters and errors are those of `picture_and_gradients`, whose gradients are these images weighted by the adjoint.
-    The picture is linear in the lights, so these images tell it for any strength of them.
+    Parameters and errors are those of `picture_and_gradients`, whose gradients are these images weighted by the
+    adjoint. The picture is linear in the lights, so these images tell it for any strength of them.
     """
     where, picture, sums = _checked(kernel), 0.0, 0.0
     for radiance, more in _passes(kernel, where, camera, eye, seed, spp):
@@ -188,7 +189,7 @@ def _passes(
         if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
             raise MediumError(f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments arrive in another medium")
         radiance = np.array(first.radiance, np.float64).reshape(3, pixels, count).sum(2) / spp
-        yield radiance, sums.reshape(where.count, 3, pixels, count).sum(3, dtype=np.float64) / spp
+        yield radiance, sums.reshape(where.count, 3, pixels) / spp
         done += count
 
 
@@ -209,7 +210,7 @@ def _one_pass(kernel: Kernel, where: Slots, ray: mi.Ray3f, points: Samples, coun
     into = tape(where.count, dr.width(ray.d))
     again = replay(kernel, ray, points, picture, first.radiance, _others(first.radiance, count), where, into)
     dr.eval(again, into.sums)
-    return first, np.array(into.sums)
+    return first, np.array(dr.block_sum(into.sums, count), np.float64)
 
 
 def _others(radiance: mi.Color3f, count: int) -> mi.Color3f:
