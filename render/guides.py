@@ -81,7 +81,8 @@ def _followed(
         rough = hit & (opaque | (alpha > 0.0))
         colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
         albedo += dr.select(rough, weight * colour, 0.0)
-        normal += dr.select(rough, dr.mean(weight) * ns, 0.0)
+        # (`dr.mean` would write the number of rays into the kernel.)
+        normal += dr.select(rough, dr.sum(weight) / 3.0 * ns, 0.0)
 
         active = hit & ~rough & (bounces < _MAX_INTERFACES)
         eta = dr.gather(mi.Float, table.eta, beyond, active) / dr.gather(mi.Float, table.eta, facing)

@@ -141,9 +141,10 @@ def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int,
     picture: Picture = kernel.description.picture
     # Samples of a pixel lie side by side: they are then added in a fixed order, whatever the threads do.
     lane = dr.arange(mi.UInt32, pixels * count)
-    pixel = lane // dr.opaque(mi.UInt32, count)
+    each = dr.opaque(mi.UInt32, count)  # as a plain number it would be compiled into the kernel
+    pixel = lane // each
     most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
-    points = samples(pixel, lane - pixel * count + dr.opaque(mi.UInt32, done), most, seed)
+    points = samples(pixel, lane - pixel * each + dr.opaque(mi.UInt32, done), most, seed)
     u, v, *_ = four(points, mi.UInt32(0))
     ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
     ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])

@@ -35,11 +35,13 @@ def gradient_noise(u: np.ndarray, v: np.ndarray, cells: tuple[int, int], rng: np
     x, y = u * cells[0], v * cells[1]
     column, row = np.floor(x).astype(int), np.floor(y).astype(int)
     fx, fy = x - column, y - row
+    cosines, sines = np.cos(angles).ravel(), np.sin(angles).ravel()  # on the lattice, which is smaller than a picture
+    columns, rows = (column % cells[0], (column + 1) % cells[0]), (row % cells[1], (row + 1) % cells[1])
     corners = {}
     for dx in (0, 1):
         for dy in (0, 1):
-            angle = angles[(row + dy) % cells[1], (column + dx) % cells[0]]
-            corners[dx, dy] = np.cos(angle) * (fx - dx) + np.sin(angle) * (fy - dy)
+            place = rows[dy] * cells[0] + columns[dx]
+            corners[dx, dy] = cosines[place] * (fx - dx) + sines[place] * (fy - dy)
     sx, sy = _fade(fx), _fade(fy)
     low = corners[0, 0] + sx * (corners[1, 0] - corners[0, 0])
     high = corners[0, 1] + sx * (corners[1, 1] - corners[0, 1])
