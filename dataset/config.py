@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from contextlib import redirect_stderr
+from difflib import get_close_matches
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
@@ -24,6 +25,7 @@ _SHORT = {
     "--width": "--cameras.width",
     "--height": "--cameras.height",
     "--spp": "--picture.spp",
+    "--noise": "--picture.noise",
     "--hdri-dir": "--environment.hdri-dir",
 }
 
@@ -47,8 +49,10 @@ def yaml_settings(path: Path) -> dict[str, Any]:
     """Return the settings of a YAML file; InputError where it is not one."""
     try:
         settings = yaml.safe_load(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, "a readable YAML file", error) from error
+    except OSError as error:
+        raise InputError(path, "a readable YAML file", error.strerror) from error
+    except UnicodeDecodeError as error:
+        raise InputError(path, "a YAML file in UTF-8", "other bytes") from error
     except yaml.YAMLError as error:
         raise InputError(path, "valid YAML", " ".join(str(error).split())) from error
     if not isinstance(settings, dict | None):
@@ -72,7 +76,20 @@ def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
+        if first["type"] == "extra_forbidden":
+            raise InputError(where, f"known settings{_nearest(model, first['loc'])}", field) from error
         raise InputError(f"{where}: {field}", _expected(first["msg"]), repr(first["input"])) from error
+
+
+def _nearest(model: type[BaseModel], place: Sequence[int | str]) -> str:
+    """Return a hint at the known setting that is spelt most like an unknown one, or nothing."""
+    for part in place[:-1]:
+        inner = model.model_fields[str(part)].annotation
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return ""
+        model = inner
+    near = get_close_matches(str(place[-1]), model.model_fields, n=1)
+    return f" (is it {'.'.join([*map(str, place[:-1]), near[0]])}?)" if near else ""
 
 
 def layered(model: type[T], arguments: Sequence[str]) -> T:
@@ -129,7 +146,8 @@ def _complaint(box: str) -> tuple[str, str]:
         return f"{_full_name(group, field)} {_expected(rule)}", value
     known = re.search(r"Perhaps you meant: (\S+?),? ", text)
     hint = f" (is it {known.group(1)}?)" if known else ""
-    return "known settings with valid values (see --help)", re.sub(r" Perhaps you meant:.*", "", text) + hint
+    found = re.sub(r"^Unrecognized options: ", "", re.sub(r" Perhaps you meant:.*", "", text))
+    return "known settings with valid values (see --help)", found + hint
 
 
 def _full_name(group: str, field: str) -> str:

@@ -58,13 +58,9 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
         Where the folder holds anything else, or a data set with another seed or other settings that would keep some of
         its scenes. Nothing is touched then.
     """
-    if root.exists():
-        _check_folder(root)
+    check_output(root, head, scenes)
     if (root / layout.DATASET).exists():
-        kept = read_head(root)
-        if set(layout.scene_ids(root)) - set(scenes):
-            _check_same(root / layout.DATASET, kept, head)
-        head = head.model_copy(update={"assets": kept.assets})
+        head = head.model_copy(update={"assets": read_head(root).assets})
     try:
         (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -72,6 +68,14 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
     _write_head(root, head)
+
+
+def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
+    """Raise InputError where `start_dataset` would, without touching anything; the parameters are the same."""
+    if root.exists():
+        _check_folder(root)
+    if (root / layout.DATASET).exists() and set(layout.scene_ids(root)) - set(scenes):
+        _check_same(root / layout.DATASET, read_head(root), head)
 
 
 def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterable[View]) -> list[ViewRow]:

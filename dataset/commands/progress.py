@@ -23,6 +23,10 @@ class Stages:
         self._bar: Progress | None = None
         self._done, self._total = 0, 0
 
+    def say(self, line: str) -> None:
+        """Print a line about what comes next."""
+        self._console.print(line, markup=False, highlight=False, soft_wrap=True)
+
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:
         """Count what happens inside towards a stage."""

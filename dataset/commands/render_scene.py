@@ -22,13 +22,13 @@ from ..config import layered, parsed
 from ..dataset_file import DatasetFile, installed_versions
 from ..pictures import srgb8, write_png
 from ..preview import PreviewRow, chosen_views, contact_sheet
-from ..writer import View, finish_dataset, start_dataset, write_scene
+from ..writer import View, check_output, finish_dataset, read_head, start_dataset, write_scene
 from .outcome import outcome
 from .progress import Stages
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.
 
-Every setting has a dotted name; --views, --spp, --width, --height and --hdri-dir are short for the ones they stand for.
+Every setting has a dotted name; --views, --spp, --noise, --width, --height and --hdri-dir are short for longer ones.
 A preset (fast, standard, syn-todd) is taken first, then a YAML file, then the command line."""
 
 
@@ -53,8 +53,6 @@ def _render_scene(arguments: Sequence[str]) -> None:
     request = parsed(RenderScene, layered(RenderScene, arguments), arguments, "render-scene", _DESCRIPTION)
     settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
     stages = Stages(Console())
-    with stages.timed("inputs"):
-        check_inputs(settings)
     with stages.timed("backend"):
         backend = activate(spectral=settings.picture.spectral)
     head = DatasetFile(
@@ -64,6 +62,10 @@ def _render_scene(arguments: Sequence[str]) -> None:
         versions=installed_versions(),
         backend=backend,
     )
+    check_output(request.out, head, [request.scene])
+    with stages.timed("inputs"):
+        check_inputs(settings)
+    _say_what_is_done(request, stages)
     with stages.timed("description"):
         scene = draw_scene(settings, request.seed, request.scene)
         check_scene(scene)
@@ -74,6 +76,12 @@ def _render_scene(arguments: Sequence[str]) -> None:
         sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", previews)
         write_png(request.out / layout.PREVIEW, sheet)
     stages.report(f"{request.out}: scene {request.scene} of seed {request.seed}", len(scene.cameras))
+
+
+def _say_what_is_done(request: RenderScene, stages: Stages) -> None:
+    if request.scene in layout.scene_ids(request.out):
+        stages.say(f"{request.out}: scene {request.scene} of seed {read_head(request.out).seed} will be replaced")
+    stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {request.cameras.views} views")
 
 
 def _written(out: Path, scene: Scene, stages: Stages) -> list[PreviewRow]:
