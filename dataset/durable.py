@@ -70,6 +70,12 @@ def remove_leftovers(folder: Path) -> None:
             entry.unlink()
 
 
+def another_writes(folder: Path) -> bool:
+    """Say whether another process that is alive is writing something into a folder."""
+    matches = [_PARTIAL.fullmatch(entry.name) for entry in folder.iterdir()] if folder.is_dir() else []
+    return any(_is_another_alive(int(match["process"])) for match in matches if match)
+
+
 def is_leftover(name: str) -> bool:
     """Say whether a name is one of the hidden names that this module makes."""
     return _PARTIAL.fullmatch(name) is not None
@@ -84,7 +90,7 @@ def _is_another_alive(process: int) -> bool:
         return False
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
+    except (ProcessLookupError, OverflowError):  # no process has a number that the system cannot count to
         return False
     except PermissionError:
         return True

@@ -23,7 +23,7 @@ from ..render.frame import Frame, Geometry
 from . import layout
 from .camera_file import camera_file
 from .dataset_file import DatasetFile
-from .durable import is_leftover, remove_leftovers, whole_folder, write_atomically
+from .durable import another_writes, is_leftover, remove_leftovers, whole_folder, write_atomically
 from .exr import unstacked, write_exr
 from .objects_file import objects_file
 from .pictures import srgb8, write_png
@@ -43,6 +43,8 @@ class View:
 def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
     """Make an output folder ready; call it before anything is rendered.
 
+    A data set that is there keeps its head until `finish_dataset`: what is stopped before then has changed nothing.
+
     Parameters
     ----------
     root : Path
@@ -59,22 +61,23 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
         its scenes. Nothing is touched then.
     """
     check_output(root, head, scenes)
-    if (root / layout.DATASET).exists():
-        head = head.model_copy(update={"assets": read_head(root).assets})
     try:
-        (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
+        root.mkdir(parents=True, exist_ok=True)
+        if not (root / layout.DATASET).exists():  # first of all: without it the folder is nobody's
+            _write_head(root, head)
+        (root / layout.SCENES).mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(root, "a folder that can be made and written to", error.strerror) from error
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
-    _write_head(root, head)
 
 
 def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
     """Raise InputError where `start_dataset` would, without touching anything; the parameters are the same."""
     if root.exists():
         _check_folder(root)
-    if (root / layout.DATASET).exists() and set(layout.scene_ids(root)) - set(scenes):
+    others = set(layout.scene_ids(root)) - set(scenes) or another_writes(root / layout.SCENES)
+    if (root / layout.DATASET).exists() and others:
         _check_same(root / layout.DATASET, read_head(root), head)
 
 
@@ -110,12 +113,25 @@ def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterabl
     return rows
 
 
-def finish_dataset(root: Path) -> int:
-    """Write the index and the list of assets from the scenes that are there; return the number of views."""
+def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
+    """Write the head, the index and the list of assets from the scenes that are there.
+
+    Parameters
+    ----------
+    root : Path
+        The data set, with its scenes.
+    head : DatasetFile, optional
+        The head given to `start_dataset`; by default the one that is there.
+
+    Returns
+    -------
+    int
+        Number of views.
+    """
     scenes = read_scene_views(root)
     found = {item.sha256: item for scene in scenes for item in scene.assets}
     assets = tuple(found[digest] for digest in sorted(found))
-    _write_head(root, read_head(root).model_copy(update={"assets": assets}))
+    _write_head(root, (head or read_head(root)).model_copy(update={"assets": assets}))
     return write_views_table(root, [row for scene in scenes for row in scene.views])
 
 

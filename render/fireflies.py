@@ -40,7 +40,7 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
     # The variance of the mean colour is at most that of fully correlated channels, which a firefly's are.
     error = np.sqrt(variance).mean(axis=2)
     lone = (error >= LONE * level) & (level > STANDS_OUT * around)
-    kept = np.where(lone, around / np.maximum(level, np.finfo(np.float32).tiny), 1.0)[..., None]
+    kept = np.divide(around, level, out=np.ones_like(level), where=lone)[..., None]
     surplus = (radiance * (1.0 - kept)).astype(np.float32)
     return (radiance * kept + _spread(surplus)).astype(np.float32)
 

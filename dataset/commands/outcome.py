@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Callable
 
 from rich.console import Console
 
 from ...procedural.errors import InputError
-from .stopping import exit_code, stoppable
+from .stopping import exit_code, stoppable, was_stopped
+
+#: Errors of a disk, a quota or a limit on file sizes: the work failed; neither request nor program is wrong.
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def outcome(command: Callable[[], None]) -> int:
@@ -19,16 +23,22 @@ def outcome(command: Callable[[], None]) -> int:
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
         return 2
-    except (KeyboardInterrupt, RuntimeError) as error:
-        if not _stopped(error):
-            raise
-        console.print("stopped; nothing half-written is left", markup=False, highlight=False)
-        return exit_code()
+    except BaseException as error:
+        # Dr.Jit and the import system wrap what a signal raises inside them.
+        if _stopped(error):
+            console.print("stopped; nothing half-written is left", markup=False, highlight=False)
+            return exit_code()
+        if isinstance(error, OSError) and error.errno in _FULL:
+            console.print(f"no room to write: {error}", markup=False, highlight=False, soft_wrap=True)
+            return 1
+        raise
     return 0
 
 
 def _stopped(error: BaseException | None) -> bool:
-    """Tell whether Ctrl-C is behind an error: Dr.Jit wraps what is raised while it records a loop."""
+    """Tell whether a signal to stop is behind an error."""
+    if was_stopped():
+        return True
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return True

@@ -72,7 +72,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
     start_dataset(request.out, head, [request.scene])
     previews = _written(request.out, scene, stages)
     with stages.timed("preview"):
-        finish_dataset(request.out)
+        finish_dataset(request.out, head)
         sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", previews)
         write_png(request.out / layout.PREVIEW, sheet)
     stages.report(f"{request.out}: scene {request.scene} of seed {request.seed}", len(scene.cameras))

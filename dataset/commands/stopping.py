@@ -35,6 +35,11 @@ def check_stop() -> None:
         raise KeyboardInterrupt
 
 
+def was_stopped() -> bool:
+    """Return whether a signal to stop was received."""
+    return bool(_received)
+
+
 def exit_code() -> int:
     """Return what a shell reports for a program that the signal ended: 128 and its number (130 for Ctrl-C)."""
     return 128 + (_received[0] if _received else signal.SIGINT)

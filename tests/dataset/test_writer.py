@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -106,6 +107,37 @@ def test_scenes_of_another_seed_or_setting_are_not_mixed_in(made, head, stored):
             start_dataset(stored, head.model_copy(update=change), [1])
         assert _files(stored) == before
     start_dataset(stored, head.model_copy(update={"seed": 8}), [0, 1])  # all of them are replaced
+
+
+def test_a_stopped_replacement_leaves_the_old_data_set_as_it_was(made, head, stored):
+    scene, points, _ = made
+    before = _files(stored)
+
+    def stopped():
+        raise KeyboardInterrupt
+        yield
+
+    start_dataset(stored, head.model_copy(update={"seed": 8}), [0])
+    with pytest.raises(KeyboardInterrupt):
+        write_scene(stored, scene.model_copy(update={"seed": 8}), points, stopped())
+    assert _files(stored) == before
+
+
+def test_a_finished_replacement_has_the_new_head(made, head, stored):
+    scene, points, views = made
+    other = head.model_copy(update={"seed": 8})
+    start_dataset(stored, other, [0])
+    write_scene(stored, scene.model_copy(update={"seed": 8}), points, iter(views))
+    finish_dataset(stored, other)
+    assert Dataset.open(stored).head.seed == 8
+
+
+def test_two_processes_with_other_seeds_do_not_share_a_folder(head, tmp_path):
+    start_dataset(tmp_path / "a", head, [0])
+    (tmp_path / "a" / "scenes" / f".000000.partial-{os.getppid()}").mkdir()  # the parent process is alive
+    with pytest.raises(InputError, match="seed"):
+        start_dataset(tmp_path / "a", head.model_copy(update={"seed": 8}), [1])
+    start_dataset(tmp_path / "a", head, [1])  # with the same seed they may
 
 
 def test_a_folder_that_holds_something_else_is_not_touched(head, tmp_path):
