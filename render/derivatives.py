@@ -22,8 +22,9 @@ from .integrator import Radiance, trace
 from .kernel import Kernel
 from .picture import FEW_VIOLATIONS, MAX_VIOLATIONS, MediumError
 from .rays import Pinhole, pinhole, pixel_rays
-from .replay import Slots, replay, slots, tape
+from .replay import replay
 from .sampler import Samples, four, samples
+from .tape import Slots, slots, tape
 
 #: Most numbers on the tape of one pass: 256 MB.
 _TAPE = 1 << 26
@@ -94,7 +95,7 @@ def picture_and_gradients(
     for radiance, sums in _passes(kernel, where, camera, eye, seed, spp):
         picture = picture + radiance
         by_colour += np.einsum("pcn,cn->pc", sums, weights)
-    media, first_light = where.media, where.media + len(where.rough)
+    media, first_light = where.media, where.first_light
     alpha, values = np.zeros(dr.width(kernel.surfaces.alpha)), by_colour.sum(1)
     alpha[where.rough] = values[media:first_light]
     environment, lights = _by_light(where, values[first_light:])
@@ -114,7 +115,7 @@ def picture_derivatives(
         picture, sums = picture + radiance, sums + more
     shape = (camera.height, camera.width, 3)
     images = np.moveaxis(np.asarray(sums), 1, -1).reshape(-1, *shape)
-    media, first_light = where.media, where.media + len(where.rough)
+    media, first_light = where.media, where.first_light
     alpha = np.zeros((dr.width(kernel.surfaces.alpha), *shape))
     alpha[where.rough] = images[media:first_light]
     environment, lights = _by_light(where, images[first_light:])
@@ -207,8 +208,8 @@ def _one_pass(kernel: Kernel, where: Slots, ray: mi.Ray3f, points: Samples, coun
     picture = kernel.description.picture
     first = trace(kernel, ray, mi.UnpolarizedSpectrum(1.0), points, picture)
     dr.eval(first, ray, points.pixel, points.index)
-    into = tape(where.count, dr.width(ray.d))
-    again = replay(kernel, ray, points, picture, first.radiance, _others(first.radiance, count), where, into)
+    into = tape(where, first.radiance, _others(first.radiance, count))
+    again = replay(kernel, ray, points, picture, into)
     dr.eval(again, into.sums)
     return first, np.array(dr.block_sum(into.sums, count), np.float64)
 
