@@ -94,7 +94,7 @@ class Picture(Model):
     )
     max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
-    rr_depth: int = Field(default=16, ge=1, description="Surfaces met before Russian roulette begins")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
     refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
@@ -127,15 +127,15 @@ class Scene(Model):
         """Vessels and props in the order of their ids."""
         return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
 
-    def save(self, path: Path, assets_dir: Path | None = None) -> None:
+    def save(self, path: Path | str, assets_dir: Path | None = None) -> None:
         """Write ``scene.json`` with its meshes and assets (`procedural.scene_file.save_scene`)."""
         from .scene_file import save_scene
 
         save_scene(self, path, assets_dir)
 
     @classmethod
-    def load(cls, path: Path) -> Scene:
-        """Read ``scene.json`` (`procedural.scene_file.load_scene`); InputError where it is damaged or unknown."""
+    def load(cls, path: Path | str) -> Scene:
+        """Read ``scene.json`` (`procedural.scene_file.load_scene`); InputError where it is damaged or impossible."""
         from .scene_file import load_scene
 
         return load_scene(path)

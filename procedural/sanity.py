@@ -7,11 +7,16 @@ from itertools import combinations
 
 import numpy as np
 
+from .consistency import check_fields
 from .description import Interface, Prop, Scene, Vessel, glass_solid, liquid_solid
 from .errors import InputError
 from .mesh import Mesh, joined
 from .optics.medium import Medium
 from .overlap import ALLOWANCE, Solid, overlap
+
+#: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
+#: most of that, and the default ones a twentieth of a percent.
+VOLUME_TOLERANCE = 0.01
 
 
 def check_scene(scene: Scene) -> None:
@@ -28,9 +33,11 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        Naming the object: a refractive index below 1, a negative absorption, glass or a liquid whose surface is not
-        closed or is turned inside out, a liquid above the rim, an object in the table, two objects in each other.
+        Naming the object: fields that contradict each other (`consistency.check_fields`), a refractive index below 1,
+        a negative absorption, glass or a liquid whose surface is not closed or is turned inside out, a liquid above
+        the rim or of another volume, an object in the table, two objects in each other.
     """
+    check_fields(scene)
     for vessel in scene.vessels:
         _check_media(vessel)
         _check_solids(vessel)
@@ -52,6 +59,10 @@ def _check_media(vessel: Vessel) -> None:
         for value in medium.sigma_a:
             if not 0.0 <= value < np.inf:
                 raise InputError(f"{where}, medium {medium.name}", "an absorption of at least 0 per metre", value)
+    for interface in vessel.interfaces:
+        if interface.front == interface.back:
+            where = f"{vessel.name}, {interface.part}"
+            raise InputError(where, "two media, one on each side", f"{interface.front.name} on both")
 
 
 def _media(vessel: Vessel) -> Iterator[tuple[str, Medium]]:
@@ -84,10 +95,15 @@ def _check_closed(where: str, mesh: Mesh) -> None:
     if (there[1:] == there[:-1]).any() or not np.array_equal(there, back):
         open_edges = len(np.setxor1d(there, back, assume_unique=False))
         raise InputError(where, "a closed surface, each edge between two triangles", f"{open_edges} loose edges")
-    corners = mesh.vertices.astype(np.float64)[mesh.faces]
-    volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
+    volume = _volume(mesh)
     if volume <= 0.0:
         raise InputError(where, "normals that point out of the body", f"a volume of {volume:.3e} m^3")
+
+
+def _volume(mesh: Mesh) -> float:
+    """Return the volume of a closed mesh [m^3]: the sum of its triangles' tetrahedra with the origin."""
+    corners = mesh.vertices.astype(np.float64)[mesh.faces]
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
 
 
 def _check_liquid(vessel: Vessel) -> None:
@@ -98,6 +114,9 @@ def _check_liquid(vessel: Vessel) -> None:
     highest = max(vessel.liquid.contact, vessel.liquid.level, float(surface.mesh.bounds[1, 2]))
     if highest > rim:
         raise InputError(f"{vessel.name}, liquid", f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
+    stated, body = vessel.liquid.volume, _volume(liquid_solid(vessel))
+    if not abs(stated - body) <= VOLUME_TOLERANCE * body:
+        raise InputError(f"{vessel.name}, liquid, volume", f"that of its body, {body:.4g} m^3", f"{stated:.4g} m^3")
 
 
 def _solid(item: Vessel | Prop) -> Solid:

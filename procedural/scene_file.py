@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -29,6 +30,7 @@ from .errors import InputError
 from .mesh import Mesh
 from .mesh_file import read_mesh, write_mesh
 from .model import Model
+from .sanity import check_scene
 
 MESHES_FOLDER = "meshes"
 ASSETS_FOLDER = "assets"
@@ -42,14 +44,14 @@ M = TypeVar("M", bound=Model)
 V = TypeVar("V")
 
 
-def save_scene(scene: Scene, path: Path, assets_dir: Path | None = None) -> None:
+def save_scene(scene: Scene, path: Path | str, assets_dir: Path | None = None) -> None:
     """Write a scene, its meshes and the assets it uses.
 
     Parameters
     ----------
     scene : Scene
         The scene; its assets are absolute paths of files with the pinned content.
-    path : Path
+    path : Path or str
         The JSON file to write; meshes go to ``meshes/`` beside it.
     assets_dir : Path, optional
         Where assets go: ``assets/`` beside the scene file (the default) or beside its grandparent, which is the data
@@ -60,6 +62,7 @@ def save_scene(scene: Scene, path: Path, assets_dir: Path | None = None) -> None
     InputError
         Where an asset is missing or has changed since the scene was drawn.
     """
+    path = Path(path)
     assets_dir = path.parent / ASSETS_FOLDER if assets_dir is None else assets_dir
     meshes: dict[str, Mesh] = {}
     stored = _with_assets(scene, lambda item: _store_asset(item, assets_dir, path))
@@ -71,19 +74,27 @@ def save_scene(scene: Scene, path: Path, assets_dir: Path | None = None) -> None
     path.write_text(json_text(data), encoding="utf-8")
 
 
-def load_scene(path: Path) -> Scene:
+def load_scene(path: Path | str) -> Scene:
     """Read a scene that `save_scene` wrote; assets come back as absolute paths, their content checked.
 
     Raises
     ------
     InputError
-        For a damaged or unknown file, a missing mesh, or an asset that is missing, changed or outside the data set.
+        For a damaged or unknown file, a missing mesh, an asset that is missing, changed or outside the data set, or
+        a scene that cannot exist (`sanity.check_scene`).
     """
+    path = Path(path)
     data = read_json(path)
     check_schema(path, data, SCENE_SCHEMA)
     folder = path.parent / MESHES_FOLDER
     scene = parsed(Scene, data, path, {"read_mesh": lambda name: _read_named(name, folder)})
-    return _with_assets(scene, lambda item: _found_asset(item, path))
+    found = _with_assets(scene, lambda item: _found_asset(item, path))
+    try:
+        check_scene(found)
+    except InputError as error:
+        error.args = (f"{path}: {error}",)
+        raise
+    return found
 
 
 def assets_of(scene: Scene) -> tuple[Asset, ...]:
@@ -105,13 +116,20 @@ def json_text(data: object) -> str:
 
 
 def read_json(path: Path) -> Any:
-    """Read a JSON file; InputError where it is missing or damaged."""
+    """Read a JSON file; InputError where it is missing or damaged, says a key twice, or holds no finite number."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_constant)
+        return json.loads(
+            path.read_text(encoding="utf-8"),
+            object_pairs_hook=_once,
+            parse_constant=_no_constant,
+            parse_float=_finite,
+        )
     except OSError as error:
         raise InputError(path, "a readable file", error.strerror) from error
     except ValueError as error:
         raise InputError(path, "a JSON file", f"{error}") from error
+    except RecursionError as error:
+        raise InputError(path, "a JSON file", "lists or objects nested too deep") from error
 
 
 def check_schema(path: Path, data: object, schema: str) -> None:
@@ -136,6 +154,24 @@ def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | N
 
 def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is not JSON")
+
+
+def _finite(text: str) -> float:
+    # 1e999 is JSON, and Python reads it as infinity.
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is too large for a number")
+    return number
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    # Readers differ in which of two values they take.
+    data = dict(pairs)
+    if len(data) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"the key {twice!r} twice in one object")
+    return data
 
 
 def _collected(mesh: Mesh, meshes: dict[str, Mesh]) -> str:

@@ -59,6 +59,12 @@ def test_a_scene_comes_back_exactly(analytic, tmp_path):
         np.testing.assert_array_equal(before.faces, after.faces)
 
 
+def test_a_scene_is_saved_and_loaded_by_a_path_in_words_too(analytic, tmp_path):
+    scene = analytic.scene()
+    scene.save(str(tmp_path / "scene.json"))
+    assert Scene.load(str(tmp_path / "scene.json")).model_dump_json() == scene.model_dump_json()
+
+
 def test_saving_a_loaded_scene_writes_the_same_bytes(textured, tmp_path):
     first = _saved(textured, tmp_path / "a")
     second = _saved(load_scene(first), tmp_path / "b")
@@ -127,6 +133,15 @@ def _no_traceback(error):
         (lambda d: d["props"][0].update(mesh="ball\n"), "mesh name"),
         (lambda d: d["props"][0].update(mesh=3), "mesh name"),
         (lambda d: d["props"][0].update(world_T_object=[[1, 2], [3, 4]]), "world_T_object"),
+        (lambda d: d["props"][0].update(world_T_object={"a": 1}), "matrix"),
+        (lambda d: d["props"][0].update(world_T_object=[[{"a": 1}] * 4] * 4), "matrix"),
+        (lambda d: d["props"][0].update(world_T_object=[[10**400] * 4] * 4), "matrix"),
+        (lambda d: d["props"][0].update(world_T_object=[["a"] * 4] * 4), "world_T_object"),
+        (lambda d: d["props"][0].update(world_T_object=None), "world_T_object"),
+        # Which scenes cannot exist is in test_sanity; here, that a file with one is refused, and named.
+        (lambda d: d["props"][0].update(id=2), "scene.json: ball, id"),
+        (lambda d: d["props"][0].update(size=[1.0, 1.0, 1.0]), "scene.json: ball, size"),
+        (lambda d: d["cameras"][0].update(width=1 << 20), "scene.json: camera 0, width"),
         (lambda d: d["environment"]["asset"].update(path="/etc/passwd"), "asset"),
         (lambda d: d["environment"]["asset"].update(path="../../../0123456789abcdef-x"), "asset"),
         (lambda d: d["environment"]["asset"].update(path="../../assets/../dataset.json"), "asset"),
@@ -146,7 +161,24 @@ def test_a_scene_file_that_is_wrong_is_one_clear_line(textured, tmp_path, change
     _no_traceback(error)
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "3", '{"schema_version": NaN}', "\ufeff{}"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        "3",
+        '{"schema_version": NaN}',
+        '{"schema_version": 1e999}',
+        '{"schema_version": "glassware/scene/1", "schema_version": "glassware/scene/1"}',
+        '{"a": {"b": 1, "b": 2}}',
+        "[" * 200_000,
+        "[" * 200_000 + "]" * 200_000,
+        '{"a":' * 200_000 + "1" + "}" * 200_000,
+        "\ufeff{}",
+    ],
+    ids=lambda text: text[:30],
+)
 def test_a_damaged_scene_file_is_one_clear_line(tmp_path, text):
     path = tmp_path / "scene.json"
     path.write_text(text, encoding="utf-8")
