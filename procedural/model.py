@@ -21,13 +21,16 @@ from .mesh import Mesh
 
 
 class Model(BaseModel):
-    """Frozen data; unknown fields are refused."""
+    """Frozen data; unknown fields are refused, and so are numbers that are not finite."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, allow_inf_nan=False)
 
 
 def _matrix4(value: object) -> np.ndarray:
-    matrix = np.array(value, dtype=np.float64)
+    try:
+        matrix = np.array(value, dtype=np.float64)
+    except (TypeError, OverflowError) as error:  # pydantic takes neither for a wrong value
+        raise ValueError("expected a 4x4 matrix of numbers") from error
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
         raise ValueError(f"expected a finite 4x4 matrix, got shape {matrix.shape}")
     matrix.setflags(write=False)
