@@ -30,8 +30,8 @@ These are options of `render-scene` and no part of the data set's settings.
 _SCENE = """
 ## What is drawn and how
 
-The short names `--views`, `--width`, `--height`, `--spp` and `--hdri-dir` stand for `cameras.views`, `cameras.width`,
-`cameras.height`, `picture.spp` and `environment.hdri_dir`.
+The short names `--views`, `--width`, `--height`, `--spp`, `--noise` and `--hdri-dir` stand for `cameras.views`,
+`cameras.width`, `cameras.height`, `picture.spp`, `picture.noise` and `environment.hdri_dir`.
 """
 _PRESETS = """
 ## Presets

@@ -19,7 +19,7 @@ from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
 _SHADOW_EPSILON = 1e-4
 #: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
-_SURVIVE = 0.99
+SURVIVE = 0.99
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,17 +62,17 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
         beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
 
-        L += beta * _ran_into(scene, si, previous, pdf, delta, active)
+        L += beta * ran_into(scene, si, previous, pdf, delta, active)
         active = mi.Bool(hit)
-        light_at, lobe_at, coin, gamble = _numbers(points, depth)
+        light_at, lobe_at, coin, gamble = numbers_of(points, depth)
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.UnpolarizedSpectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, weight, pdf, delta = _opaque(scene, si, ray, offset, light_at, coin, lobe_at)
+            light, direction, weight, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
-            eta = _relative_index(table, facing, beyond, si.wavelengths)
+            eta = relative_index(table, facing, beyond, si.wavelengths)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
             if picture.dispersion:  # from here on the path follows its first wavelength
                 beta = dr.select(alone, beta, first_only(beta))
@@ -87,21 +87,22 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         medium, previous = mi.UInt32(facing), mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
-        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, _SURVIVE), 1.0)
+        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
         active &= dr.any(beta > 0.0) & (depth < max_depth) & (gamble < survive)
         beta *= dr.rcp(survive)
 
     return Radiance(to_rgb(L * carried, ray.wavelengths), violations, segments)
 
 
-def _numbers(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
+def numbers_of(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
     """Return the random numbers of one surface: lamp, direction, lobe or Fresnel's coin, roulette."""
     a, b, c, d = four(points, 2 + 2 * depth)
     coin, gamble, *_ = four(points, 3 + 2 * depth)
     return mi.Point2f(a, b), mi.Point2f(c, d), coin, gamble
 
 
-def _relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, wavelengths: Any) -> mi.Float:
+def relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, wavelengths: Any) -> mi.Float:
+    """Return the index behind an interface over the index before it, for pictures in the active variant."""
     behind = index_at(table.index, beyond, wavelengths, mi.Bool(True))
     return behind / index_at(table.index, facing, wavelengths, mi.Bool(True))
 
@@ -123,7 +124,7 @@ def met(
     return opaque, facing, dr.select(from_front, back, front), sign * si.n, sign * si.sh_frame.n
 
 
-def _ran_into(
+def ran_into(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
     previous: mi.Interaction3f,
@@ -139,7 +140,19 @@ def _ran_into(
     return dr.select(active, share * emitter.eval(si, active), 0.0)
 
 
-def _opaque(
+def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
+    """Return the point with its shading frame turned to the side that the ray comes from.
+
+    Open meshes show both sides. Mitsuba's adapter for that would compile every material twice.
+    """
+    turned = mi.SurfaceInteraction3f(si)
+    sign = dr.select(dr.dot(si.sh_frame.n, ray.d) > 0.0, mi.Float(-1.0), mi.Float(1.0))
+    turned.sh_frame.n, turned.sh_frame.s = sign * si.sh_frame.n, sign * si.sh_frame.s
+    turned.wi = turned.to_local(-ray.d)
+    return turned
+
+
+def opaque_event(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
     ray: mi.Ray3f,
@@ -149,7 +162,7 @@ def _opaque(
     bounce: mi.Point2f,
 ) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
     """Return the light by emitter sampling, and direction, weight, density and deltaness of the next bounce."""
-    bsdf = si.bsdf(ray)
+    bsdf, si = si.bsdf(ray), _two_sided(si, ray)
     ds, arriving = scene.sample_emitter_direction(si, light, False)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
     lit = (ds.pdf > 0.0) & dr.any(value > 0.0)

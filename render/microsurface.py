@@ -15,7 +15,7 @@ import drjit as dr
 import mitsuba as mi
 
 #: Most facets met in one walk. The chance to stay falls below 1e-4 by then, even at roughness 1; what remains is lost.
-_MAX_FACETS = 32
+MAX_FACETS = 32
 
 
 @dr.syntax
@@ -49,7 +49,7 @@ def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tu
     while walking:
         # Below the surface the height field is the same, upside down (section 5.2).
         sign = dr.select(above, mi.Float(1.0), mi.Float(-1.0))
-        reached, leaves = _next_height(sign * direction, sign * height, alpha, numbers.next_float32())
+        reached, leaves = next_height(sign * direction, sign * height, alpha, numbers.next_float32())
         height = sign * reached
         walking &= ~leaves
         facet_at = mi.Point2f(numbers.next_float32(), numbers.next_float32())
@@ -64,12 +64,12 @@ def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tu
             direction = sign * dr.normalize(dr.select(mirrored, mi.reflect(towards, facet), refracted))
             above = above == mirrored
         facets += 1
-        walking &= facets < _MAX_FACETS
+        walking &= facets < MAX_FACETS
 
-    return direction, ~above, facets < _MAX_FACETS
+    return direction, ~above, facets < MAX_FACETS
 
 
-def _next_height(
+def next_height(
     direction: mi.Vector3f, height: mi.Float, alpha: mi.Float, sample: mi.Float
 ) -> tuple[mi.Float, mi.Bool]:
     """Return the height of the next facet met, and whether there is none (Heitz et al. 2016, section 4.2, eq. 11)."""

@@ -13,7 +13,7 @@ from ..procedural.mesh import Mesh
 
 
 def opaque_bsdf(material: OpaqueMaterial) -> dict:
-    """Return the dictionary of a two-sided principled BSDF.
+    """Return the dictionary of a principled BSDF, seen from its front; the ray loop turns it to the ray.
 
     Every material has a bitmap for its colour, even a plain one: all opaque surfaces then share one kernel, and a new
     scene with other numbers compiles nothing. For the same reason the repeats are not the bitmap's: see `repeated`.
@@ -25,14 +25,13 @@ def opaque_bsdf(material: OpaqueMaterial) -> dict:
         "filter_type": "bilinear",
         "wrap_mode": "repeat",
     }
-    principled = {
+    return {
         "type": "principled",
         "base_color": colour,
         "roughness": material.roughness,
         # As a texture: Mitsuba compiles another BSDF for the number 0 than for others.
         "metallic": {"type": "uniform", "value": material.metallic},
     }
-    return {"type": "twosided", "bsdf": principled}
 
 
 def repeated(mesh: Mesh, material: OpaqueMaterial) -> Mesh:

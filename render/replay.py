@@ -13,7 +13,7 @@ import mitsuba as mi
 
 from ..procedural.description import Picture
 from .dielectric import scatter, upright_normal
-from .integrator import _SURVIVE, _numbers, _opaque, _ran_into, _relative_index, met
+from .integrator import SURVIVE, met, numbers_of, opaque_event, ran_into, relative_index
 from .kernel import Kernel
 from .rays import leave
 from .sampler import Samples, hashed
@@ -47,21 +47,21 @@ def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, int
         beta *= dr.exp(-absorption_at(table.absorption, facing, si.wavelengths, active) * length)
         add_absorption(into, facing, length, L, hit)
 
-        found = beta * _ran_into(scene, si, previous, pdf, delta, active)
+        found = beta * ran_into(scene, si, previous, pdf, delta, active)
         L += found
         add_emitter(into, si.emitter(scene, active), found, active)
         active = mi.Bool(hit)
-        light_at, lobe_at, coin, gamble = _numbers(points, depth)
+        light_at, lobe_at, coin, gamble = numbers_of(points, depth)
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, into]):
-            light, direction, weight, pdf, delta = _opaque(scene, si, ray, offset, light_at, coin, lobe_at)
+            light, direction, weight, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
             add_chosen(into, scene.sample_emitter(light_at.x)[0], beta * light)
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, into]):
             row, seed = registry_id(si.shape), hashed(points, depth)
-            eta, alpha = _relative_index(table, facing, beyond, si.wavelengths), dr.gather(mi.Float, table.alpha, row)
+            eta, alpha = relative_index(table, facing, beyond, si.wavelengths), dr.gather(mi.Float, table.alpha, row)
             event = scatter(-ray.d, n, ns, eta, alpha, coin, seed)
             direction, weight = event.direction, mi.Color3f(event.weight)
             eta_scale *= event.eta_squared
@@ -71,7 +71,7 @@ def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, int
         previous = mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
-        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, _SURVIVE), 1.0)
+        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
         active &= dr.any(beta > 0.0) & (depth < max_depth) & (gamble < survive)
         beta *= dr.rcp(survive)
 

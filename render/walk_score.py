@@ -11,9 +11,9 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
-from .microsurface import _MAX_FACETS, _next_height, visible_facet
+from .microsurface import MAX_FACETS, next_height, visible_facet
 
-#: Directions this steep meet heights that do not depend on the roughness (`microsurface._next_height`).
+#: Directions this steep meet heights that do not depend on the roughness (`microsurface.next_height`).
 _STEEP = 0.9999
 #: Keeps logarithms and quotients finite where a float32 has come to its end: a height at the bottom, a level ray.
 _TINY = 1e-7
@@ -42,7 +42,7 @@ def walk_score(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32)
     while walking:
         sign = dr.select(above, mi.Float(1.0), mi.Float(-1.0))
         sample = numbers.next_float32()
-        reached, leaves = _next_height(sign * direction, sign * height, alpha, sample)
+        reached, leaves = next_height(sign * direction, sign * height, alpha, sample)
         score += height_score(sign * direction, sign * height, alpha, sample, leaves)
         height = sign * reached
         walking &= ~leaves
@@ -59,7 +59,7 @@ def walk_score(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32)
             direction = sign * dr.normalize(dr.select(mirrored, mi.reflect(towards, facet), refracted))
             above = above == mirrored
         facets += 1
-        walking &= facets < _MAX_FACETS
+        walking &= facets < MAX_FACETS
 
     return score, direction
 
