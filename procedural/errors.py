@@ -10,4 +10,13 @@ class InputError(ValueError):
     """
 
     def __init__(self, where: object, expected: str, found: object) -> None:
-        super().__init__(f"{where}: expected {expected}, found {found}")
+        super().__init__(_printable(f"{where}: expected {expected}, found {found}"))
+
+
+def _printable(text: str) -> str:
+    """Return a text with escapes for what a terminal would obey or could not show."""
+    return "".join(_shown(letter) for letter in text)
+
+
+def _shown(letter: str) -> str:
+    return letter if letter.isprintable() else " " if letter in "\r\n\t" else ascii(letter)[1:-1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
@@ -13,6 +12,7 @@ from .placement import PlacementSettings
 from .props.settings import PropSettings
 from .surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from .surroundings.table import TableSettings
+from .user_text import UserPath
 from .vessels.settings import VesselSettings
 
 
@@ -35,8 +35,8 @@ class SceneSettings(Model):
     prop_count: Annotated[tuple[_Props, _Props], AfterValidator(_in_order)] = Field(
         default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
     )
-    mesh_dir: Path | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
-    texture_dir: Path | None = Field(default=None, description="Folder of pictures for the table and plain props")
+    mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
+    texture_dir: UserPath | None = Field(default=None, description="Folder of pictures for the table and plain props")
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()
     table: TableSettings = TableSettings()

@@ -16,6 +16,7 @@ from ...procedural.draw import draw_scene
 from ...procedural.inputs import check_inputs
 from ...procedural.sanity import check_scene
 from ...procedural.settings import SceneSettings
+from ...procedural.user_text import UserPath, UserText
 from ...render.backend import activate
 from .. import layout
 from ..config import layered, parsed
@@ -35,12 +36,12 @@ A preset (fast, standard, syn-todd) is taken first, then a YAML file, then the c
 class RenderScene(SceneSettings):
     """The request: what to draw, from which seed, and where to put it."""
 
-    seed: int = Field(default=0, ge=0, description="Seed of the data set, >= 0")
+    seed: int = Field(default=0, ge=0, le=2**63 - 1, description="Seed of the data set, 0 to 2^63 - 1")
     scene: int = Field(default=0, ge=0, le=999_999, description="Number of the scene in the data set, 0 to 999999")
-    out: Path = Field(default=Path("out"), description="Folder of the data set: absent, empty, or one made before")
-    name: str = Field(default="glassware", description="Name of the data set")
+    out: UserPath = Field(default=Path("out"), description="Folder of the data set: absent, empty, or one made before")
+    name: UserText = Field(default="glassware", description="Name of the data set")
     preset: str = Field(default="fast", description="Settings to start from: fast, standard or syn-todd")
-    config: Path | None = Field(default=None, description="YAML file of settings on top of the preset")
+    config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -48,7 +48,8 @@ def _light(rng: np.random.Generator, settings: LightSettings, reach: float, ambi
     centre = distance * np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)])
     aim_angle = rng.uniform(0.0, 2.0 * math.pi)
     # The square root spreads the points evenly over the disc.
-    aim_radius = settings.aim * math.sqrt(rng.uniform())
+    # Half the distance keeps the centre of the table in front of the light.
+    aim_radius = min(settings.aim, 0.5 * distance) * math.sqrt(rng.uniform())
     aim = aim_radius * np.array([math.cos(aim_angle), math.sin(aim_angle), 0.0])
     pose = aimed(centre, aim, rng.uniform(0.0, 2.0 * math.pi))
     colour, share = black_body(rng.uniform(*settings.temperature)), rng.uniform(*settings.share)

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
 from ..model import Model, Unit
+from ..user_text import UserPath
 
 
 def _ordered(value: tuple[float, float]) -> tuple[float, float]:
     if value[0] > value[1]:
-        raise ValueError(f"expected the smaller number first, got {value}")
+        raise ValueError(f"expected the smaller number first, found {value}")
     return value
 
 
 # Smallest and largest value of a uniform draw, with the limits of both.
-_Positive = Annotated[float, Field(gt=0.0)]
+# Sides from a bare LED die to the largest soft boxes [m].
+_Side = Annotated[float, Field(ge=1e-3, le=5.0)]
+# From a light that no 16-bit picture shows to a spotlight in a dark room.
+_Share = Annotated[float, Field(ge=1e-5, le=1e3)]
 _Kelvin = Annotated[float, Field(ge=2000.0, le=20000.0)]
 _Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
-_Factor = Annotated[float, Field(ge=1.0)]
-PositiveRange = Annotated[tuple[_Positive, _Positive], AfterValidator(_ordered)]
+# Ten times as far away, the objects are a hundredth of the picture.
+_Factor = Annotated[float, Field(ge=1.0, le=10.0)]
+SideRange = Annotated[tuple[_Side, _Side], AfterValidator(_ordered)]
+ShareRange = Annotated[tuple[_Share, _Share], AfterValidator(_ordered)]
 KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], AfterValidator(_ordered)]
 ElevationRange = Annotated[tuple[_Elevation, _Elevation], AfterValidator(_ordered)]
 FactorRange = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered)]
@@ -31,7 +36,9 @@ FactorRange = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered)]
 class EnvironmentSettings(Model):
     """Where the surrounding light comes from."""
 
-    hdri_dir: Path | None = Field(default=None, description="Folder of environment maps (EXR, HDR); none by default")
+    hdri_dir: UserPath | None = Field(
+        default=None, description="Folder of environment maps (EXR, HDR); none by default"
+    )
     hdri_share: Unit = Field(default=1.0, description="Share of scenes lit by a file, where there is a folder, 0 to 1")
     room_share: Unit = Field(default=0.7, description="Share of rooms among procedural ones; the rest are skies")
 
@@ -40,7 +47,7 @@ class LightSettings(Model):
     """Random rectangles that shine on the table."""
 
     max_count: int = Field(default=3, ge=0, le=16, description="Most lights in a scene; 0 to this many are drawn")
-    size: PositiveRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], > 0")
+    size: SideRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], 0.001 to 5")
     temperature: KelvinRange = Field(
         default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000"
     )
@@ -48,12 +55,21 @@ class LightSettings(Model):
         default=(math.radians(25.0), math.radians(80.0)),
         description="Range of the elevation seen from the table's centre [rad], 0.1 to pi/2",
     )
-    margin: float = Field(default=0.1, ge=0.0, description="Gap between the farthest camera and any light [m], >= 0")
-    spread: float = Field(default=1.0, ge=0.0, description="Largest extra distance beyond the gap [m], >= 0")
-    aim: float = Field(default=0.2, ge=0.0, description="Largest distance of the aimed-at point from the centre [m]")
-    share: PositiveRange = Field(
+    margin: float = Field(
+        default=0.1, ge=0.0, le=20.0, description="Gap between the farthest camera and any light [m], 0 to 20"
+    )
+    spread: float = Field(
+        default=1.0, ge=0.0, le=20.0, description="Largest extra distance beyond the gap [m], 0 to 20 (a hall)"
+    )
+    aim: float = Field(
+        default=0.2,
+        ge=0.0,
+        le=2.0,
+        description="Largest distance of the aimed-at point from the centre [m], 0 to 2; at most half the light's own",
+    )
+    share: ShareRange = Field(
         default=(0.1, 0.8),
-        description="Range of a light's illuminance at the table's centre over the environment's, > 0",
+        description="Range of a light's illuminance at the table's centre over the environment's, 0.00001 to 1000",
     )
 
 
@@ -65,23 +81,29 @@ class CameraSettings(Model):
     height: int = Field(default=480, ge=1, le=16384, description="Picture height [px], 1 to 16384")
     focal: float = Field(
         default=613.9624633789062,
-        gt=0.0,
-        description="Focal length of a picture 640 px wide [px], > 0; scales with the width (Syn-TODD)",
+        ge=50.0,
+        le=20000.0,
+        description="Focal length of a picture 640 px wide [px], 50 to 20000 (162 to 1.8 degrees across); scales with "
+        "the width (Syn-TODD)",
     )
     baseline: float = Field(
         default=0.06499999761581421, gt=0.0, le=1.0, description="Left to right camera [m], 0 to 1 (Syn-TODD)"
     )
     slack: FactorRange = Field(
-        default=(1.0, 1.35), description="Range of the distance over the shortest that shows all objects, >= 1"
+        default=(1.0, 1.35), description="Range of the distance over the shortest that shows all objects, 1 to 10"
     )
-    min_distance: float = Field(default=0.3, gt=0.0, description="Shortest distance to the point looked at [m], > 0")
+    min_distance: float = Field(
+        default=0.3, gt=0.0, le=20.0, description="Shortest distance to the point looked at [m], 0 to 20"
+    )
     lowest_elevation: float = Field(
         default=math.radians(10.0),
         ge=0.0,
         le=math.radians(80.0),
         description="Elevation of the lowest ring [rad], 0 to 80 degrees; the other rings follow in equal steps",
     )
-    min_height: float = Field(default=0.05, ge=0.0, description="Lowest height of a camera over the table [m], >= 0")
+    min_height: float = Field(
+        default=0.05, ge=0.0, le=20.0, description="Lowest height of a camera over the table [m], 0 to 20"
+    )
     angle_jitter: float = Field(
         default=0.0, ge=0.0, le=0.5, description="Largest change of elevation and azimuth of a view [rad], 0 to 0.5"
     )

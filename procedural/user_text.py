@@ -1,0 +1,55 @@
+"""Paths and names as a user gives them: what no file system or file of ours could hold is refused."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, BeforeValidator
+
+#: Longest name of a file, and longest path that still leaves room for what is written below it [bytes]: Linux, macOS
+#: and Windows all end names at 255, and Linux ends paths at 4096.
+LONGEST_NAME, LONGEST_PATH = 255, 3584
+
+
+def usable_text(text: str) -> str:
+    """Return a text that is UTF-8 without NUL; ValueError otherwise."""
+    if not text:
+        raise ValueError("expected some text, found ''")
+    if "\0" in text:
+        raise ValueError(f"expected text without NUL, found {_shown(text)}")
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        # Bytes of the command line that are no UTF-8 arrive as lone surrogates.
+        raise ValueError(f"expected valid Unicode, found {_shown(text)}") from error
+    return text
+
+
+def usable_path(path: Path) -> Path:
+    """Return a path that a file system can hold and a JSON file can name; ValueError otherwise."""
+    usable_text(str(path))
+    longest = max((len(os.fsencode(part)) for part in path.parts), default=0)
+    if longest > LONGEST_NAME:
+        raise ValueError(f"expected names of at most {LONGEST_NAME} bytes, found one of {longest}")
+    whole = len(os.fsencode(path))
+    if whole > LONGEST_PATH:
+        raise ValueError(f"expected a path of at most {LONGEST_PATH} bytes, found {whole}")
+    return path
+
+
+def _not_empty(value: object) -> object:
+    if value == "":
+        raise ValueError("expected a path, found ''")
+    return value
+
+
+def _shown(text: str) -> str:
+    return ascii(text if len(text) <= 80 else text[:77] + "...")
+
+
+#: A path out of a request.
+UserPath = Annotated[Path, BeforeValidator(_not_empty), AfterValidator(usable_path)]
+#: A text out of a request.
+UserText = Annotated[str, AfterValidator(usable_text)]
