@@ -8,6 +8,7 @@ import numpy as np
 import OpenEXR
 
 from ..procedural.errors import InputError
+from ..procedural.quiet import quiet
 
 #: Ids are stored as floats as well, which more programs read. Float32 holds every whole number below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
@@ -32,7 +33,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     if not path.is_file():
         raise InputError(path, "a readable EXR file", "none")
     try:
-        with OpenEXR.File(str(path), separate_channels=True) as file:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
     except (RuntimeError, ValueError) as error:  # a file cut short is one or the other
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from ..procedural.errors import InputError
+from ..procedural.quiet import quiet
 
 
 def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
@@ -49,10 +50,11 @@ def read_png(path: Path) -> np.ndarray:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
         raise InputError(path, "a readable PNG file", error.strerror) from error
-    # Checked first, because OpenCV prints its own warnings about other data.
+    # Checked first: OpenCV reads other formats as well, and gives the rest of a picture that is cut short.
     if data[:8].tobytes() != b"\x89PNG\r\n\x1a\n" or data[-8:].tobytes() != b"IEND\xaeB`\x82":
         raise InputError(path, "a whole PNG file", "something else or a part of one")
-    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    with quiet():
+        picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     if picture is None or (picture.dtype, picture.ndim) not in ((np.uint8, 3), (np.uint16, 2)):
         raise InputError(path, "a PNG file with 8-bit colour or 16-bit ids", "something else")
     return np.ascontiguousarray(picture[..., ::-1]) if picture.ndim == 3 else picture

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from ..errors import InputError
+from ..quiet import quiet
 
 #: Formats that OpenCV's wheel reads on every platform and that hold 8 or 16 bits a channel.
 PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
@@ -81,7 +82,8 @@ def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
 def _decoded(path: Path) -> np.ndarray:
     try:
         content = np.frombuffer(path.read_bytes(), np.uint8)
-        picture = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+        with quiet():
+            picture = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
     except OSError as error:
         raise InputError(path, "a readable picture", error.strerror) from error
     except cv2.error as error:

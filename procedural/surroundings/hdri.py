@@ -17,6 +17,7 @@ from scipy.ndimage import maximum_filter
 
 from ..assets import Asset, checked_path
 from ..errors import InputError
+from ..quiet import quiet
 
 SUFFIXES = (".exr", ".hdr")
 #: Widest map that is read [px]; 16384 x 8192 pixels already take 1.5 GB.
@@ -87,10 +88,10 @@ def _without_dips(path: Path, pixels: np.ndarray) -> np.ndarray:
 def _read_exr(path: Path) -> np.ndarray:
     _check_magic(path, (_EXR_MAGIC,), "an OpenEXR file")
     try:
-        with OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
             header = dict(file.header())
         # Zero threads beside our own: decoding then needs no second core.
-        with OpenEXR.File(str(path), separate_channels=True, num_threads=0) as file:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True, num_threads=0) as file:
             channels = {name: channel.pixels for name, channel in file.channels().items()}
     except (RuntimeError, ValueError) as error:
         # What the reader raises for damaged files; a file cut short reads as one without parts.
@@ -116,13 +117,9 @@ def _rgb(path: Path, channels: dict[str, np.ndarray], shape: tuple[int, int]) ->
 
 def _read_hdr(path: Path) -> np.ndarray:
     _check_magic(path, _HDR_MAGIC, "a Radiance HDR file")
-    level = cv2.utils.logging.getLogLevel()
-    # OpenCV would print a line of its own beside our error.
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        pixels = cv2.imdecode(np.fromfile(path, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
-    finally:
-        cv2.utils.logging.setLogLevel(level)
+    content = np.fromfile(path, dtype=np.uint8)
+    with quiet():
+        pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
     if pixels is None or pixels.ndim != 3 or pixels.dtype != np.float32:
         raise InputError(path, "a whole Radiance HDR file", "a damaged one")
     return pixels[..., ::-1]

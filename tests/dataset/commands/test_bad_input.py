@@ -65,13 +65,48 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
 
 
 @pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("--cameras.roll", "nan"), "cameras.roll: expected a finite number, found nan"),
+        (("--cameras.slack", "1", "inf"), "cameras.slack.1: expected a finite number, found inf"),
+        (("--lights.size", "1e-300", "1"), "lights.size.0: expected greater than or equal to 0.001, found 1e-300"),
+        (("--lights.share", "1", "1e300"), "lights.share.1: expected less than or equal to 1000, found 1e+300"),
+        (("--lights.margin", "1e9"), "lights.margin: expected less than or equal to 20, found 1000000000.0"),
+        (("--lights.spread", "1e9"), "lights.spread: expected less than or equal to 20, found 1000000000.0"),
+        (("--lights.aim", "3"), "lights.aim: expected less than or equal to 2, found 3.0"),
+        (("--cameras.focal", "1e9"), "cameras.focal: expected less than or equal to 20000, found 1000000000.0"),
+        (("--cameras.min-distance", "21"), "cameras.min_distance: expected less than or equal to 20, found 21.0"),
+        (("--cameras.slack", "1", "11"), "cameras.slack.1: expected less than or equal to 10, found 11.0"),
+        (("--cameras.target-jitter", "2"), "cameras.target_jitter: expected less than or equal to 1, found 2.0"),
+        (("--picture.rr-depth", "5000"), "picture.rr_depth: expected less than or equal to 4096, found 5000"),
+        (("--seed", 2**63), f"seed: expected less than or equal to {2**63 - 1}, found {2**63}"),
+        (("--name", "a\0b"), "name: expected text without NUL, found 'a\\x00b'"),
+        (("--name", "\udcff"), "name: expected valid Unicode, found '\\udcff'"),
+        (
+            ("--props.smallest", "0.2", "--props.largest", "0.1"),
+            "props.smallest: expected at most largest (0.1 m), found 0.2 m",
+        ),
+        (("--picture.dispersion",), "picture.dispersion: expected spectral to be on as well, found it off"),
+        (("--lights.size", "2", "1"), "lights.size: expected the smaller number first, found (2.0, 1.0)"),
+        (("--scene", "x"), "scene: expected a whole number, found 'x'"),
+        (("--cameras.roll", "x"), "cameras.roll: expected a number, found 'x'"),
+        (("--vessels.height", "0.1"), "vessels.height: expected 2 values, found fewer"),
+        (("--seed", "9" * 5000), "seed: expected a whole number of few digits, found 5000 digits"),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_a_setting_is_told_of_in_one_form(refused, arguments, line):
+    assert refused(*arguments, says=()) == f"render-scene: {line}"
+
+
+@pytest.mark.parametrize(
     ("text", "says"),
     [
         ("cameras: [", ("valid YAML",)),
         ("- 1\n- 2\n", ("a mapping of settings", "list")),
         ("cameras: {views: 0}\n", ("cameras.views", "greater than or equal to 1", "0")),
-        ("cameras: {veiws: 3}\n", ("cameras.veiws", "3")),
-        ("nonsense: 1\n", ("nonsense", "1")),
+        ("cameras: {veiws: 3}\n", ("is it cameras.views?", "cameras.veiws")),
+        ("nonsense: 1\n", ("known settings", "nonsense")),
         ("cameras: 3\n", ("cameras", "3")),
         ("!!python/object/apply:os.getcwd []\n", ("valid YAML",)),
     ],
@@ -80,6 +115,54 @@ def test_a_settings_file_that_cannot_be_used_is_named(refused, tmp_path, text, s
     path = tmp_path / "settings.yaml"
     path.write_text(text)
     refused("--config", path, says=(str(path), *says))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a: 2026-99-99\n", "valid YAML values"),
+        ("seed: 0x_\n", "valid YAML values"),
+        (f"seed: {'9' * 6000}\n", "valid YAML values"),
+        ("[" * 5000, "too deep a nesting"),
+        ("seed: 1\ncameras: {views: 3, views: 4}\n", "each setting once, found views 2 times"),
+        ("preset: fast\n", "--preset on the command line alone, found 'fast'"),
+        ("config: other.yaml\n", "--config on the command line alone, found 'other.yaml'"),
+        ('name: "a\\0b"\n', "name: expected text without NUL"),
+        ('out: ""\n', "out: expected a path, found ''"),
+        ("&a {cameras: *a}\n", "cameras.cameras"),
+        ("cameras: {roll: .nan}\n", "cameras.roll: expected a finite number, found nan"),
+        ("1: 2\n", "expected"),
+        (f"# {'x' * 1_000_000}\n", "at most 1000000 bytes"),
+    ],
+    ids=range(13),
+)
+def test_a_settings_file_with_strange_data_is_one_line_too(refused, tmp_path, text, says):
+    path = tmp_path / "settings.yaml"
+    path.write_text(text)
+    assert len(refused("--config", path, says=(str(path), says))) < 600
+
+
+def test_a_settings_file_that_is_no_regular_file_is_not_opened(refused, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    refused("--config", tmp_path / "pipe", says=("a regular file", "a device or a pipe"))
+    refused("--config", "/dev/zero", says=("a regular file", "a device or a pipe"))
+    refused("--config", tmp_path, says=("a regular file", "a folder"))
+
+
+@pytest.mark.parametrize("option", ["--config", "--out", "--preset", "--hdri-dir", "--mesh-dir", "--texture-dir"])
+def test_a_path_or_a_name_that_cannot_be_one_is_refused(refused, option):
+    refused(option, "", says=(f"{option}: expected a value, found ''",))
+    refused(f"{option}=", says=(f"{option}: expected a value, found ''",))
+    for value in ("a\0b", "n" * 256, "\udcff"):
+        line = refused(option, value, says=())
+        assert line.isprintable()
+        assert line.split(": ")[0] in (option, "render-scene")
+
+
+@pytest.mark.parametrize("option", ["--hdri-dir", "--mesh-dir", "--texture-dir"])
+def test_a_folder_that_is_a_file_is_called_one(refused, tmp_path, option):
+    (tmp_path / "notes.txt").write_text("notes")
+    refused(option, tmp_path / "notes.txt", says=("a folder of", "found a file"))
 
 
 def test_a_settings_file_that_is_missing_or_no_text_is_named(refused, tmp_path):
@@ -167,6 +250,46 @@ def test_one_bad_texture_among_good_ones_is_named(refused, tmp_path):
     whole = (folder / "a.png").read_bytes()
     (folder / "b.png").write_bytes(whole[:40])
     refused("--texture-dir", folder, says=(str(folder / "b.png"), "picture"))
+
+
+def _cut_exr(path: Path, rng: np.random.Generator) -> None:
+    content = _exr(rng.random((64, 128, 3)).astype(np.float32))
+    path.write_bytes(content[: len(content) * 2 // 3])
+
+
+def _cut_png(path: Path, rng: np.random.Generator) -> None:
+    import cv2
+
+    assert cv2.imwrite(str(path), rng.integers(0, 256, (64, 64, 3)).astype(np.uint8))
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+
+
+def _damaged_png(path: Path, rng: np.random.Generator) -> None:
+    _cut_png(path, rng)
+    content = bytearray(path.read_bytes())
+    content[60] ^= 0xFF
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "written"),
+    [
+        ("--hdri-dir", "bad.exr", _cut_exr),
+        ("--texture-dir", "bad.png", _cut_png),
+        ("--texture-dir", "bad.png", _damaged_png),
+    ],
+)
+def test_a_decoder_says_nothing_beside_our_line(backend, capfd, rng, tmp_path, option, name, written):
+    from glassware.dataset.commands.render_scene import main
+
+    folder = tmp_path / "files"
+    folder.mkdir()
+    written(folder / name, rng)
+    # The decoders print from C: only the file descriptors themselves show it.
+    assert main([option, str(folder), "--out", str(tmp_path / "out")]) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith(f"{folder / name}: expected")
 
 
 def test_an_output_folder_that_holds_something_else_is_left_alone(refused, tmp_path):
