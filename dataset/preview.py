@@ -42,6 +42,10 @@ _COLOURS = (
 _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
+#: Sizes of an instance's number, the first that fits its region is taken; the last is the smallest one can read.
+_NUMBER_SIZES = (0.5, 0.42, 0.35, 0.3)
+#: Radius of a keypoint's disc, and width of the dark ring about it [px].
+_DISC, _RING = _CELL / 150, _CELL / 400
 #: Drawing coordinates carry this many fractional bits, so overlays are not rounded to pixels.
 _SHIFT = 4
 
@@ -94,6 +98,35 @@ def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[flo
     return colours, (near, far)
 
 
+def depth_caption(Z: np.ndarray, near: float, far: float) -> str:
+    """Return what the ends of the colours stand for: a depth [m], with a sign where what lies beyond has it too."""
+    hit = Z[np.isfinite(Z)]
+    # The range is made of these very numbers, so none of the objects' is beyond it.
+    nearer, farther = (hit < near).any(), (hit > far).any()
+    return f"{'<= ' if nearer else ''}{near:.2f} m to {'>= ' if farther else ''}{far:.2f} m"
+
+
+def place_of_number(region: np.ndarray, width: int, height: int) -> tuple[tuple[int, int], bool]:
+    """Return where the middle of a text goes in a region, (x, y), and whether all of the text lies in it.
+
+    Of the places where the text's rectangle is inside the region, the one farthest from the region's border is taken;
+    where there is none, the one farthest of all.
+
+    Parameters
+    ----------
+    region : (H, W) bool
+        With at least one pixel; the picture's edge is a border too.
+    width, height : int
+        Extent of the text [px].
+    """
+    inside = np.pad(region, 1).astype(np.uint8)
+    distance = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    fitting = cv2.erode(inside, np.ones((height | 1, width | 1), np.uint8)) > 0
+    fits = bool(fitting.any())
+    y, x = np.unravel_index(np.argmax(np.where(fitting, distance, 0.0) if fits else distance), distance.shape)
+    return (int(x) - 1, int(y) - 1), fits
+
+
 def normal_colours(normal: np.ndarray) -> np.ndarray:
     """Return normals as colours, (H, W, 3) uint8: right is red, up is green, towards the camera is blue."""
     colours = np.rint(127.5 * (1.0 + normal * np.array([1.0, -1.0, -1.0]))).astype(np.uint8)
@@ -113,11 +146,12 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
     left = _resized(row.picture, scale, smooth=True)
     depth, (near, far) = depth_colours(geometry.Z, geometry.id)
     depth, ids = _resized(depth, scale), _resized(id_colours(geometry.id), scale)
-    _tag(depth, f"{near:.2f} to {far:.2f} m")
+    numbers = _resized(geometry.id, scale)
+    _tag(depth, depth_caption(geometry.Z, near, far))
     # Overlays are read more easily on a picture that steps back a little.
     boxes, points = _dimmed(left), _dimmed(left)
     for label in row.labels.objects:
-        _draw_id(ids, label, scale)
+        _draw_id(ids, numbers == label.id, str(label.id))
         _draw_box(boxes, label, camera, scale)
     for label in row.labels.objects:
         _draw_axes(boxes, label, camera, scale)
@@ -132,17 +166,21 @@ def _header(title: str) -> np.ndarray:
         _text(band, caption, (_left(column) + 2, _CAPTION + 28))
     x = _left(len(_COLUMNS) - 1) + 90
     for state, colour in _STATES.items():
-        cv2.circle(band, (x, _CAPTION + 23), 4, colour, -1, cv2.LINE_AA)
+        _disc(band, (x << _SHIFT, (_CAPTION + 23) << _SHIFT), 2.0 * _DISC, colour)
         x = _text(band, {"through_glass": "glass"}.get(state, state), (x + 8, _CAPTION + 28), 0.4) + 10
     return band
 
 
-def _draw_id(picture: np.ndarray, label: ObjectLabel, scale: float) -> None:
-    if label.box2d.modal is None:
-        return
-    left, top, right, bottom = label.box2d.modal
-    x, y = _fixed(((left + right) / 2, (top + bottom) / 2), scale)
-    _text(picture, str(label.id), ((x >> _SHIFT) - 5, (y >> _SHIFT) + 5), 0.5, (20, 20, 20))
+def _draw_id(picture: np.ndarray, region: np.ndarray, text: str) -> None:
+    """Write a number inside a region, (H, W) bool, as large as it fits; none in one that it would cover altogether."""
+    for size in _NUMBER_SIZES:
+        (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)
+        if np.count_nonzero(region) < width * height:
+            continue
+        (x, y), fits = place_of_number(region, width, height)
+        if fits or size == _NUMBER_SIZES[-1]:
+            _text(picture, text, (x - width // 2, y + height // 2), size, (20, 20, 20))
+            return
 
 
 def _draw_box(picture: np.ndarray, label: ObjectLabel, camera: Camera, scale: float) -> None:
@@ -169,8 +207,15 @@ def _draw_keypoints(picture: np.ndarray, label: ObjectLabel, scale: float) -> No
         if point.pixel is None or point.state == "outside":
             continue
         centre = _fixed(point.pixel, scale)
-        cv2.circle(picture, centre, 5 << _SHIFT, (15, 15, 15), -1, cv2.LINE_AA, _SHIFT)
-        cv2.circle(picture, centre, int(3.6 * (1 << _SHIFT)), _STATES[point.state], -1, cv2.LINE_AA, _SHIFT)
+        _disc(picture, centre, _DISC + _RING, (15, 15, 15))
+        _disc(picture, centre, _DISC, _STATES[point.state])
+
+
+def _disc(picture: np.ndarray, centre: tuple[int, int], radius: float, colour: tuple[int, ...]) -> None:
+    # OpenCV draws circles of less than three pixels as squares on their corners.
+    angles = np.arange(24) * (np.pi / 12)
+    outline = centre + (radius * (1 << _SHIFT)) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    cv2.fillConvexPoly(picture, np.rint(outline).astype(np.int32), colour, cv2.LINE_AA, _SHIFT)
 
 
 def _line(

@@ -7,9 +7,11 @@ from glassware.dataset.preview import (
     PreviewRow,
     chosen_views,
     contact_sheet,
+    depth_caption,
     depth_colours,
     id_colours,
     normal_colours,
+    place_of_number,
 )
 
 
@@ -47,6 +49,42 @@ def test_depth_colours_span_the_objects_and_near_is_brighter():
     assert (colours[0, 0] == colours[0, 1]).all()  # before the range
     assert (colours[0, 3] == colours[0, 2]).all()  # behind it
     assert (colours[0, 4] != colours[0, 2]).any()
+
+
+def test_a_caption_says_where_depths_beyond_the_range_take_its_colours():
+    Z = np.array([[0.2, 0.5, 0.7, 9.0, np.inf]], np.float32)
+    _, (near, far) = depth_colours(Z, np.array([[1, 2, 3, 1, 0]], np.uint16))
+    assert depth_caption(Z, near, far) == "<= 0.50 m to >= 0.70 m"
+    assert depth_caption(Z[:, 1:3], near, far) == "0.50 m to 0.70 m"
+    assert depth_caption(Z[:, 1:], near, far) == "0.50 m to >= 0.70 m"
+
+
+def test_a_number_lies_inside_its_region_also_where_the_middle_of_the_box_does_not():
+    region = np.zeros((60, 80), bool)
+    region[5:55, 10:70] = True
+    region[5:40, 22:58] = False  # a U: the middle of its box is outside it
+    (x, y), fits = place_of_number(region, 9, 7)
+    assert fits
+    assert region[y - 3 : y + 4, x - 4 : x + 5].all()
+    wide, fits = place_of_number(region, 41, 7)
+    assert fits
+    assert region[wide[1] - 3 : wide[1] + 4, wide[0] - 20 : wide[0] + 21].all()
+
+
+def test_a_number_that_fits_nowhere_is_where_its_region_is_thickest():
+    region = np.zeros((20, 40), bool)
+    region[10, 5:30] = True
+    region[8:13, 20:25] = True
+    assert place_of_number(region, 9, 7) == ((22, 10), False)
+
+
+def test_the_edge_of_the_picture_is_a_border_of_a_region():
+    region = np.zeros((40, 40), bool)
+    region[:, 30:] = True
+    (x, y), fits = place_of_number(region, 9, 7)
+    assert fits
+    assert 34 <= x <= 35
+    assert 3 <= y <= 36
 
 
 def test_an_empty_view_has_colours_too():
