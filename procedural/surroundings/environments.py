@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import cv2
 import numpy as np
 
 from ..assets import asset
@@ -12,6 +13,9 @@ from .hdri import hdri_files, read_hdri
 from .rooms import bake_room, draw_room
 from .settings import EnvironmentSettings
 from .skies import bake_sky, draw_sky
+
+#: Standard deviation of the blur of procedural maps [texel]. At 1 a straight edge is free of stairs to the eye.
+_SOFTNESS = 1.0
 
 
 def draw_environment(rng: np.random.Generator, settings: EnvironmentSettings) -> Environment:
@@ -62,6 +66,18 @@ def _baked(environment: Environment, height: int) -> np.ndarray:
 def _fresh(environment: Environment, height: int) -> np.ndarray:
     if isinstance(environment, PictureEnvironment):
         return read_hdri(environment.asset)
-    if isinstance(environment, RoomEnvironment):
-        return bake_room(environment, height)
-    return bake_sky(environment, height)
+    sharp = (
+        bake_room(environment, height) if isinstance(environment, RoomEnvironment) else bake_sky(environment, height)
+    )
+    return _softened(sharp)
+
+
+def _softened(pixels: np.ndarray) -> np.ndarray:
+    """Return a map whose edges are soft over a texel or two, as those of a background out of focus.
+
+    A camera sees a texel over several pixels. Edges that are sharp to one texel then show as stairs.
+    """
+    margin = 4 * int(np.ceil(_SOFTNESS))
+    wrapped = np.concatenate([pixels[:, -margin:], pixels, pixels[:, :margin]], axis=1)
+    soft = cv2.GaussianBlur(wrapped, (0, 0), _SOFTNESS, borderType=cv2.BORDER_REPLICATE)
+    return np.ascontiguousarray(soft[:, margin:-margin])

@@ -12,6 +12,7 @@ from glassware.procedural.errors import InputError
 from glassware.procedural.surroundings.environments import bake_environment, draw_environment
 from glassware.procedural.surroundings.rooms import bake_room
 from glassware.procedural.surroundings.settings import EnvironmentSettings
+from glassware.procedural.surroundings.sphere import solid_angles
 
 
 def drawn(seed: int, **settings):
@@ -58,6 +59,18 @@ def test_rotation_and_strength_are_left_to_the_renderer():
     environment = drawn(0, room_share=1.0)
     changed = environment.model_copy(update={"rotation": 1.0, "strength": 3.0})
     baked = bake_environment(changed, 16)
-    np.testing.assert_array_equal(baked, bake_room(environment, 16))
+    np.testing.assert_array_equal(baked, bake_environment(environment, 16))
     with pytest.raises(ValueError, match="read-only"):
         baked[0] = 0.0
+
+
+def test_procedural_maps_are_softened_without_a_seam_and_keep_their_light():
+    environment = drawn(0, room_share=1.0)
+    sharp, soft = bake_room(environment, 128), bake_environment(environment, 128)
+    # The blur of a row that is turned is the turned blur: nothing happens at the seam.
+    step = np.abs(np.diff(np.concatenate([soft, soft[:, :1]], axis=1), axis=1))
+    assert step[:, -1].max() <= step[:, :-1].max()
+    assert step.max() < np.abs(np.diff(sharp, axis=1)).max()
+    # Only light that crosses from row to row, whose solid angles differ a little, changes the whole.
+    weights = solid_angles(128)[:, None, None]
+    np.testing.assert_allclose((weights * soft).sum((0, 1)), (weights * sharp).sum((0, 1)), rtol=2e-3)
