@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import redirect_stderr
-from difflib import get_close_matches
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
@@ -16,6 +15,8 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from ..procedural.errors import InputError
+from .complaints import complaint, shortened, unparsed
+from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
 
@@ -41,23 +42,8 @@ def preset_names() -> list[str]:
 def preset(name: str) -> dict[str, Any]:
     """Return a preset's settings; InputError where there is none of that name."""
     if name not in preset_names():
-        raise InputError("--preset", f"one of {', '.join(preset_names())}", name)
+        raise InputError("--preset", f"one of {', '.join(preset_names())}", shortened(name))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
-
-
-def yaml_settings(path: Path) -> dict[str, Any]:
-    """Return the settings of a YAML file; InputError where it is not one."""
-    try:
-        settings = yaml.safe_load(path.read_text("utf-8"))
-    except OSError as error:
-        raise InputError(path, "a readable YAML file", error.strerror) from error
-    except UnicodeDecodeError as error:
-        raise InputError(path, "a YAML file in UTF-8", "other bytes") from error
-    except yaml.YAMLError as error:
-        raise InputError(path, "valid YAML", " ".join(str(error).split())) from error
-    if not isinstance(settings, dict | None):
-        raise InputError(path, "a mapping of settings", type(settings).__name__)
-    return settings or {}
 
 
 def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -74,22 +60,7 @@ def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
     try:
         return model.model_validate(settings)
     except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        if first["type"] == "extra_forbidden":
-            raise InputError(where, f"known settings{_nearest(model, first['loc'])}", field) from error
-        raise InputError(f"{where}: {field}", _expected(first["msg"]), repr(first["input"])) from error
-
-
-def _nearest(model: type[BaseModel], place: Sequence[int | str]) -> str:
-    """Return a hint at the known setting that is spelt most like an unknown one, or nothing."""
-    for part in place[:-1]:
-        inner = model.model_fields[str(part)].annotation
-        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-            return ""
-        model = inner
-    near = get_close_matches(str(place[-1]), model.model_fields, n=1)
-    return f" (is it {'.'.join([*map(str, place[:-1]), near[0]])}?)" if near else ""
+        raise complaint(where, error, model) from error
 
 
 def layered(model: type[T], arguments: Sequence[str]) -> T:
@@ -97,10 +68,15 @@ def layered(model: type[T], arguments: Sequence[str]) -> T:
 
     The model has the fields ``preset`` and ``config``, which are taken from the command line first.
     """
+    _check_not_empty(arguments)
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
     settings, where = preset(name or model.model_fields["preset"].default), "preset"
     if path is not None:
-        settings, where = merged(settings, yaml_settings(Path(path))), path
+        asked = yaml_settings(path)
+        for name in ("preset", "config"):
+            if name in asked:
+                raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(asked[name]))
+        settings, where = merged(settings, asked), path
     return validated(model, settings, where)
 
 
@@ -115,6 +91,15 @@ def _value(arguments: Sequence[str], option: str) -> str | None:
     return found
 
 
+def _check_not_empty(arguments: Sequence[str]) -> None:
+    """Raise InputError where an option's value is empty: a path or a name that is left out, as by an unset variable."""
+    for position, argument in enumerate(arguments):
+        option, equals, value = argument.partition("=")
+        if not argument or (option.startswith("--") and equals and not value):
+            name = option or (arguments[position - 1] if position else "the request")
+            raise InputError(name, "a value", "''")
+
+
 def parsed(model: type[T], default: T, arguments: Sequence[str], prog: str, description: str) -> T:
     """Return `default` with the command line's overrides; InputError in one line for a wrong one."""
     told = StringIO()
@@ -125,7 +110,27 @@ def parsed(model: type[T], default: T, arguments: Sequence[str], prog: str, desc
     except SystemExit as stop:
         if stop.code in (0, None):  # --help was asked for and printed
             raise
-        raise InputError(prog, *_complaint(told.getvalue())) from stop
+        wrong = _validation_behind(stop)
+        if wrong is not None:
+            raise complaint(prog, wrong, model) from stop
+        raise unparsed(prog, _unframed(told.getvalue()), list(_options(model))) from stop
+
+
+def _validation_behind(error: BaseException | None) -> ValidationError | None:
+    """Return the validation that made the parser stop, if one did."""
+    while error is not None and not isinstance(error, ValidationError):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _options(model: type[BaseModel], prefix: str = "--") -> Iterator[str]:
+    """Go through the options of all settings."""
+    for name, field in model.model_fields.items():
+        kind, option = field.annotation, prefix + name.replace("_", "-")
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield from _options(kind, f"{option}.")
+        else:
+            yield option
 
 
 def _full(argument: str) -> str:
@@ -133,26 +138,9 @@ def _full(argument: str) -> str:
     return _SHORT.get(name, name) + equals + value
 
 
-def _complaint(box: str) -> tuple[str, str]:
-    """Return what was expected and what was found from the parser's framed message."""
-    lines = [line.strip("│╭╮╰╯─ \n") for line in box.splitlines()]
-    rules = [i for i, line in enumerate(box.splitlines()) if "─────" in line]
-    text = " ".join(line for line in lines[rules[0] + 1 : rules[1]] if line) if len(rules) > 1 else " ".join(lines)
-    wrong = re.search(
-        r"Error parsing (\S+): \d+ validation errors? for \w+ (\S+) (.*?) \[type=.*?input_value=(.*?), input_type", text
-    )
-    if wrong:
-        group, field, rule, value = wrong.groups()
-        return f"{_full_name(group, field)} {_expected(rule)}", value
-    known = re.search(r"Perhaps you meant: (\S+?),? ", text)
-    hint = f" (is it {known.group(1)}?)" if known else ""
-    found = re.sub(r"^Unrecognized options: ", "", re.sub(r" Perhaps you meant:.*", "", text))
-    return "known settings with valid values (see --help)", found + hint
-
-
-def _full_name(group: str, field: str) -> str:
-    return field if group in ("", "None") else f"{group}.{field}"
-
-
-def _expected(rule: str) -> str:
-    return re.sub(r"^(Input should be|Value error,( expected)?) ?", "", rule)
+def _unframed(box: str) -> str:
+    """Return the first paragraph of the parser's message on one line; its frame is Unicode, ASCII or left out."""
+    text = " ".join(line.strip("│|╭╮╰╯+ ") for line in box.splitlines())
+    # The first is the frame's title.
+    paragraphs = [part.strip() for part in re.split(r"[─-]{5,}", text) if part.strip()]
+    return paragraphs[1] if len(paragraphs) > 1 else text

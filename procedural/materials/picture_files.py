@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from ..errors import InputError
+from ..folders import files_in
 from ..quiet import quiet
 
 #: Formats that OpenCV's wheel reads on every platform and that hold 8 or 16 bits a channel.
@@ -25,15 +26,11 @@ def picture_files(folder: Path) -> tuple[Path, ...]:
     InputError
         Where the folder is missing, holds no picture, or holds a file that is named like one but is none.
     """
-    if not folder.is_dir():
-        raise InputError(folder, "a folder of pictures", "no such folder")
-    files = [path for path in folder.rglob("*") if path.suffix.lower() in PICTURE_SUFFIXES and path.is_file()]
-    if not files:
-        raise InputError(folder, f"pictures ({' '.join(PICTURE_SUFFIXES)})", "none")
+    files = files_in(folder, "pictures", PICTURE_SUFFIXES, below=True)
     for path in files:
         if not cv2.haveImageReader(str(path)):
             raise InputError(path, "a picture", "something else")
-    return tuple(sorted(files, key=lambda path: path.relative_to(folder).as_posix()))
+    return files
 
 
 def read_picture(path: Path) -> np.ndarray:

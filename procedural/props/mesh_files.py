@@ -12,6 +12,7 @@ import numpy as np
 import trimesh
 
 from ..errors import InputError
+from ..folders import files_in
 from ..mesh import Mesh
 from .file_looks import Look, default_picture_folder, glb_look, obj_look
 from .normals import creased
@@ -78,13 +79,8 @@ def mesh_files(folder: Path, pictures: Path | None = None) -> tuple[MeshFile, ..
     pictures : Path, optional
         Folder for pictures packed inside GLB files; the user's cache unless given.
     """
-    if not folder.is_dir():
-        raise InputError(folder, "a folder of meshes", "no such folder")
-    paths = [path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES and path.is_file()]
-    if not paths:
-        raise InputError(folder, f"meshes ({' '.join(MESH_SUFFIXES)})", "none")
     kept = pictures or default_picture_folder()
-    return tuple(sorted((MeshFile(path, folder, kept) for path in paths), key=lambda file: file.name))
+    return tuple(MeshFile(path, folder, kept) for path in files_in(folder, "meshes", MESH_SUFFIXES, below=True))
 
 
 def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
@@ -190,7 +186,7 @@ def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.nda
         scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
         nodes = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
     except Exception as error:  # the readers raise whatever a malformed file leads them into
-        raise InputError(file.path, f"a readable {kind.upper()} mesh", type(error).__name__) from error
+        raise InputError(file.path, f"a readable {kind.upper()} mesh", "one that cannot be read") from error
     parts = [(scene.geometry[name], pose) for pose, name in nodes]
     parts = [(part, pose) for part, pose in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:

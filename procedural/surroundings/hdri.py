@@ -17,11 +17,17 @@ from scipy.ndimage import maximum_filter
 
 from ..assets import Asset, checked_path
 from ..errors import InputError
+from ..folders import files_in
 from ..quiet import quiet
+from .colour import luminance
+from .metering import irradiance
 
 SUFFIXES = (".exr", ".hdr")
 #: Widest map that is read [px]; 16384 x 8192 pixels already take 1.5 GB.
 MAX_WIDTH = 16384
+#: Largest value that is read. Skies of most maps are about 1, and the unblocked disc of the sun is about 1e5 times as
+#: bright (1.6e9 cd/m^2 over 1e4). A thousand times more than that is no light but damage.
+BRIGHTEST = 1e8
 # First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
 _EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
 # Sharpening filters (Lanczos) and lossy compression (DWA, B44) leave dips below zero beside bright lamps. The
@@ -32,15 +38,7 @@ _DIP, _DIP_RANGE = 0.25, 8
 
 def hdri_files(folder: Path) -> tuple[Path, ...]:
     """Return the environment maps directly in a folder, sorted by name; InputError where there are none."""
-    if not folder.is_dir():
-        raise InputError(folder, "a folder of environment maps", "a file" if folder.exists() else "nothing")
-    found = sorted(
-        (path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file()),
-        key=lambda path: path.name,
-    )
-    if not found:
-        raise InputError(folder, "at least one .exr or .hdr file", "none")
-    return tuple(found)
+    return files_in(folder, "environment maps", SUFFIXES, below=False)
 
 
 def read_hdri(item: Asset) -> np.ndarray:
@@ -62,8 +60,8 @@ def read_hdri(item: Asset) -> np.ndarray:
     Raises
     ------
     InputError
-        For a file that is missing, changed, unreadable, cut short, of other channels, not twice as wide as high, or
-        with values that are not finite or far below zero.
+        For a file that is missing, changed, unreadable, cut short, of other channels, not twice as wide as high,
+        with values that are not finite, far below zero or above `BRIGHTEST`, or without light on a table.
     """
     path = checked_path(item)
     pixels = _read_exr(path) if path.suffix.lower() == ".exr" else _read_hdr(path)
@@ -71,7 +69,23 @@ def read_hdri(item: Asset) -> np.ndarray:
     bad = np.count_nonzero(~np.isfinite(pixels))
     if bad:
         raise InputError(path, "finite pixels", f"{bad} values that are NaN or infinite")
-    return np.ascontiguousarray(_without_dips(path, pixels)[:, ::-1], dtype=np.float32)
+    if pixels.max() > BRIGHTEST:
+        raise InputError(path, f"pixels of at most {BRIGHTEST:g}", f"{pixels.max():.6g}")
+    pixels = np.ascontiguousarray(_without_dips(path, pixels)[:, ::-1], dtype=np.float32)
+    _check_light(path, pixels)
+    return pixels
+
+
+def _check_light(path: Path, pixels: np.ndarray) -> None:
+    """Raise InputError where the map throws no light on a table, or less than a normal float holds.
+
+    The exposure is pi over the irradiance: of a smaller one it would be infinite.
+    """
+    light = float(luminance(irradiance(pixels, 1.0, ())))
+    if not pixels.any():
+        raise InputError(path, "an environment map with light", "only black pixels")
+    if light < np.finfo(np.float32).tiny:
+        raise InputError(path, "light in the upper half of an environment map", f"an irradiance of {light:g}")
 
 
 def _without_dips(path: Path, pixels: np.ndarray) -> np.ndarray:
@@ -89,15 +103,18 @@ def _read_exr(path: Path) -> np.ndarray:
     _check_magic(path, (_EXR_MAGIC,), "an OpenEXR file")
     try:
         with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
-            header = dict(file.header())
+            low, high = ([int(n) for n in corner] for corner in file.header()["dataWindow"])
+        width, height = high[0] - low[0] + 1, high[1] - low[1] + 1
+        # Before the pixels: a header may claim more of them than memory holds.
+        _check_shape(path, width, height)
         # Zero threads beside our own: decoding then needs no second core.
         with quiet(), OpenEXR.File(str(path), separate_channels=True, num_threads=0) as file:
             channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except (RuntimeError, ValueError) as error:
+    except InputError:
+        raise
+    except (RuntimeError, ValueError, KeyError) as error:
         # What the reader raises for damaged files; a file cut short reads as one without parts.
         raise InputError(path, "a whole OpenEXR file", f"a damaged one ({_one_line(error)})") from error
-    low, high = header["dataWindow"]
-    width, height = (int(n) for n in high - low + 1)
     return _rgb(path, channels, (height, width))
 
 
@@ -118,8 +135,11 @@ def _rgb(path: Path, channels: dict[str, np.ndarray], shape: tuple[int, int]) ->
 def _read_hdr(path: Path) -> np.ndarray:
     _check_magic(path, _HDR_MAGIC, "a Radiance HDR file")
     content = np.fromfile(path, dtype=np.uint8)
-    with quiet():
-        pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+    try:
+        with quiet():
+            pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise InputError(path, "a Radiance HDR file", "a header of an impossible size") from error
     if pixels is None or pixels.ndim != 3 or pixels.dtype != np.float32:
         raise InputError(path, "a whole Radiance HDR file", "a damaged one")
     return pixels[..., ::-1]

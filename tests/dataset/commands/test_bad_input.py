@@ -186,8 +186,19 @@ def _bad_hdris() -> dict[str, tuple[str, bytes, str]]:
         "cut short": ("bad.exr", b"\x76\x2f\x31\x01\x02\x00\x00\x00chann", "a whole OpenEXR file"),
         "nan": ("bad.exr", _exr(np.full_like(pixels, np.nan)), "finite pixels"),
         "square": ("bad.exr", _exr(pixels[:, :4]), "twice as wide as high"),
+        "black": ("bad.exr", _exr(pixels), "found only black pixels"),
+        "light from below": ("bad.exr", _exr(_half_lit(pixels, slice(3, None), 1.0)), "light in the upper half"),
+        "too dim": ("bad.exr", _exr(_half_lit(pixels, slice(None), 1e-40)), "light in the upper half"),
+        "too bright": ("bad.exr", _exr(_half_lit(pixels, slice(1), 1e9)), "at most 1e+08"),
+        "vast": ("bad.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000 +X 2000000\n", "impossible size"),
         "dark side": ("bad.exr", _exr(pixels - 1.0), "at least 0"),
     }
+
+
+def _half_lit(pixels: np.ndarray, rows: slice, value: float) -> np.ndarray:
+    lit = pixels.copy()
+    lit[rows] = value
+    return lit
 
 
 def _exr(pixels: np.ndarray) -> bytes:
@@ -202,7 +213,7 @@ def _exr(pixels: np.ndarray) -> bytes:
         return path.read_bytes()
 
 
-@pytest.mark.parametrize("fault", ["empty", "text", "cut short", "nan", "square", "dark side"])
+@pytest.mark.parametrize("fault", sorted(_bad_hdris()))
 def test_one_bad_environment_map_among_good_ones_is_named(refused, tmp_path, small, fault):
     name, content, expected = _bad_hdris()[fault]
     folder = tmp_path / "hdri"

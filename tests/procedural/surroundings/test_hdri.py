@@ -47,7 +47,7 @@ def test_files_come_sorted_by_name_and_others_are_left_out(tmp_path):
 
 
 def test_a_missing_folder_a_file_and_an_empty_folder_are_refused(tmp_path):
-    for path, expected in ((tmp_path / "none", "found nothing"), (tmp_path, "found none")):
+    for path, expected in ((tmp_path / "none", "found no such folder"), (tmp_path, "found none")):
         with pytest.raises(InputError, match=expected):
             hdri_files(path)
     (tmp_path / "file").write_bytes(b"")
