@@ -6,9 +6,9 @@ A prop has one material, so a file of several gives the one that most of its fac
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import json
+import math
 import os
 import struct
 import tempfile
@@ -22,6 +22,7 @@ from ..assets import asset
 from ..errors import InputError
 from ..materials.description import PictureTexture, UniformTexture
 from ..materials.picture_files import read_picture
+from ..user_text import usable_path, usable_text
 
 #: Chunk types of the GLB container (glTF 2.0 specification, section 4.4).
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
@@ -104,8 +105,8 @@ def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
             return Look()
         surface = material.get("pbrMetallicRoughness", {})
         picture = _glb_picture(document, binary, surface)
-    except (KeyError, IndexError, TypeError, AttributeError, ValueError, struct.error, binascii.Error) as error:
-        raise InputError(path, "a GLB file with valid materials", f"{type(error).__name__}: {error}") from error
+    except (LookupError, TypeError, AttributeError, ValueError, RecursionError, struct.error) as error:
+        raise InputError(path, "a GLB file with valid materials", "materials that cannot be read") from error
     if isinstance(picture, str):
         texture = _picture(_inside(path, root, picture))
     elif picture is not None:
@@ -115,7 +116,7 @@ def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
     if "metallicRoughnessTexture" in surface:
         return Look(texture=texture)
     factors = [surface.get(field, 1.0) for field in ("roughnessFactor", "metallicFactor")]
-    roughness, metallic = np.clip(np.array(factors, float), 0.0, 1.0)
+    roughness, metallic = _factors(path, factors)
     return Look(texture, float(roughness), float(metallic))
 
 
@@ -150,9 +151,12 @@ def _mtl_roughness(file: Path, entries: dict[str, str]) -> float | None:
     if "Ns" not in entries:
         return None
     try:
-        exponent = max(0.0, float(entries["Ns"]))
+        exponent = float(entries["Ns"])
     except ValueError as error:
         raise InputError(file, "a number for Ns", entries["Ns"]) from error
+    if not math.isfinite(exponent):
+        raise InputError(file, "a finite number for Ns", entries["Ns"])
+    exponent = max(0.0, exponent)
     return float((2.0 / (exponent + 2.0)) ** 0.25)
 
 
@@ -167,9 +171,21 @@ def _reflectance(file: Path, values: list) -> tuple[float, float, float]:
     return float(red), float(green), float(blue)
 
 
+def _factors(file: Path, values: list) -> tuple[float, float]:
+    """Return roughness and metalness in [0, 1]."""
+    if not all(isinstance(value, int | float) and math.isfinite(value) for value in values):
+        raise InputError(file, "finite numbers for roughnessFactor and metallicFactor", values)
+    roughness, metallic = (float(min(max(value, 0.0), 1.0)) for value in values)
+    return roughness, metallic
+
+
 def _inside(file: Path, root: Path, name: str) -> Path:
     """Return the path that a file names, after checking that it lies in the folder that the user gave."""
-    path = (file.parent / name.strip().replace("\\", "/")).resolve()
+    try:
+        path = usable_path((file.parent / usable_text(name.strip()).replace("\\", "/")).resolve())
+        path.is_file()  # raises where the file system cannot hold such a name
+    except (ValueError, OSError, RuntimeError) as error:  # NUL or other letters, too long, links in a circle
+        raise InputError(file, "names that a file can have", ascii(name[:80])) from error
     if not path.is_relative_to(root.resolve()):
         raise InputError(file, f"names of files inside {root}", name)
     return path

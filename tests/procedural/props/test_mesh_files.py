@@ -53,7 +53,7 @@ def test_a_missing_and_an_empty_folder_are_one_clear_line(tmp_path: Path) -> Non
         ("a.obj", "", "a mesh with faces, found none|a readable OBJ mesh"),
         ("a.obj", CORNERS.replace("0.1 0 0", "nan 0 0") + FACES, "finite vertices, found NaN or infinity"),
         ("a.obj", CORNERS.replace("0.1 0 0", "inf 0 0") + FACES, "finite vertices, found NaN or infinity"),
-        ("a.obj", CORNERS + "f 1 2 9\n", "a readable OBJ mesh, found IndexError"),
+        ("a.obj", CORNERS + "f 1 2 9\n", "a readable OBJ mesh, found one that cannot be read"),
         ("a.obj", CORNERS + "f 1 2 3\n", "a body with three extents, found 0.1 x 0.1 x 0"),
         ("a.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "a body with three extents, found 0 x 0 x 0"),
         ("a.obj", CORNERS + "f 1 1 2\nf 3 3 4\n", "a mesh with faces, found only faces without area"),
@@ -236,6 +236,31 @@ def test_a_glb_with_a_broken_picture_or_material_is_refused(tmp_path: Path) -> N
         _read(tmp_path, "a.glb", _glb(surface, _png((1, 2, 3))[:36]))
     with pytest.raises(InputError, match=r"a\.glb: expected a (GLB file with valid materials|readable GLB mesh)"):
         _read(tmp_path, "a.glb", _glb({"baseColorTexture": {"index": 7}}, _png((1, 2, 3))))
+
+
+@pytest.mark.parametrize("name", ["a\0b", "n" * 300, "loop", "x/" * 3000], ids=["NUL", "long", "loop", "deep"])
+def test_a_name_that_no_file_can_have_is_refused_wherever_it_stands(tmp_path: Path, name: str) -> None:
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    said = "expected names that a file can have"
+    with pytest.raises(InputError, match=rf"a\.obj: {said}"):
+        _read(tmp_path, "a.obj", f"mtllib {name}\nusemtl m\n{CORNERS}{FACES}")
+    (tmp_path / "look.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+    with pytest.raises(InputError, match=rf"look\.mtl: {said}"):
+        _read(tmp_path, "a.obj", f"mtllib look.mtl\nusemtl m\n{CORNERS}{FACES}")
+
+
+@pytest.mark.parametrize("field", ["roughnessFactor", "metallicFactor"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "rough", None])
+def test_a_factor_of_a_glb_that_is_no_number_is_refused(tmp_path: Path, field: str, value: object) -> None:
+    with pytest.raises(InputError, match=r"a\.glb: expected (finite numbers for|a readable GLB mesh)") as caught:
+        _read(tmp_path, "a.glb", _glb({field: value}))
+    assert "Error" not in str(caught.value)
+
+
+def test_a_file_name_that_is_not_utf8_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "\udcff.obj").write_text("")
+    with pytest.raises(InputError, match=r"\\udcff\.obj: expected a file name in UTF-8, found other bytes"):
+        mesh_files(tmp_path)
 
 
 def test_a_surface_without_texture_coordinates_is_mapped_from_its_six_sides(tmp_path: Path) -> None:
