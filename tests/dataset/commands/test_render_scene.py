@@ -143,7 +143,8 @@ def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     child = _started([*COMMAND, *arguments])
     try:
         assert child.stdout is not None
-        assert child.stdout.readline().startswith("view 1/57")  # the first view is on disk, or about to be
+        while not child.stdout.readline().startswith("view 1/57"):  # the first view is on disk, or about to be
+            assert child.poll() is None
         partial = list((out / "scenes").iterdir())
         child.send_signal(number)
         _, errors = child.communicate(timeout=PATIENCE)
