@@ -92,7 +92,7 @@ def _plain_materials() -> AbstractContextManager[object]:
 
 def _diffuse(principled: Callable[[OpaqueMaterial], dict]) -> Callable[[OpaqueMaterial], dict]:
     def diffuse(material: OpaqueMaterial) -> dict:
-        colour = principled(material)["bsdf"]["base_color"]
+        colour = principled(material)["base_color"]
         return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}}
 
     return diffuse
