@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from ..errors import InputError
+from .aim import aimed_frame
 from .description import Camera
 from .settings import CameraSettings
 
@@ -154,14 +155,7 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     forward = offset / distance
     above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
     right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    pose = np.eye(4)
-    pose[:3, 0] = math.cos(roll) * right + math.sin(roll) * down
-    pose[:3, 1] = math.cos(roll) * down - math.sin(roll) * right
-    pose[:3, 2] = forward
-    pose[:3, 3] = eye
-    return pose
+    return aimed_frame(np.asarray(eye, float), forward, right, roll)
 
 
 def _camera(

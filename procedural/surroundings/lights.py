@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .aim import aimed_frame
 from .colour import black_body
 from .description import AreaLight
 from .metering import form_factor
@@ -76,12 +77,4 @@ def aimed(centre: np.ndarray, target: np.ndarray, turn: float) -> np.ndarray:
     ahead = (target - centre) / np.linalg.norm(target - centre)
     # Any axis that is far from `ahead` starts the frame; the turn decides the rest.
     start = np.eye(3)[int(np.argmin(np.abs(ahead)))]
-    side = np.cross(start, ahead)
-    side /= np.linalg.norm(side)
-    other = np.cross(ahead, side)
-    pose = np.eye(4)
-    pose[:3, 0] = math.cos(turn) * side + math.sin(turn) * other
-    pose[:3, 1] = math.cos(turn) * other - math.sin(turn) * side
-    pose[:3, 2] = ahead
-    pose[:3, 3] = centre
-    return pose
+    return aimed_frame(centre, ahead, np.cross(start, ahead), turn)
