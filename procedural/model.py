@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -51,6 +52,14 @@ def _mesh_name(mesh: Mesh, info: SerializationInfo) -> str:
     return mesh.name if write is None else write(mesh)
 
 
+def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
+    if limits[0] > limits[1]:
+        raise ValueError(f"expected the smaller number first, found {limits}")
+    return limits
+
+
+#: For pairs of numbers that limit a draw.
+Ordered = AfterValidator(_ordered)
 #: ``a_T_b``, (4, 4) float64, read-only.
 Matrix4 = Annotated[
     InstanceOf[np.ndarray],

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
 from .description import Picture
-from .model import Model
+from .model import Model, Ordered
 from .placement import PlacementSettings
 from .props.settings import PropSettings
 from .surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from .surroundings.table import TableSettings
 from .user_text import UserPath
 from .vessels.settings import VesselSettings
-
-
-def _in_order(limits: tuple[int, int]) -> tuple[int, int]:
-    if limits[0] > limits[1]:
-        raise ValueError(f"expected (fewest, most), found {limits}")
-    return limits
-
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]
 _Props = Annotated[int, Field(ge=0, le=24)]
@@ -29,10 +22,10 @@ _Props = Annotated[int, Field(ge=0, le=24)]
 class SceneSettings(Model):
     """Everything that a scene is drawn from, besides its seed and number."""
 
-    vessel_count: Annotated[tuple[_Vessels, _Vessels], AfterValidator(_in_order)] = Field(
+    vessel_count: Annotated[tuple[_Vessels, _Vessels], Ordered] = Field(
         default=(1, 7), description="Fewest and most vessels in a scene, within 0 and 24 (Syn-TODD: up to 7)"
     )
-    prop_count: Annotated[tuple[_Props, _Props], AfterValidator(_in_order)] = Field(
+    prop_count: Annotated[tuple[_Props, _Props], Ordered] = Field(
         default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")

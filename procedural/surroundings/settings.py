@@ -5,17 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from ..model import Model, Unit
+from ..model import Model, Ordered, Unit
 from ..user_text import UserPath
-
-
-def _ordered(value: tuple[float, float]) -> tuple[float, float]:
-    if value[0] > value[1]:
-        raise ValueError(f"expected the smaller number first, found {value}")
-    return value
-
 
 # Smallest and largest value of a uniform draw, with the limits of both.
 # Sides from a bare LED die to the largest soft boxes [m].
@@ -26,11 +19,11 @@ _Kelvin = Annotated[float, Field(ge=2000.0, le=20000.0)]
 _Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
 # Ten times as far away, the objects are a hundredth of the picture.
 _Factor = Annotated[float, Field(ge=1.0, le=10.0)]
-SideRange = Annotated[tuple[_Side, _Side], AfterValidator(_ordered)]
-ShareRange = Annotated[tuple[_Share, _Share], AfterValidator(_ordered)]
-KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], AfterValidator(_ordered)]
-ElevationRange = Annotated[tuple[_Elevation, _Elevation], AfterValidator(_ordered)]
-FactorRange = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered)]
+SideRange = Annotated[tuple[_Side, _Side], Ordered]
+ShareRange = Annotated[tuple[_Share, _Share], Ordered]
+KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], Ordered]
+ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
+FactorRange = Annotated[tuple[_Factor, _Factor], Ordered]
 
 
 class EnvironmentSettings(Model):

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from ..model import Model
+from ..model import Model, Ordered
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
-
-
-def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
-    if limits[0] > limits[1]:
-        raise ValueError(f"expected (smallest, largest), found {limits}")
-    return limits
 
 
 _Height = Annotated[float, Field(ge=0.04, le=0.30)]
@@ -24,7 +18,6 @@ _Wall = Annotated[float, Field(ge=0.001, le=0.004)]
 _Base = Annotated[float, Field(ge=0.002, le=0.010)]
 _Fill = Annotated[float, Field(gt=0.0, le=1.0)]
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
-_Ordered = AfterValidator(_ordered)
 
 
 class VesselSettings(Model):
@@ -35,26 +28,26 @@ class VesselSettings(Model):
         min_length=1,
         description="Families to draw from, all alike; one that cannot have the sizes asked for is left out",
     )
-    height: Annotated[tuple[_Height, _Height], _Ordered] = Field(
+    height: Annotated[tuple[_Height, _Height], Ordered] = Field(
         default=(0.04, 0.30), description="Height of the vessel, within 0.04 and 0.30 [m]"
     )
-    radius: Annotated[tuple[_Radius, _Radius], _Ordered] = Field(
+    radius: Annotated[tuple[_Radius, _Radius], Ordered] = Field(
         default=(0.015, 0.08),
         description="Largest outer radius, within 0.015 and 0.08 [m]; rounding may take up to 5 % from it",
     )
-    wall: Annotated[tuple[_Wall, _Wall], _Ordered] = Field(
+    wall: Annotated[tuple[_Wall, _Wall], Ordered] = Field(
         default=(0.001, 0.004), description="Smallest thickness across the wall, within 0.001 and 0.004 [m]"
     )
-    base: Annotated[tuple[_Base, _Base], _Ordered] = Field(
+    base: Annotated[tuple[_Base, _Base], Ordered] = Field(
         default=(0.002, 0.010), description="Thickness of the base, within 0.002 and 0.010; never below the wall's [m]"
     )
     fill_probability: float = Field(default=0.6, ge=0.0, le=1.0, description="Probability that a vessel holds a liquid")
-    fill: Annotated[tuple[_Fill, _Fill], _Ordered] = Field(
+    fill: Annotated[tuple[_Fill, _Fill], Ordered] = Field(
         default=(0.1, 0.9),
         description="Share of the brimful volume that is filled, within 0 and 1; the level stays below the rim",
     )
     rough_probability: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that the glass is rough")
-    roughness: Annotated[tuple[_Alpha, _Alpha], _Ordered] = Field(
+    roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
     chord_error: float = Field(
