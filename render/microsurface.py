@@ -57,16 +57,22 @@ def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tu
         if walking:
             towards = -sign * direction
             facet = visible_facet(towards, alpha, facet_at)
-            ratio = dr.select(above, eta, dr.rcp(eta))
-            reflectance, cos_t, _, eta_ti = mi.fresnel(dr.dot(towards, facet), ratio)
-            mirrored = coin < reflectance
-            refracted = facet * dr.fma(dr.dot(towards, facet), eta_ti, cos_t) - towards * eta_ti
-            direction = sign * dr.normalize(dr.select(mirrored, mi.reflect(towards, facet), refracted))
+            left, mirrored = facet_event(towards, facet, dr.select(above, eta, dr.rcp(eta)), coin)
+            direction = sign * left
             above = above == mirrored
         facets += 1
         walking &= facets < MAX_FACETS
 
     return direction, ~above, facets < MAX_FACETS
+
+
+def facet_event(towards: mi.Vector3f, facet: mi.Vector3f, eta: mi.Float, coin: mi.Float) -> tuple[mi.Vector3f, mi.Bool]:
+    """Return the direction in which a facet sends a ray, and whether it mirrors it, by Fresnel's share."""
+    cos_i = dr.dot(towards, facet)
+    reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)
+    mirrored = coin < reflectance
+    refracted = facet * dr.fma(cos_i, eta_ti, cos_t) - towards * eta_ti
+    return dr.normalize(dr.select(mirrored, mi.reflect(towards, facet), refracted)), mirrored
 
 
 def next_height(

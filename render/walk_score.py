@@ -11,7 +11,7 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
-from .microsurface import MAX_FACETS, next_height, visible_facet
+from .microsurface import MAX_FACETS, facet_event, next_height, visible_facet
 
 #: Directions this steep meet heights that do not depend on the roughness (`microsurface.next_height`).
 _STEEP = 0.9999
@@ -52,11 +52,8 @@ def walk_score(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32)
             towards = -sign * direction
             facet = visible_facet(towards, alpha, facet_at)
             score += facet_score(towards, facet, alpha)
-            ratio = dr.select(above, eta, dr.rcp(eta))
-            reflectance, cos_t, _, eta_ti = mi.fresnel(dr.dot(towards, facet), ratio)
-            mirrored = coin < reflectance
-            refracted = facet * dr.fma(dr.dot(towards, facet), eta_ti, cos_t) - towards * eta_ti
-            direction = sign * dr.normalize(dr.select(mirrored, mi.reflect(towards, facet), refracted))
+            left, mirrored = facet_event(towards, facet, dr.select(above, eta, dr.rcp(eta)), coin)
+            direction = sign * left
             above = above == mirrored
         facets += 1
         walking &= facets < MAX_FACETS
