@@ -1,4 +1,4 @@
-"""How every command ends: 0 done, 1 the work failed, 2 the request was wrong; 130 stopped by Ctrl-C."""
+"""How every command ends: 0 done, 1 the work failed, 2 the request was wrong; 130 stopped by Ctrl-C, 143 by SIGTERM."""
 
 from __future__ import annotations
 
