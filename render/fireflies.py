@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from scipy.ndimage import median_filter
 
 #: A pixel is a firefly where its standard error is at least this share of its value. One group of four that carries
 #: everything has a standard error of 1; two groups alike have 0.58.
@@ -36,7 +35,7 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
         Estimated variance of each value.
     """
     level = radiance.mean(axis=2)
-    around = median_filter(level, size=NEAR, mode="nearest")
+    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), NEAR)
     # The variance of the mean colour is at most that of fully correlated channels, which a firefly's are.
     error = np.sqrt(variance).mean(axis=2)
     lone = (error >= LONE * level) & (level > STANDS_OUT * around)

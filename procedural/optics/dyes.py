@@ -67,23 +67,34 @@ DYES: dict[str, Dye] = {
     ),
 }
 
-#: Pigments of virgin olive oil: pheophytins (as pheophytin a) and carotenoids (as lutein). Strengths in oil from M. I.
-#: Minguez-Mosquera et al., J. Am. Oil Chem. Soc. 68, 332 (1991): 613 at 670 nm and 2000 at 470 nm. Relative heights
-#: of pheophytin a from J. H. C. Smith and A. Benitez (1955), in diethyl ether: 409, 505, 534, 609, 667 nm with molar
-#: strengths 118, 12.9, 10.8, 8.6, 55.5; peaks moved to those in oil. Widths estimated.
+#: Molar spectra of pure pigments in triolein, the main fat of olive oil: the table `evoodec/pigments/pigments.csv` of the
+#: public repository sandroj87/EVOODec. A molar strength times 10 over the molar mass (871.2 and 568.9 g/mol) is E(1 %).
+_TRIOLEIN = "strength and bands fitted to the spectrum in triolein of the program EVOODec"
+
+#: Pigments of virgin olive oil: pheophytins (as pheophytin a) and carotenoids (as lutein). In oil, M. I.
+#: Minguez-Mosquera et al., J. Am. Oil Chem. Soc. 68, 332 (1991), doi:10.1007/BF02657688, use 613 at 670 nm and 2000 at
+#: 470 nm; the spectra in triolein have 683 and, for lutein and beta-carotene, 1656 and 2268.
 PIGMENTS: dict[str, Dye] = {
     "pheophytins": Dye(
-        specific_absorbance=613.0,
+        specific_absorbance=683.0,
         reference=670.0,
-        bands=((670.0, 1.0, 21.0), (610.0, 0.16, 24.0), (536.0, 0.19, 22.0), (507.0, 0.23, 26.0), (413.0, 2.1, 38.0)),
+        # The last stands for the weak bands between the named ones.
+        bands=(
+            (670.0, 1.0, 21.0),
+            (612.0, 0.11, 24.0),
+            (537.0, 0.13, 22.0),
+            (508.0, 0.16, 26.0),
+            (414.0, 1.99, 24.5),
+            (560.0, 0.06, 200.0),
+        ),
         concentrations=(0.001, 0.02),
-        source="Minguez-Mosquera et al. 1991, doi:10.1007/BF02657688; Smith and Benitez 1955",
+        source=f"pheophytin a, {_TRIOLEIN}",
     ),
     "carotenoids": Dye(
-        specific_absorbance=2000.0,
-        reference=470.0,
-        bands=((447.0, 1.0, 26.0), (476.0, 0.9, 22.0), (424.0, 0.7, 28.0)),
+        specific_absorbance=2330.0,
+        reference=455.0,
+        bands=((455.6, 1.0, 24.1), (485.3, 0.932, 27.8), (430.6, 0.611, 26.4), (404.3, 0.423, 38.4)),
         concentrations=(0.001, 0.012),
-        source="Minguez-Mosquera et al. 1991, doi:10.1007/BF02657688; band positions of lutein",
+        source=f"lutein, {_TRIOLEIN}",
     ),
 }
