@@ -67,8 +67,8 @@ DYES: dict[str, Dye] = {
     ),
 }
 
-#: Molar spectra of pure pigments in triolein, the main fat of olive oil: the table `evoodec/pigments/pigments.csv` of the
-#: public repository sandroj87/EVOODec. A molar strength times 10 over the molar mass (871.2 and 568.9 g/mol) is E(1 %).
+#: Molar spectra of pure pigments in triolein, the main fat of olive oil: the table `evoodec/pigments/pigments.csv` of
+#: the public repository sandroj87/EVOODec. Molar strength times 10 over molar mass (871.2, 568.9 g/mol) is E(1 %).
 _TRIOLEIN = "strength and bands fitted to the spectrum in triolein of the program EVOODec"
 
 #: Pigments of virgin olive oil: pheophytins (as pheophytin a) and carotenoids (as lutein). In oil, M. I.
