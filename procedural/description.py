@@ -93,6 +93,9 @@ class Picture(Model):
         description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
     )
     max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
+    adaptive: bool = Field(
+        default=True, description="Whether pixels that show glass get four times the samples of others"
+    )
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
     rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")

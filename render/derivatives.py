@@ -195,7 +195,7 @@ def _passes(
 
 
 def _camera_rays(view: Pinhole, pixels: int, done: int, count: int, spp: int, seed: int) -> tuple[mi.Ray3f, Samples]:
-    """Return `count` rays a pixel with the sample points that `picture.trace_picture` gives them."""
+    """Return `count` rays a pixel with the sample points that `picture.trace_picture` gives evenly spread ones."""
     lane = dr.arange(mi.UInt32, pixels * count)
     pixel = lane // dr.opaque(mi.UInt32, count)
     points = samples(pixel, lane - pixel * count + dr.opaque(mi.UInt32, done), spp, seed)

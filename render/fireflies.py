@@ -11,8 +11,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-#: A pixel is a firefly where its standard error is at least this share of its value. One group of four that carries
-#: everything has a standard error of 1; two groups alike have 0.58.
+#: A pixel is a firefly where its standard error is at least this share of its value. Where one group of samples carries
+#: everything it is 1, of however many; where 63 to 70 % of the light is in one group (of sixteen, of four) it is this.
 LONE = 0.6
 #: ... and where it is this many times brighter than the median of the pixels round it.
 STANDS_OUT = 3.0

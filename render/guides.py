@@ -26,8 +26,8 @@ _PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
 _MAX_INTERFACES = 16
 
 
-def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.ndarray, np.ndarray]:
-    """Return the guides of one eye.
+def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the guides of one eye, and where it sees glass.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
         Reflectance of the first rough surfaces in [0, 1]; the sky's exposed radiance, cut at 1, where there is none.
     normal : (H, W, 3) float32
         Their normals, world frame, weighted like the albedo and so shorter than 1 behind glass.
+    glass : (H, W) bool
+        Where any of the rays meets glass first.
     """
     view, size = pinhole(camera, eye), camera.width * camera.height
     # The rays of a pixel lie side by side and are added in a fixed order.
@@ -51,22 +53,26 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
     place = dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), lane % len(_PLACES))
     ray, _ = pixel_rays(view, lane // len(_PLACES), place)
     exposure = dr.opaque(mi.Float, camera.exposure)
-    albedo, normal, mirrored, share = _followed(kernel, ray, exposure)
+    albedo, normal, mirrored, share, glass = _followed(kernel, ray, exposure)
     albedo_m, normal_m, *_ = _followed(kernel, mirrored, exposure, share > 0.0)
     albedo, normal = albedo + share * albedo_m, normal + share * normal_m
-    dr.eval(albedo, normal)
-    return _means(albedo, camera), _means(normal, camera)
+    dr.eval(albedo, normal, glass)
+    seen = np.array(dr.block_sum(dr.select(glass, mi.UInt32(1), mi.UInt32(0)), len(_PLACES))) > 0
+    return _means(albedo, camera), _means(normal, camera), seen.reshape(camera.height, camera.width)
 
 
 @dr.syntax
 def _followed(
     kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
-) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float]:
-    """Follow rays to the first rough surface; return its guides, and the ray mirrored on the way with its share."""
+) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool]:
+    """Follow rays to the first rough surface.
+
+    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass.
+    """
     scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
     ray, active, bounces = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0)
     weight, albedo, normal = mi.Color3f(1.0), mi.Color3f(0.0), mi.Normal3f(0.0)
-    mirrored, share = mi.Ray3f(ray), mi.Float(0.0)
+    mirrored, share, glass = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False)
 
     while dr.hint(active, exclude=[table, scene, exposure, offset]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
@@ -79,6 +85,7 @@ def _followed(
         light = exposure * grey_guide(emitter.eval(si, active))
         albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
         rough = hit & (opaque | (alpha > 0.0))
+        glass |= hit & ~opaque & (bounces == 0)
         colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
         albedo += dr.select(rough, weight * colour, 0.0)
         # (`dr.mean` would write the number of rays into the kernel.)
@@ -94,7 +101,7 @@ def _followed(
         ray = leave(si, direction, offset)
         bounces += 1
 
-    return albedo, normal, mirrored, share
+    return albedo, normal, mirrored, share, glass
 
 
 def _means(values: mi.Color3f | mi.Normal3f, camera: Camera) -> np.ndarray:

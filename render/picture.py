@@ -10,12 +10,14 @@ import numpy as np
 
 from ..procedural.description import Picture
 from ..procedural.surroundings.description import Camera
+from .allocation import RATIO, group_counts
 from .guides import trace_guides
 from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
 from .sampler import four, samples
 from .spectrum import draw_wavelengths
+from .tally import Tally
 
 #: Paths traced at a time. Each holds 20 bytes of results, so a pass stays under 100 MB.
 PATHS_PER_PASS = 1 << 22
@@ -24,12 +26,12 @@ PATHS_PER_PASS = 1 << 22
 MAX_VIOLATIONS = 1e-4
 #: So many segments may do so in a picture of any size: in a tiny one a single hairline is more than that share.
 FEW_VIOLATIONS = 10
-#: Groups that the samples of a batch are averaged in; their spread tells the noise. A variance from four groups is
-#: off by 80 % in one pixel (chi-square with three degrees of freedom), by 0.2 % over the pixels of a small picture.
-_GROUPS = 4
-#: Keeps the relative error finite in black pixels, in exposed units; the usual choice for relMSE (Rousselle et al.
-#: 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", section 5).
-RELATIVE_FLOOR = 1e-2
+#: Groups that the samples of a batch are averaged in, in a pixel that gets an average share; their spread tells the
+#: noise. A variance from sixteen groups is off by 37 % in one pixel (chi-square with fifteen degrees of freedom), by
+#: 0.1 % over the pixels of a small picture.
+_GROUPS = 16
+#: Samples a pixel below which all pixels get as many: the others would get too few to tell their noise from.
+LEAST_ADAPTIVE = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +42,8 @@ class Noisy:
     variance: np.ndarray  #: (H, W, 3) float32, of each value, estimated; 0 for one sample
     albedo: np.ndarray  #: (H, W, 3) float32
     normal: np.ndarray  #: (H, W, 3) float32, world frame
-    noise: float  #: relative error, estimated; see `_Sums.noise`
-    spp: int  #: samples per pixel that were taken
+    noise: float  #: relative error, estimated; see `Tally.noise`
+    spp: int  #: samples per pixel that were taken, on the average
     violations: float  #: share of segments whose medium was not the one that the next surface faced them with
 
 
@@ -69,94 +71,73 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
         If more than hairline cracks let light change its medium.
     """
     picture, pixels = kernel.description.picture, camera.width * camera.height
-    view, sums = pinhole(camera, eye), _Sums(pixels)
-    most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
-    while sums.spp < most:
-        _one_batch(kernel, view, sums, min(picture.spp, most - sums.spp), seed)
-        _check_media(sums.counts, eye)
-        if picture.noise is not None and sums.noise(camera.exposure) <= picture.noise:
+    albedo, normal, glass = trace_guides(kernel, camera, eye)
+    view, tally, counts, spp = pinhole(camera, eye), Tally(pixels), np.zeros(2, np.int64), 0
+    most = _most(picture)
+    while spp < most:
+        batch = min(picture.spp, most - spp)
+        counts += _one_batch(kernel, view, tally, glass, batch, seed)
+        spp += batch
+        _check_media(counts, eye)
+        if picture.noise is not None and tally.noise(camera.exposure) <= picture.noise:
             break
     shape = (camera.height, camera.width, 3)
-    radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (sums.means(), sums.variance()))
-    albedo, normal = trace_guides(kernel, camera, eye)
-    violations = float(sums.counts[0] / sums.counts[1])
-    return Noisy(radiance, variance, albedo, normal, sums.noise(camera.exposure), sums.spp, violations)
+    radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (tally.means, tally.variance))
+    return Noisy(radiance, variance, albedo, normal, tally.noise(camera.exposure), spp, float(counts[0] / counts[1]))
 
 
-class _Sums:
-    """Running sums over groups of samples: of means, weighted by the group's size n, and of what the noise needs."""
-
-    def __init__(self, pixels: int) -> None:
-        self.spp, self.groups, self.squares = 0, 0, 0
-        self.weighted = np.zeros((3, pixels))  # sum of n m
-        self.spread, self.cross = np.zeros((3, pixels)), np.zeros((3, pixels))  # sums of (n m)^2 and of n^2 m
-        self.counts = np.zeros(2)  # violations, segments
-
-    def add(self, means: np.ndarray, size: int) -> None:
-        """Add the means (3, pixels) of a group of samples."""
-        self.weighted += size * means
-        self.spread += (size * means) ** 2
-        self.cross += size**2 * means
-        self.spp, self.groups, self.squares = self.spp + size, self.groups + 1, self.squares + size**2
-
-    def means(self) -> np.ndarray:
-        """Return the means over all samples, (3, pixels)."""
-        return self.weighted / self.spp
-
-    def noise(self, exposure: float) -> float:
-        """Return the relative error of the radiance: the root of the expected mean of (I - R)^2 / (R^2 + 0.01).
-
-        The variance of the mean is estimated from the spread of the groups. Samples of different groups complete each
-        other (they are one Sobol' sequence), so the true error is rather below than above. It is NaN for one sample.
-        """
-        if self.groups < 2:
-            return float("nan")
-        relative = exposure**2 * self.variance() / ((exposure * self.means()) ** 2 + RELATIVE_FLOOR)
-        return float(np.sqrt(relative.mean()))
-
-    def variance(self) -> np.ndarray:
-        """Return the estimated variance of the means, (3, pixels); 0 for one sample, of which nothing is known."""
-        if self.groups < 2:
-            return np.zeros_like(self.weighted)
-        mean = self.means()
-        scatter = self.spread - 2.0 * mean * self.cross + mean**2 * self.squares
-        return np.maximum(scatter, 0.0) / self.spp**2 * self.groups / (self.groups - 1)
+def _most(picture: Picture) -> int:
+    """Return the most samples of a pixel, on the average over the picture."""
+    return picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
 
 
-def _one_batch(kernel: Kernel, view: Pinhole, sums: _Sums, batch: int, seed: int) -> None:
-    """Trace a batch of samples of every pixel in passes that fit into memory, each of whole groups."""
-    pixels, size = sums.weighted.shape[1], max(1, batch // _GROUPS)
-    share = max(1, PATHS_PER_PASS // pixels // size) * size
-    while batch > 0:
-        group = min(size, batch)  # the last may be smaller
-        count = min(share, batch // group * group)
-        result = _one_pass(kernel, view, pixels, sums.spp, count, seed)
-        sums.counts += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
-        for means in _group_means(result, count, group):
-            sums.add(means, group)
-        batch -= count
+def _is_adaptive(picture: Picture, batch: int) -> bool:
+    return picture.adaptive and batch >= LEAST_ADAPTIVE
 
 
-def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int, seed: int) -> Radiance:
+def _one_batch(kernel: Kernel, view: Pinhole, tally: Tally, glass: np.ndarray, batch: int, seed: int) -> np.ndarray:
+    """Take a batch of samples a pixel on the average; return the violations and the segments."""
+    size, every = max(1, batch // _GROUPS), np.ones(glass.size, np.int64)
+    if _is_adaptive(kernel.description.picture, batch):
+        return _some_groups(kernel, view, tally, group_counts(glass, batch, size), size, seed)
+    whole = _some_groups(kernel, view, tally, batch // size * every, size, seed)
+    return whole + _some_groups(kernel, view, tally, every, batch % size, seed)
+
+
+def _some_groups(kernel: Kernel, view: Pinhole, tally: Tally, counts: np.ndarray, size: int, seed: int) -> np.ndarray:
+    """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
+    found, sums = np.zeros(2, np.int64), []
+    if size == 0:
+        return found
+    pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
+    rank = np.arange(len(pixel)) - np.repeat(np.cumsum(counts) - counts, counts)
+    index = (tally.samples[pixel] + size * rank).astype(np.uint32)
+    share = max(1, PATHS_PER_PASS // size)
+    for first in range(0, len(pixel), share):
+        some = slice(first, first + share)
+        result = _one_pass(kernel, view, pixel[some], index[some], size, seed)
+        found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
+        sums.append([np.array(dr.block_sum(channel, size), np.float64) for channel in result.radiance])
+    tally.add(counts, size, np.concatenate(sums, axis=1))
+    return found
+
+
+def _one_pass(kernel: Kernel, view: Pinhole, pixel: np.ndarray, index: np.ndarray, size: int, seed: int) -> Radiance:
+    """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = kernel.description.picture
-    # Samples of a pixel lie side by side: they are then added in a fixed order, whatever the threads do.
-    lane = dr.arange(mi.UInt32, pixels * count)
-    each = dr.opaque(mi.UInt32, count)  # as a plain number it would be compiled into the kernel
-    pixel = lane // each
-    most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
-    points = samples(pixel, lane - pixel * each + dr.opaque(mi.UInt32, done), most, seed)
+    # Samples of a group lie side by side: they are then added in a fixed order, whatever the threads do.
+    lane = dr.arange(mi.UInt32, len(pixel) * size)
+    each = dr.opaque(mi.UInt32, size)  # as a plain number it would be compiled into the kernel
+    group = lane // each
+    at, number = dr.gather(mi.UInt32, mi.UInt32(pixel), group), dr.gather(mi.UInt32, mi.UInt32(index), group)
+    longest = _most(picture) * (int(RATIO) if _is_adaptive(picture, picture.spp) else 1)
+    points = samples(at, number + lane - group * each, longest, seed)
     u, v, *_ = four(points, mi.UInt32(0))
-    ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
+    ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
     ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
     result = trace(kernel, ray, weight, points, picture)
     dr.eval(result)  # once for all of it, not once a channel
     return result
-
-
-def _group_means(result: Radiance, count: int, group: int) -> np.ndarray:
-    """Return the means of each group of samples, (count // group, 3, pixels)."""
-    sums = [np.array(dr.block_sum(channel, group), np.float64) for channel in result.radiance]
-    return np.stack(sums).reshape(3, -1, count // group).transpose(2, 0, 1) / group
 
 
 def _check_media(counts: np.ndarray, eye: str) -> None:

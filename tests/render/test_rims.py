@@ -44,7 +44,7 @@ def furnace(backend, drawn, clear, even_light):
         # A table as small as dust: it would be the only dark thing in the room.
         corners = np.array([[0.0, 0.0, -1e-3], [1e-5, 0.0, -1e-3], [0.0, 1e-5, -1e-3]])
         dust = scene.table.model_copy(update={"mesh": Mesh("table", corners, np.array([[0, 1, 2]]))})
-        chosen = Picture(spp=8, max_depth=DEPTH, rr_depth=DEPTH) if picture is None else picture
+        chosen = Picture(spp=8, adaptive=False, max_depth=DEPTH, rr_depth=DEPTH) if picture is None else picture
         changed = {"table": dust, "picture": chosen, "cameras": scene.cameras[-2:]}
         return load(scene.model_copy(update=changed))
 
