@@ -20,7 +20,7 @@ from typing import Annotated
 import mitsuba as mi
 import numpy as np
 import tyro
-from proofs import derivatives, energy, fresnel, lenses, microsurface, snell, vessels
+from proofs import derivatives, energy, fresnel, lenses, microsurface, picture_derivatives, snell, vessels
 from proofs.check import Check
 from rich.console import Console
 from table import Row, report
@@ -59,6 +59,11 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
         lambda: microsurface.first_facet(4_000_000, alpha=0.1),
     ),
     "derivatives": (derivatives.slab, derivatives.ball_by_differences),
+    "picture derivatives": (
+        lambda: picture_derivatives.absorption(4_000_000),
+        lambda: picture_derivatives.light(4_000_000),
+        lambda: picture_derivatives.roughness(8_000_000),
+    ),
 }
 
 
