@@ -27,12 +27,14 @@ class Reference:
 
     @property
     def floor(self) -> float:
-        """The relMSE that the reference's own noise adds to every figure."""
+        """The relMSE that the reference's own noise would add to every figure."""
         return float((self.variance / (self.picture**2 + RELMSE_EPSILON)).mean())
 
 
 def relmse(picture: np.ndarray, reference: Reference) -> float:
-    """Return the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels.
+    """Return the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels, less what the reference's own noise adds.
+
+    That noise is independent of the picture's, so its variance is what it adds on the average.
 
     Parameters
     ----------
@@ -42,7 +44,7 @@ def relmse(picture: np.ndarray, reference: Reference) -> float:
         The converged picture.
     """
     R = reference.picture
-    return float(((picture - R) ** 2 / (R**2 + RELMSE_EPSILON)).mean())
+    return float(((picture - R) ** 2 / (R**2 + RELMSE_EPSILON)).mean()) - reference.floor
 
 
 def reference(path: Path, spp: int, one_pass: Callable[[int], np.ndarray]) -> Reference:
