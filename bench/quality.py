@@ -3,9 +3,9 @@
     python bench/quality.py --scenes filled --spp 16
 
 relMSE is the mean of (I - R)^2 / (R^2 + 0.01) over pixels and channels of the exposed linear picture, less what R's own
-noise adds. R is a mean of many passes of the same renderer with other seeds; it is kept in a folder and made only once for a scene. The file's
-name follows the scene and the picture's size, not the renderer's code: delete the folder after a change that moves the
-converged picture (a mended fault), keep it after one that only lowers the noise.
+noise adds. R is a mean of many passes of the same renderer with other seeds; it is kept in a folder and made only once
+for a scene. The file's name follows the scene and the picture's size, not the renderer's code: delete the folder after
+a change that moves the converged picture (a mended fault), keep it after one that only lowers the noise.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ between the facets of a rough surface differ (Cycles scales its single-scatterin
 
 Speed: opaque surfaces are what each renderer has for our materials, and each is measured against its own converged
 reference, in exposed linear units, by the mean of (I - R)^2 / (R^2 + 0.01) less what the reference's own noise adds to
-it. The targets are the errors that Cycles
-has after its denoiser at the two numbers of samples in `--levels`. Time is tracing and denoising; loading, the tree of
-triangles and compilation are told apart. Both render in turn on the same cores.
+it. The targets are the errors that Cycles has after its denoiser at the two numbers of samples in `--levels`. Time is
+tracing and denoising; loading, the tree of triangles and compilation are told apart. Both render in turn on the same
+cores.
 """
 
 from __future__ import annotations
