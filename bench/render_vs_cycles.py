@@ -7,8 +7,8 @@ Cycles comes as the package `bpy` 4.5 (LTS) for Python 3.11, in an environment o
 
     python3.11 -m venv ~/bpy && ~/bpy/bin/pip install "bpy==4.5.*" "numpy<2"
 
-Both draw the same triangles, normals, textures, environment and camera, with paths of up to 64 surfaces, a box filter
-one pixel wide and no clamping. Media are clear, because Cycles' glass does not absorb.
+Both draw the same triangles, normals, textures, environment and camera, with the description's longest path, a box
+filter one pixel wide and no clamping. Media are clear, because Cycles' glass does not absorb.
 
 Agreement: opaque surfaces are ideal diffusers, because the two principled models differ. Means of independent passes
 are compared in blocks against the noise of both. Blocks that show rough glass do not decide: the two models of light
