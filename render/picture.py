@@ -14,7 +14,7 @@ from .guides import trace_guides
 from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
-from .sampler import four, samples
+from .sampler import Samples, four, samples
 from .spectrum import draw_wavelengths
 
 #: Paths traced at a time. Each holds 20 bytes of results, so a pass stays under 100 MB.
@@ -73,7 +73,7 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
     most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
     while sums.spp < most:
         _one_batch(kernel, view, sums, min(picture.spp, most - sums.spp), seed)
-        _check_media(sums.counts, eye)
+        check_media(sums.counts, eye)
         if picture.noise is not None and sums.noise(camera.exposure) <= picture.noise:
             break
     shape = (camera.height, camera.width, 3)
@@ -139,18 +139,41 @@ def _one_batch(kernel: Kernel, view: Pinhole, sums: _Sums, batch: int, seed: int
 
 def _one_pass(kernel: Kernel, view: Pinhole, pixels: int, done: int, count: int, seed: int) -> Radiance:
     picture: Picture = kernel.description.picture
+    most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
+    ray, weight, points = camera_paths(view, pixels, done, count, most, seed)
+    result = trace(kernel, ray, weight, points, picture)
+    # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.
+    dr.eval(result.radiance, result.violations, result.segments)
+    return result
+
+
+def camera_paths(
+    view: Pinhole, pixels: int, done: int, count: int, most: int, seed: int
+) -> tuple[mi.Ray3f, mi.UnpolarizedSpectrum, Samples]:
+    """Return the starts of paths through every pixel, one after the other: what `integrator.trace` is given.
+
+    Parameters
+    ----------
+    view : Pinhole
+        The eye.
+    pixels : int
+        Number of its pixels.
+    done, count : int
+        Samples that each pixel has had, and those that it gets now.
+    most : int
+        Samples that it may get in all.
+    seed : int
+        Seed of the picture.
+    """
     # Samples of a pixel lie side by side: they are then added in a fixed order, whatever the threads do.
     lane = dr.arange(mi.UInt32, pixels * count)
     each = dr.opaque(mi.UInt32, count)  # as a plain number it would be compiled into the kernel
     pixel = lane // each
-    most = picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
     points = samples(pixel, lane - pixel * each + dr.opaque(mi.UInt32, done), most, seed)
     u, v, *_ = four(points, mi.UInt32(0))
     ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
     ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
-    result = trace(kernel, ray, weight, points, picture)
-    dr.eval(result)  # once for all of it, not once a channel
-    return result
+    return ray, weight, points
 
 
 def _group_means(result: Radiance, count: int, group: int) -> np.ndarray:
@@ -159,7 +182,16 @@ def _group_means(result: Radiance, count: int, group: int) -> np.ndarray:
     return np.stack(sums).reshape(3, -1, count // group).transpose(2, 0, 1) / group
 
 
-def _check_media(counts: np.ndarray, eye: str) -> None:
+def check_media(counts: np.ndarray, eye: str) -> None:
+    """Raise MediumError if more of the segments change their medium under way than hairline cracks explain.
+
+    Parameters
+    ----------
+    counts : (2,)
+        Segments that do, and all.
+    eye : {"left", "right"}
+        Whose picture it is.
+    """
     if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
             f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments arrive in another medium than they started in "
