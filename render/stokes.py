@@ -1,8 +1,8 @@
 """What a polarisation camera sees: the Stokes vector of every pixel, in polarised variants.
 
-The frame of a pixel has its x axis along the rows of the picture, to the right, and its y axis up; it faces the light.
-x is perpendicular to the pixel's ray and to the camera's vertical: it is the light that a sheet polariser before the
-lens lets through whose dyed chains stand upright (Fainman and Shamir 1984, "Polarization of nonplanar wave fronts").
+The frame of a pixel has its x axis along the rows of the picture, to the right, and its y axis up, as one looks at the
+light. Away from the centre of the picture, where its rows are not perpendicular to the ray, x is what is perpendicular
+to the ray and to the camera's vertical. Mitsuba's `stokes` integrator has the same frame.
 """
 
 from __future__ import annotations
