@@ -104,12 +104,13 @@ def degree_of_linear_polarisation(stokes: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     stokes : (..., 4, channels)
-        Stokes vectors. The noise of s1 and s2 makes the degree too high on average: take many samples first.
+        Stokes vectors. The noise of s1 and s2 makes the degree too high on average: take many samples.
 
     Returns
     -------
     (..., channels)
-        From 0 to 1, in whatever channels are given.
+        From 0 to 1 for light of one wavelength and for ``luminance(stokes)[..., None]``. Red, green and blue of
+        spectral variants are differences of wavelengths: in saturated or noisy colours their degree may lie above 1.
     """
     return _over(np.hypot(stokes[..., 1, :], stokes[..., 2, :]), stokes[..., 0, :])
 
