@@ -20,10 +20,10 @@ from ..procedural.errors import InputError
 from ..procedural.surroundings.description import Camera
 from .integrator import Radiance, trace
 from .kernel import Kernel
-from .picture import FEW_VIOLATIONS, MAX_VIOLATIONS, MediumError
-from .rays import Pinhole, pinhole, pixel_rays
+from .picture import camera_paths, check_media
+from .rays import pinhole
 from .replay import replay
-from .sampler import Samples, four, samples
+from .sampler import Samples
 from .tape import Slots, slots, tape
 
 #: Most numbers on the tape of one pass: 256 MB.
@@ -182,26 +182,16 @@ def _passes(
     if spp < 1:
         raise InputError("spp", "at least 1", spp)
     share, done, counts = max(1, _TAPE // (3 * where.count * pixels)), 0, np.zeros(2)
+    pixel = np.arange(pixels, dtype=np.uint32)
     while done < spp:
         count = min(share, spp - done)
-        ray, points = _camera_rays(view, pixels, done, count, spp, seed)
+        ray, _, points = camera_paths(view, pixel, np.full_like(pixel, done), count, spp, seed)
         first, sums = _one_pass(kernel, where, ray, points, count)
         counts += [np.array(x).sum(dtype=np.int64) for x in (first.violations, first.segments)]
-        if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
-            raise MediumError(f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments arrive in another medium")
+        check_media(counts, eye)
         radiance = np.array(first.radiance, np.float64).reshape(3, pixels, count).sum(2) / spp
         yield radiance, sums.reshape(where.count, 3, pixels) / spp
         done += count
-
-
-def _camera_rays(view: Pinhole, pixels: int, done: int, count: int, spp: int, seed: int) -> tuple[mi.Ray3f, Samples]:
-    """Return `count` rays a pixel with the sample points that `picture.trace_picture` gives evenly spread ones."""
-    lane = dr.arange(mi.UInt32, pixels * count)
-    pixel = lane // dr.opaque(mi.UInt32, count)
-    points = samples(pixel, lane - pixel * count + dr.opaque(mi.UInt32, done), spp, seed)
-    u, v, *_ = four(points, mi.UInt32(0))
-    ray, _ = pixel_rays(view, pixel, mi.Point2f(u, v) - 0.5)
-    return ray, points
 
 
 def _one_pass(kernel: Kernel, where: Slots, ray: mi.Ray3f, points: Samples, count: int) -> tuple[Radiance, np.ndarray]:

@@ -9,11 +9,12 @@ import drjit as dr
 import mitsuba as mi
 
 from ..procedural.description import Picture
-from .dielectric import scatter
+from .dielectric import Scattered, scatter
 from .kernel import Kernel
+from .polarised import analyser_of, in_world, scatter_polarised
 from .rays import leave
 from .sampler import Samples, four, hashed
-from .spectrum import absorption_at, first_only, index_at, to_rgb
+from .spectrum import absorption_at, first_only, index_at, seen, unpolarised
 from .surfaces import AIR_INDEX, SurfaceTable, registry_id
 
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
@@ -29,6 +30,9 @@ class Radiance:
     radiance: mi.Color3f
     violations: mi.UInt32  #: segments whose medium was not the one that the next surface faced them with
     segments: mi.UInt32
+    #: In polarised variants s1, s2, s3 beside the radiance s0, in the frame with the x axis
+    #: ``mi.mueller.stokes_basis(-ray.d)`` of the camera's ray; else nothing.
+    polarisation: tuple[mi.Color3f, ...] = ()
 
 
 @dr.syntax
@@ -37,7 +41,8 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
 
     Light is gathered by emitter sampling and BSDF sampling with the balance heuristic (Veach 1997, eq. 9.8). A segment
     is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
-    from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here.
+    from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here. In polarised
+    variants all spectra are Mueller matrices (`mueller`), and lamps and sky are unpolarised.
     """
     scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
@@ -45,7 +50,7 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
 
     # ---- Loop state ----
     ray, depth = mi.Ray3f(ray), mi.UInt32(0)
-    L, beta = mi.UnpolarizedSpectrum(0.0), mi.UnpolarizedSpectrum(1.0)  # radiance so far, throughput
+    L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
     previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
     pdf, delta = mi.Float(1.0), mi.Bool(True)  # its density, and whether emitter sampling could not have found it
@@ -60,15 +65,15 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         segments += 1
         violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
         sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
-        beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
+        beta *= mi.Spectrum(dr.exp(-sigma_a * dr.select(hit, si.t, 0.0)))
 
         L += beta * ran_into(scene, si, previous, pdf, delta, active)
         active = mi.Bool(hit)
         light_at, lobe_at, coin, gamble = numbers_of(points, depth)
-        direction, weight, pdf, delta = mi.Vector3f(0.0), mi.UnpolarizedSpectrum(0.0), mi.Float(1.0), mi.Bool(True)
+        direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, weight, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
+            light, direction, factor, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
@@ -77,21 +82,38 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
             if picture.dispersion:  # from here on the path follows its first wavelength
                 beta = dr.select(alone, beta, first_only(beta))
                 alone = mi.Bool(True)
-            event = scatter(-ray.d, n, ns, eta, alpha, coin, hashed(points, depth))
-            direction, weight = event.direction, mi.UnpolarizedSpectrum(event.weight)
+            event = interface_event(-ray.d, n, ns, eta, alpha, coin, hashed(points, depth), beta)
+            direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale *= event.eta_squared
             facing = dr.select(event.transmitted, beyond, facing)
 
         # ---- On to the next segment, if roulette lets it ----
-        beta *= weight
+        beta *= factor
         medium, previous = mi.UInt32(facing), mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
-        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
-        active &= dr.any(beta > 0.0) & (depth < max_depth) & (gamble < survive)
-        beta *= dr.rcp(survive)
+        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(unpolarised(beta)) * eta_scale, SURVIVE), 1.0)
+        active &= dr.any(unpolarised(beta) > 0.0) & (depth < max_depth) & (gamble < survive)
+        beta *= mi.Spectrum(dr.rcp(survive))
 
-    return Radiance(to_rgb(L * carried, ray.wavelengths), violations, segments)
+    s0, *others = seen(L, carried, ray.wavelengths)
+    return Radiance(s0, violations, segments, tuple(others))
+
+
+def interface_event(
+    wi: mi.Vector3f,
+    n: mi.Normal3f,
+    ns: mi.Normal3f,
+    eta: mi.Float,
+    alpha: mi.Float,
+    coin: mi.Float,
+    seed: mi.UInt32,
+    beta: mi.Spectrum,
+) -> Scattered:
+    """Return what an interface does to a path with the throughput `beta`, by the law of the active variant."""
+    if mi.is_polarized:
+        return scatter_polarised(wi, n, ns, eta, alpha, coin, seed, analyser_of(beta))
+    return scatter(wi, n, ns, eta, alpha, coin, seed)
 
 
 def numbers_of(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
@@ -137,7 +159,7 @@ def ran_into(
     ds = mi.DirectionSample3f(scene, si, previous)
     emitter_pdf = scene.pdf_emitter_direction(previous, ds, ~delta & active)
     share = dr.select(delta, 1.0, pdf / (pdf + emitter_pdf))
-    return dr.select(active, share * emitter.eval(si, active), 0.0)
+    return dr.select(active, mi.Spectrum(share) * emitter.eval(si, active), 0.0)
 
 
 def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
@@ -165,10 +187,14 @@ def opaque_event(
     bsdf, si = si.bsdf(ray), _two_sided(si, ray)
     ds, arriving = scene.sample_emitter_direction(si, light, False)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
-    lit = (ds.pdf > 0.0) & dr.any(value > 0.0)
+    lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
     shadow = leave(si, ds.d, offset)
     shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
     lit &= ~scene.ray_test(shadow, False, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
-    return dr.select(lit, share * value * arriving, 0.0), si.to_world(sampled.wo), weight, sampled.pdf, delta
+    direction = si.to_world(sampled.wo)
+    if mi.is_polarized:
+        value = in_world(value, si, si.to_local(ds.d), ds.d, ray)
+        weight = in_world(weight, si, sampled.wo, direction, ray)
+    return dr.select(lit, mi.Spectrum(share) * value * arriving, 0.0), direction, weight, sampled.pdf, delta

@@ -15,7 +15,7 @@ from .guides import trace_guides
 from .integrator import Radiance, trace
 from .kernel import Kernel
 from .rays import Pinhole, pinhole, pixel_rays
-from .sampler import four, samples
+from .sampler import Samples, four, samples
 from .spectrum import draw_wavelengths
 from .tally import Tally
 
@@ -78,7 +78,7 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
         batch = min(picture.spp, most - spp)
         counts += _one_batch(kernel, view, tally, glass, batch, seed)
         spp += batch
-        _check_media(counts, eye)
+        check_media(counts, eye)
         if picture.noise is not None and tally.noise(camera.exposure) <= picture.noise:
             break
     shape = (camera.height, camera.width, 3)
@@ -125,22 +125,53 @@ def _some_groups(kernel: Kernel, view: Pinhole, tally: Tally, counts: np.ndarray
 def _one_pass(kernel: Kernel, view: Pinhole, pixel: np.ndarray, index: np.ndarray, size: int, seed: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = kernel.description.picture
-    # Samples of a group lie side by side: they are then added in a fixed order, whatever the threads do.
-    lane = dr.arange(mi.UInt32, len(pixel) * size)
-    each = dr.opaque(mi.UInt32, size)  # as a plain number it would be compiled into the kernel
-    group = lane // each
-    at, number = dr.gather(mi.UInt32, mi.UInt32(pixel), group), dr.gather(mi.UInt32, mi.UInt32(index), group)
     longest = _most(picture) * (int(RATIO) if _is_adaptive(picture, picture.spp) else 1)
-    points = samples(at, number + lane - group * each, longest, seed)
-    u, v, *_ = four(points, mi.UInt32(0))
-    ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
-    ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
+    ray, weight, points = camera_paths(view, pixel, index, size, longest, seed)
     result = trace(kernel, ray, weight, points, picture)
-    dr.eval(result)  # once for all of it, not once a channel
+    # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.
+    dr.eval(result.radiance, result.violations, result.segments)
     return result
 
 
-def _check_media(counts: np.ndarray, eye: str) -> None:
+def camera_paths(
+    view: Pinhole, pixel: np.ndarray, index: np.ndarray, size: int, most: int, seed: int
+) -> tuple[mi.Ray3f, mi.UnpolarizedSpectrum, Samples]:
+    """Return the starts of paths in groups, what `integrator.trace` is given.
+
+    Parameters
+    ----------
+    view : Pinhole
+        The eye.
+    pixel, index : (groups,) uint32
+        Pixel and first sample of each group.
+    size : int
+        Samples of each group. They lie side by side, to be added in a fixed order, whatever the threads do.
+    most : int
+        Samples that a pixel may get in all.
+    seed : int
+        Seed of the picture.
+    """
+    lane = dr.arange(mi.UInt32, len(pixel) * size)
+    each = dr.opaque(mi.UInt32, size)  # as a plain number it would be compiled into the kernel
+    group = lane // each
+    at, first = (dr.gather(mi.UInt32, mi.UInt32(values), group) for values in (pixel, index))
+    points = samples(at, first + lane - group * each, most, seed)
+    u, v, *_ = four(points, mi.UInt32(0))
+    ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
+    ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
+    return ray, weight, points
+
+
+def check_media(counts: np.ndarray, eye: str) -> None:
+    """Raise MediumError if more of the segments change their medium under way than hairline cracks explain.
+
+    Parameters
+    ----------
+    counts : (2,)
+        Segments that do, and all.
+    eye : {"left", "right"}
+        Whose picture it is.
+    """
     if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
             f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments arrive in another medium than they started in "

@@ -22,8 +22,6 @@ FIRST_NM, STEP_NM, GRID = 360.0, 5.0, 95
 
 def check_variant(dispersion: bool) -> None:
     """Raise InputError where the active variant cannot draw what is asked for."""
-    if mi.is_polarized:
-        raise InputError("backend", "a variant without polarisation", mi.variant())
     if dispersion and not mi.is_spectral:
         raise InputError("picture.dispersion", "a spectral variant, such as llvm_ad_spectral", mi.variant())
 
@@ -77,6 +75,9 @@ def draw_wavelengths(sample: mi.Float) -> tuple[Any, mi.Spectrum]:
 def first_only(throughput: mi.Spectrum) -> mi.Spectrum:
     """Return the throughput with all weight on the path's first wavelength, which the others cannot follow."""
     alone = mi.UnpolarizedSpectrum(0.0)
+    if mi.is_polarized:
+        alone[0] = len(alone)
+        return throughput * mi.Spectrum(alone)
     alone[0] = throughput[0] * len(throughput)
     return alone
 
@@ -88,6 +89,18 @@ def to_rgb(value: mi.Spectrum, wavelengths: Any) -> mi.Color3f:
     return mi.Color3f(value) if mi.is_rgb else mi.Color3f(value[0])
 
 
+def unpolarised(value: mi.Spectrum) -> mi.UnpolarizedSpectrum:
+    """Return what becomes of the brightness of unpolarised light: the first entry of a Mueller matrix, or all."""
+    return value[0, 0] if mi.is_polarized else value
+
+
+def seen(light: mi.Spectrum, weight: mi.UnpolarizedSpectrum, wavelengths: Any) -> list[mi.Color3f]:
+    """Return radiance as linear Rec.709; in polarised variants a Stokes vector, the first column of `light`."""
+    if not mi.is_polarized:
+        return [to_rgb(light * weight, wavelengths)]
+    return [to_rgb(light[row, 0] * weight, wavelengths) for row in range(4)]
+
+
 def grey_guide(value: mi.Spectrum) -> mi.Color3f:
     """Return a reflectance as a denoiser's guide: its own colour in RGB, its mean over the path's channels else."""
-    return mi.Color3f(value) if mi.is_rgb else mi.Color3f(dr.mean(value))
+    return mi.Color3f(value) if mi.is_rgb else mi.Color3f(dr.mean(unpolarised(value)))

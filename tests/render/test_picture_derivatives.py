@@ -86,14 +86,16 @@ def _endless(kernel):
 def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     import mitsuba as mi
 
-    from glassware.render import derivatives as made
     from glassware.render.integrator import trace
+    from glassware.render.picture import camera_paths
+    from glassware.render.rays import pinhole
     from glassware.render.replay import replay
     from glassware.render.tape import slots, tape
 
     camera, picture = rough_drawn.description.cameras[0], rough_drawn.description.picture
     pixels = camera.width * camera.height
-    ray, points = made._camera_rays(made.pinhole(camera), pixels, 0, 4, 4, 9)
+    pixel = np.arange(pixels, dtype=np.uint32)
+    ray, _, points = camera_paths(pinhole(camera), pixel, 0 * pixel, 4, 4, 9)
     first = trace(rough_drawn, ray, mi.UnpolarizedSpectrum(1.0), points, picture).radiance
     again = replay(rough_drawn, ray, points, picture, tape(slots(rough_drawn), first, first * 0.0))
     assert np.array(first).mean() > 0.0
