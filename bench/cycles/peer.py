@@ -65,10 +65,10 @@ class Cycles:
         self.version: str = ready["version"]
         self.build_seconds: float = ready["build_seconds"]  #: making Blender's scene from the exchange folder
 
-    def render(self, spp: int, seed: int, clean: bool = True) -> PeerPicture:
-        """Render with `spp` samples."""
+    def render(self, spp: int, seed: int, clean: bool = True, threshold: float = 0.0) -> PeerPicture:
+        """Render with `spp` samples, or with at most so many and adaptive sampling at a threshold above 0."""
         file = self._folder / "picture.exr"
-        request = {"spp": spp, "seed": seed, "denoise": clean, "file": str(file)}
+        request = {"spp": spp, "seed": seed, "denoise": clean, "threshold": threshold, "file": str(file)}
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(request) + "\n")
         self._process.stdin.flush()

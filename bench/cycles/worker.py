@@ -2,8 +2,9 @@
 
     python worker.py FOLDER THREADS
 
-Requests come as JSON lines on standard input, ``{"spp": 16, "seed": 1, "denoise": true, "file": "/.../a.exr"}``; each
-is answered with one JSON line. Blender's own messages go to standard error.
+Requests come as JSON lines on standard input, ``{"spp": 16, "seed": 1, "denoise": true, "threshold": 0.0, "file":
+"/.../a.exr"}``; each is answered with one JSON line. A threshold above 0 turns on adaptive sampling. Blender's own
+messages go to standard error.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ def _render(request: dict) -> dict:
     scene = bpy.context.scene
     scene.cycles.samples, scene.cycles.seed = request["spp"], request["seed"]
     scene.cycles.use_denoising = request["denoise"]
+    scene.cycles.use_adaptive_sampling = request["threshold"] > 0.0
+    scene.cycles.adaptive_threshold, scene.cycles.adaptive_min_samples = request["threshold"], 0
     scene.render.filepath = request["file"]
     begun: list[float] = []
     watcher = _first_sample(begun)
