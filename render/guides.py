@@ -1,13 +1,19 @@
 """Guides for the denoiser that see through glass, free of noise.
 
-A few rays through every pixel follow smooth glass to the first rough surface without drawing a random number: straight
-on through every interface, and mirrored at the first one, weighted by Fresnel's shares and by absorption. Path tracing
+A few rays through every pixel follow smooth glass to the first rough surface without tossing a coin: straight on
+through every interface, and mirrored at the first one, weighted by Fresnel's shares and by absorption. Path tracing
 could record the same on its way, with the noise of its coin tosses; that would have to be cleaned by two more passes of
 the denoiser, which cost more than these rays.
+
+What lies within a pixel is averaged: where its first rays disagree, as at outlines and on fine patterns, more follow.
+The denoiser trusts guides, and would draw the moire of too few rays into the picture.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import cv2
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -15,13 +21,19 @@ import numpy as np
 from ..procedural.surroundings.description import Camera
 from .integrator import met
 from .kernel import Kernel
-from .rays import leave, pinhole, pixel_rays
+from .rays import Pinhole, leave, pinhole, pixel_rays
 from .refraction import through
+from .sampler import four, samples
 from .spectrum import grey_guide
 from .surfaces import registry_id
 
 #: Places in the pixel, a rotated grid: four columns and four rows for four rays [px].
 _PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
+#: Rays that follow in a pixel, or beside one, whose first four differ by more than `_DISAGREE` in a colour of the
+#: albedo or a component of the normal.
+_MORE, _DISAGREE = 16, 0.2
+#: Seed of their places in the pixel, which differ from pixel to pixel: what is left is noise and no pattern.
+_SEED = 0x6D15
 #: Interfaces after which a ray gives up; it carries little light by then, and the guide only has to show shapes.
 _MAX_INTERFACES = 16
 
@@ -47,18 +59,47 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
     glass : (H, W) bool
         Where any of the rays meets glass first.
     """
-    view, size = pinhole(camera, eye), camera.width * camera.height
-    # The rays of a pixel lie side by side and are added in a fixed order.
-    lane = dr.arange(mi.UInt32, size * len(_PLACES))
-    place = dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), lane % len(_PLACES))
-    ray, _ = pixel_rays(view, lane // len(_PLACES), place)
-    exposure = dr.opaque(mi.Float, camera.exposure)
-    albedo, normal, mirrored, share, glass = _followed(kernel, ray, exposure)
-    albedo_m, normal_m, *_ = _followed(kernel, mirrored, exposure, share > 0.0)
+    view, shape = pinhole(camera, eye), (camera.height, camera.width)
+    every = np.arange(camera.width * camera.height, dtype=np.uint32)
+    few = _guides(kernel, view, camera.exposure, every, len(_PLACES), _rotated_grid)
+    values = few.sum(-1)
+    differ = (np.ptp(few, axis=-1).max(0) > _DISAGREE).astype(np.uint8).reshape(shape)
+    chosen = every[cv2.dilate(differ, np.ones((3, 3), np.uint8)).ravel() > 0]
+    counts = np.full(len(every), float(len(_PLACES)))
+    if len(chosen):
+        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _MORE, _scattered).sum(-1)
+        counts[chosen] += _MORE
+    albedo, normal, glass = np.split((values / counts).astype(np.float32).T, (3, 6), axis=1)
+    return albedo.reshape(*shape, 3), normal.reshape(*shape, 3), glass.reshape(shape) > 0.0
+
+
+def _guides(
+    kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, count: int, place: Callable
+) -> np.ndarray:
+    """Return albedo, normal and whether glass is first (0 or 1) of `count` rays in each pixel, (7, pixels, count)."""
+    lane = dr.arange(mi.UInt32, len(pixel) * count)
+    each = dr.opaque(mi.UInt32, count)
+    group = lane // each
+    at = dr.gather(mi.UInt32, mi.UInt32(pixel), group)
+    ray, _ = pixel_rays(view, at, place(at, lane - group * each))
+    strength = dr.opaque(mi.Float, exposure)
+    albedo, normal, mirrored, share, glass = _followed(kernel, ray, strength)
+    albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
     albedo, normal = albedo + share * albedo_m, normal + share * normal_m
-    dr.eval(albedo, normal, glass)
-    seen = np.array(dr.block_sum(dr.select(glass, mi.UInt32(1), mi.UInt32(0)), len(_PLACES))) > 0
-    return _means(albedo, camera), _means(normal, camera), seen.reshape(camera.height, camera.width)
+    columns = (*albedo, *normal, dr.select(glass, mi.Float(1.0), 0.0))
+    dr.eval(columns)
+    return np.stack([np.array(column) for column in columns]).reshape(7, len(pixel), count)
+
+
+def _rotated_grid(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
+    """Return the same places in every pixel [px]."""
+    return dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), index)
+
+
+def _scattered(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
+    """Return well-spread places that differ from pixel to pixel [px]."""
+    u, v, *_ = four(samples(pixel, index, _MORE, _SEED), mi.UInt32(0))
+    return mi.Point2f(u, v) - 0.5
 
 
 @dr.syntax
@@ -102,8 +143,3 @@ def _followed(
         bounces += 1
 
     return albedo, normal, mirrored, share, glass
-
-
-def _means(values: mi.Color3f | mi.Normal3f, camera: Camera) -> np.ndarray:
-    means = [np.array(dr.block_sum(channel, len(_PLACES))) / len(_PLACES) for channel in values]
-    return np.stack(means, axis=-1).reshape(camera.height, camera.width, 3).astype(np.float32)
