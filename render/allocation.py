@@ -21,7 +21,7 @@ def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
     Parameters
     ----------
     glass : (H, W) bool
-        Which pixels show glass (`guides.Guides`).
+        Which pixels show glass (`guides.trace_guides`).
     spp : int
         Samples of a pixel, on the average.
     size : int

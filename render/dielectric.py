@@ -91,3 +91,13 @@ def refracted(wi: mi.Vector3f, facet: mi.Normal3f, cos_i: mi.Float, cos_t: mi.Fl
     Its `cos_t` has the sign opposite to `cos_i`; `eta_ti` is the index before the surface over the one behind it.
     """
     return mi.Vector3f(facet) * dr.fma(cos_i, eta_ti, cos_t) - wi * eta_ti
+
+
+def through(wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float) -> tuple[mi.Vector3f, mi.Float]:
+    """Return the direction behind an interface and the share of light that takes it; mirrored where that is total."""
+    facet = upright_normal(wi, n, ns, eta)
+    cos_i = dr.dot(wi, facet)
+    reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)
+    total = cos_t == 0.0
+    direction = dr.select(total, mi.reflect(wi, facet), refracted(wi, facet, cos_i, cos_t, eta_ti))
+    return dr.normalize(direction), dr.select(total, 1.0, 1.0 - reflectance)

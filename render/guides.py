@@ -13,12 +13,11 @@ import mitsuba as mi
 import numpy as np
 
 from ..procedural.surroundings.description import Camera
-from .integrator import met
+from .dielectric import through
 from .kernel import Kernel
 from .rays import leave, pinhole, pixel_rays
-from .refraction import through
 from .spectrum import grey_guide
-from .surfaces import registry_id
+from .surfaces import met, registry_id
 
 #: Places in the pixel, a rotated grid: four columns and four rows for four rays [px].
 _PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))

@@ -15,7 +15,7 @@ from .polarised import analyser_of, in_world, scatter_polarised
 from .rays import leave
 from .sampler import Samples, four, hashed
 from .spectrum import absorption_at, first_only, index_at, seen, unpolarised
-from .surfaces import AIR_INDEX, SurfaceTable, registry_id
+from .surfaces import AIR_INDEX, SurfaceTable, met, registry_id
 
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
 _SHADOW_EPSILON = 1e-4
@@ -127,23 +127,6 @@ def relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, wa
     """Return the index behind an interface over the index before it, for pictures in the active variant."""
     behind = index_at(table.index, beyond, wavelengths, mi.Bool(True))
     return behind / index_at(table.index, facing, wavelengths, mi.Bool(True))
-
-
-def met(
-    table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, hit: mi.Bool
-) -> tuple[mi.Bool, mi.UInt32, mi.UInt32, mi.Normal3f, mi.Normal3f]:
-    """Return of the surface met: whether it is opaque, the media before and behind it, and its normals.
-
-    Geometric and shading normal are on the side that the ray comes from, by the geometric one. A ray that meets nothing
-    ends in air.
-    """
-    row = registry_id(si.shape)
-    from_front = dr.dot(si.n, ray.d) < 0.0
-    opaque = dr.gather(mi.Bool, table.opaque, row, hit)
-    front, back = dr.gather(mi.UInt32, table.front, row, hit), dr.gather(mi.UInt32, table.back, row, hit)
-    facing = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
-    sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
-    return opaque, facing, dr.select(from_front, back, front), sign * si.n, sign * si.sh_frame.n
 
 
 def ran_into(

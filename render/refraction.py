@@ -15,12 +15,11 @@ import numpy as np
 
 from ..procedural.errors import InputError
 from ..procedural.surroundings.description import Camera
-from .dielectric import refracted, upright_normal
+from .dielectric import through
 from .frame import HIT, LOST, SURROUNDINGS, Refraction
-from .integrator import met
 from .kernel import Kernel
 from .rays import Pinhole, leave, pinhole, pixel_rays
-from .surfaces import registry_id
+from .surfaces import met, registry_id
 
 #: Most interfaces that a ray may meet; one that is still under way is given up. In eight drawn scenes (32 views) 4 % of
 #: the pixels on glass meet 16 and more, 2 % 32, and 1 % (0.04 % of all pixels) are still under way at 64: total
@@ -120,16 +119,6 @@ def _followed(
         bounces += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
     return Refracted(state, point, direction, instance, bounces, transmittance, length)
-
-
-def through(wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float) -> tuple[mi.Vector3f, mi.Float]:
-    """Return the direction behind an interface and the share of light that takes it; mirrored where that is total."""
-    facet = upright_normal(wi, n, ns, eta)
-    cos_i = dr.dot(wi, facet)
-    reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)
-    total = cos_t == 0.0
-    direction = dr.select(total, mi.reflect(wi, facet), refracted(wi, facet, cos_i, cos_t, eta_ti))
-    return dr.normalize(direction), dr.select(total, 1.0, 1.0 - reflectance)
 
 
 def trace_refraction(kernel: Kernel, cameras: Sequence[Camera], eye: str = "left") -> list[Refraction]:

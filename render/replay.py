@@ -13,12 +13,12 @@ import mitsuba as mi
 
 from ..procedural.description import Picture
 from .dielectric import scatter, upright_normal
-from .integrator import SURVIVE, met, numbers_of, opaque_event, ran_into, relative_index
+from .integrator import SURVIVE, numbers_of, opaque_event, ran_into, relative_index
 from .kernel import Kernel
 from .rays import leave
 from .sampler import Samples, hashed
 from .spectrum import absorption_at
-from .surfaces import registry_id
+from .surfaces import met, registry_id
 from .tape import Tape, add_absorption, add_chosen, add_emitter, add_roughness
 from .walk_score import walk_score
 

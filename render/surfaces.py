@@ -83,3 +83,20 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
 def registry_id(shape: mi.ShapePtr) -> mi.UInt32:
     """Return the registry id of each shape pointer, the row of the table (0 where there is none)."""
     return dr.reinterpret_array(mi.UInt32, shape)
+
+
+def met(
+    table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, hit: mi.Bool
+) -> tuple[mi.Bool, mi.UInt32, mi.UInt32, mi.Normal3f, mi.Normal3f]:
+    """Return of the surface met: whether it is opaque, the media before and behind it, and its normals.
+
+    Geometric and shading normal are on the side that the ray comes from, by the geometric one. A ray that meets nothing
+    ends in air.
+    """
+    row = registry_id(si.shape)
+    from_front = dr.dot(si.n, ray.d) < 0.0
+    opaque = dr.gather(mi.Bool, table.opaque, row, hit)
+    front, back = dr.gather(mi.UInt32, table.front, row, hit), dr.gather(mi.UInt32, table.back, row, hit)
+    facing = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
+    sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
+    return opaque, facing, dr.select(from_front, back, front), sign * si.n, sign * si.sh_frame.n
