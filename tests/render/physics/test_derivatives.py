@@ -16,7 +16,7 @@ def test_a_balls_derivatives_are_those_of_central_differences(law, holds):
 def test_directions_cut_off_from_the_derivative_are_found(law, broken, monkeypatch):
     import drjit as dr
 
-    dielectric = importlib.import_module("glassware.render.dielectric")
+    dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
     right = dielectric.refracted
     monkeypatch.setattr(dielectric, "refracted", lambda *given: dr.detach(right(*given)))
     derivatives = law("derivatives")

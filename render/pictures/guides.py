@@ -1,0 +1,108 @@
+"""Guides for the denoiser that see through glass, free of noise.
+
+A few rays through every pixel follow smooth glass to the first rough surface without drawing a random number: straight
+on through every interface, and mirrored at the first one, weighted by Fresnel's shares and by absorption. Path tracing
+could record the same on its way, with the noise of its coin tosses; that would have to be cleaned by two more passes of
+the denoiser, which cost more than these rays.
+"""
+
+from __future__ import annotations
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...procedural.surroundings.description import Camera
+from ..interfaces.dielectric import through
+from ..rays import leave, pinhole, pixel_rays
+from ..scene.kernel import Kernel
+from ..scene.spectrum import grey_guide
+from ..scene.surfaces import met, registry_id
+
+#: Places in the pixel, a rotated grid: four columns and four rows for four rays [px].
+_PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
+#: Interfaces after which a ray gives up; it carries little light by then, and the guide only has to show shapes.
+_MAX_INTERFACES = 16
+
+
+def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the guides of one eye, and where it sees glass.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The loaded scene.
+    camera : Camera
+        The stereo pair.
+    eye : {"left", "right"}
+        Which of the two.
+
+    Returns
+    -------
+    albedo : (H, W, 3) float32
+        Reflectance of the first rough surfaces in [0, 1]; the sky's exposed radiance, cut at 1, where there is none.
+    normal : (H, W, 3) float32
+        Their normals, world frame, weighted like the albedo and so shorter than 1 behind glass.
+    glass : (H, W) bool
+        Where any of the rays meets glass first.
+    """
+    view, size = pinhole(camera, eye), camera.width * camera.height
+    # The rays of a pixel lie side by side and are added in a fixed order.
+    lane = dr.arange(mi.UInt32, size * len(_PLACES))
+    place = dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), lane % len(_PLACES))
+    ray, _ = pixel_rays(view, lane // len(_PLACES), place)
+    exposure = dr.opaque(mi.Float, camera.exposure)
+    albedo, normal, mirrored, share, glass = _followed(kernel, ray, exposure)
+    albedo_m, normal_m, *_ = _followed(kernel, mirrored, exposure, share > 0.0)
+    albedo, normal = albedo + share * albedo_m, normal + share * normal_m
+    dr.eval(albedo, normal, glass)
+    seen = np.array(dr.block_sum(dr.select(glass, mi.UInt32(1), mi.UInt32(0)), len(_PLACES))) > 0
+    return _means(albedo, camera), _means(normal, camera), seen.reshape(camera.height, camera.width)
+
+
+@dr.syntax
+def _followed(
+    kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
+) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool]:
+    """Follow rays to the first rough surface.
+
+    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass.
+    """
+    scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
+    ray, active, bounces = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0)
+    weight, albedo, normal = mi.Color3f(1.0), mi.Color3f(0.0), mi.Normal3f(0.0)
+    mirrored, share, glass = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False)
+
+    while dr.hint(active, exclude=[table, scene, exposure, offset]):
+        si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
+        hit = active & si.is_valid()
+        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
+        weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
+        alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape), hit)
+
+        emitter = si.emitter(scene, active)
+        light = exposure * grey_guide(emitter.eval(si, active))
+        albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
+        rough = hit & (opaque | (alpha > 0.0))
+        glass |= hit & ~opaque & (bounces == 0)
+        colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
+        albedo += dr.select(rough, weight * colour, 0.0)
+        # (`dr.mean` would write the number of rays into the kernel.)
+        normal += dr.select(rough, dr.sum(weight) / 3.0 * ns, 0.0)
+
+        active = hit & ~rough & (bounces < _MAX_INTERFACES)
+        eta = dr.gather(mi.Float, table.eta, beyond, active) / dr.gather(mi.Float, table.eta, facing)
+        direction, passed = through(-ray.d, n, ns, eta)
+        first = active & (bounces == 0)
+        mirrored = dr.select(first, leave(si, mi.reflect(-ray.d, n), offset), mirrored)
+        share = dr.select(first, 1.0 - passed, share)
+        weight *= passed
+        ray = leave(si, direction, offset)
+        bounces += 1
+
+    return albedo, normal, mirrored, share, glass
+
+
+def _means(values: mi.Color3f | mi.Normal3f, camera: Camera) -> np.ndarray:
+    means = [np.array(dr.block_sum(channel, len(_PLACES))) / len(_PLACES) for channel in values]
+    return np.stack(means, axis=-1).reshape(camera.height, camera.width, 3).astype(np.float32)
