@@ -22,7 +22,7 @@ from glassware.dataset.config import preset
 from glassware.procedural.description import Scene, Vessel
 from glassware.procedural.draw import draw_scene
 from glassware.procedural.settings import SceneSettings
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 #: Most that the kernels of a new scene may take to compile [s].
 BOUND = 0.5
@@ -128,7 +128,7 @@ def _cost(scene: Scene) -> Compiled:
     """Return what a scene costs. It is gone before the next one: Dr.Jit compiles for everything that is alive."""
     import drjit as dr
 
-    from glassware.render.kernel import load
+    from glassware.render.scene.kernel import load
 
     dr.kernel_history_clear()
     kernel = load(scene)

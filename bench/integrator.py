@@ -24,7 +24,7 @@ import numpy as np
 from scenes import NAMES, bench_scene
 from table import Row, report
 
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 #: Least share of the bare rate that the integrator must reach.
 BOUND = 0.5
@@ -57,7 +57,7 @@ def main() -> int:
     options.add_argument("--json", type=Path)
     given = options.parse_args()
     variant = activate()
-    from glassware.render.kernel import load
+    from glassware.render.scene.kernel import load
 
     scene = bench_scene(given.scene, WIDTH, HEIGHT)
     kernel = load(scene)
@@ -92,10 +92,10 @@ def _traced(kernel: Any, spp: int) -> int:
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.integrator import trace
+    from glassware.render.pictures.integrator import trace
+    from glassware.render.pictures.sampler import four, samples
     from glassware.render.rays import pinhole, pixel_rays
-    from glassware.render.sampler import four, samples
-    from glassware.render.spectrum import draw_wavelengths
+    from glassware.render.scene.spectrum import draw_wavelengths
 
     lane = dr.arange(mi.UInt32, WIDTH * HEIGHT * spp)
     pixel = lane // dr.opaque(mi.UInt32, spp)

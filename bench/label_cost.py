@@ -17,7 +17,7 @@ from glassware.dataset.config import preset
 from glassware.dataset.ray_files import write_layers, write_refraction
 from glassware.procedural.draw import draw_scene
 from glassware.procedural.settings import SceneSettings
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 #: Most that layers and refraction may take of the pictures' time.
 BOUND = 0.1
@@ -31,8 +31,8 @@ def main() -> int:
     options.add_argument("--json", type=Path)
     given = options.parse_args()
     variant = activate()
-    from glassware.render.geometry import trace_geometry
-    from glassware.render.kernel import load
+    from glassware.render.labels.geometry import trace_geometry
+    from glassware.render.scene.kernel import load
     from glassware.render.view import render_view
 
     scene = draw_scene(SceneSettings.model_validate(preset("standard")), SEED, SCENE)

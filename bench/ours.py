@@ -15,10 +15,10 @@ from scenes import digest
 
 from glassware.procedural.description import Scene
 from glassware.procedural.materials.description import OpaqueMaterial
-from glassware.render import kernel as render_kernel
-from glassware.render.backend import activate
-from glassware.render.kernel import Kernel, load
-from glassware.render.picture import trace_picture
+from glassware.render.machine.backend import activate
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene import kernel as render_kernel
+from glassware.render.scene.kernel import Kernel, load
 from glassware.render.view import clean as clean_picture
 
 #: Samples of the picture that compiles the kernels.

@@ -26,7 +26,7 @@ from rich.console import Console
 from table import Row, report
 
 from glassware.procedural.errors import InputError
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 #: Every measurement by its topic, at the budget of the printed table.
 TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {

@@ -26,7 +26,7 @@ from glassware.dataset.writer import View, finish_dataset, start_dataset, write_
 from glassware.procedural.draw import draw_scene
 from glassware.procedural.errors import InputError
 from glassware.procedural.settings import SceneSettings
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 #: Most that labels may cost of the time of the picture.
 LABEL_SHARE = 0.15
@@ -89,8 +89,8 @@ def _measured(settings: SceneSettings, seed: int) -> tuple[dict, dict, dict]:
     scene = draw_scene(settings, seed, 0)
     once["description"] = perf_counter() - start
     # Only here: these bring Mitsuba, whose variant must be set first.
-    from glassware.render.kernel import load
-    from glassware.render.sight import line_of_sight
+    from glassware.render.labels.sight import line_of_sight
+    from glassware.render.scene.kernel import load
     from glassware.render.view import render_view
 
     start = perf_counter()

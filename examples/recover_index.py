@@ -29,7 +29,7 @@ from glassware.procedural.materials.description import OpaqueMaterial, UniformTe
 from glassware.procedural.mesh import Mesh
 from glassware.procedural.optics.medium import AIR, Medium
 from glassware.procedural.surroundings.description import Camera, PictureEnvironment, Table
-from glassware.render.backend import activate
+from glassware.render.machine.backend import activate
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -127,9 +127,9 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.kernel import load
-    from glassware.render.picture import trace_picture
+    from glassware.render.pictures.picture import trace_picture
     from glassware.render.rays import pinhole, pixel_rays
+    from glassware.render.scene.kernel import load
 
     scene = ball_scene(TRUTH, COLOUR, pattern)
     kernel, camera = load(scene), scene.cameras[0]
@@ -164,7 +164,7 @@ def model(kernel, ray, index, colour):
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.refraction import refract
+    from glassware.render.labels.refraction import refract
 
     eta = dr.select(dr.arange(mi.UInt32, 2) == 0, 1.0, index)  # media: air, glass
     lane = dr.arange(mi.UInt32, 6)

@@ -7,13 +7,13 @@ from time import perf_counter
 import numpy as np
 
 from ..procedural.randomness import stream_seed
-from .denoise import denoise
-from .fireflies import spread_fireflies
 from .frame import Frame, Sampling
-from .geometry import trace_straight
-from .kernel import Kernel
-from .picture import Noisy, trace_picture
-from .refraction import trace_refraction
+from .labels.geometry import trace_straight
+from .labels.refraction import trace_refraction
+from .pictures.denoise import denoise
+from .pictures.fireflies import spread_fireflies
+from .pictures.picture import Noisy, trace_picture
+from .scene.kernel import Kernel
 
 
 def render_view(kernel: Kernel, view: int) -> Frame:

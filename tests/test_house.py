@@ -20,6 +20,20 @@ MAY_IMPORT = {
     "learn": {"procedural", "annotate", "dataset"},
 }
 
+#: The same inside `render`, of its rooms and of the files beside them: each may import only what stands before it.
+MAY_IMPORT_IN_RENDER = {
+    "machine": set(),
+    "__init__": {"machine"},
+    "frame": set(),
+    "rays": set(),
+    "scene": {"frame"},
+    "interfaces": set(),
+    "labels": {"frame", "rays", "scene", "interfaces"},
+    "pictures": {"rays", "scene", "interfaces"},
+    "derivatives": {"rays", "scene", "interfaces", "pictures"},
+    "view": {"frame", "scene", "labels", "pictures"},
+}
+
 #: Packages that only one folder imports.
 RENDERER = {"mitsuba", "drjit"}
 
@@ -43,8 +57,10 @@ FORBIDDEN_CALLS = {
 #: A package exists once it holds Python: an empty folder is only a name on the map.
 PACKAGES = [name for name in MAY_IMPORT if any((REPOSITORY / name).rglob("*.py"))]
 FILES = sorted(path for name in PACKAGES for path in (REPOSITORY / name).rglob("*.py"))
+RENDER_FILES = [path for path in FILES if path.is_relative_to(REPOSITORY / "render")]
 
 each_file = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
+each_file_of_render = pytest.mark.parametrize("path", RENDER_FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
 
 
 def tree(path: Path) -> ast.Module:
@@ -112,6 +128,21 @@ def test_imports_run_one_way(path: Path) -> None:
         if root == "glassware":
             assert rest[0] in MAY_IMPORT[folder] | {folder}, f"{folder} imports {module}"
         assert root not in MAY_IMPORT, f"{module} is not glassware.{module}"
+
+
+@each_file_of_render
+def test_imports_between_the_rooms_of_render_run_one_way(path: Path) -> None:
+    room = path.relative_to(REPOSITORY / "render").parts[0].removesuffix(".py")
+    for module in imported_modules(tree(path), package_of(path)):
+        if module.startswith("glassware.render."):
+            assert module.split(".")[2] in MAY_IMPORT_IN_RENDER[room] | {room}, f"{room} imports {module}"
+
+
+def test_the_order_of_the_rooms_has_no_circle() -> None:
+    before: set[str] = set()
+    for room, others in MAY_IMPORT_IN_RENDER.items():
+        assert others <= before, f"{room} may import what does not stand before it"
+        before.add(room)
 
 
 @each_file

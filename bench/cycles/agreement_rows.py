@@ -12,7 +12,7 @@ from scenes import bench_scene
 from table import Row
 
 from glassware.procedural.description import Vessel
-from glassware.render.geometry import trace_geometry
+from glassware.render.labels.geometry import trace_geometry
 
 from .comparison import Options, peer_of, say
 from .peer import Cycles

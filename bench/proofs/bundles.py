@@ -8,11 +8,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from glassware.render.dielectric import scatter
-from glassware.render.integrator import trace
-from glassware.render.kernel import Kernel
-from glassware.render.refraction import Refracted, refract
-from glassware.render.sampler import samples
+from glassware.render.interfaces.dielectric import scatter
+from glassware.render.labels.refraction import Refracted, refract
+from glassware.render.pictures.integrator import trace
+from glassware.render.pictures.sampler import samples
+from glassware.render.scene.kernel import Kernel
 
 
 @dataclass(frozen=True, eq=False)

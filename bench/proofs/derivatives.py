@@ -9,8 +9,8 @@ import mitsuba as mi
 import numpy as np
 
 from glassware.procedural.optics.medium import Medium
-from glassware.render.kernel import Kernel
-from glassware.render.refraction import refract
+from glassware.render.labels.refraction import refract
+from glassware.render.scene.kernel import Kernel
 
 from .bodies import ball, box
 from .bundles import bundle

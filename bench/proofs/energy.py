@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.render.kernel import Kernel
+from glassware.render.scene.kernel import Kernel
 
 from .bodies import ball, both, box, shell
 from .bundles import refracted_rays, rows, traced

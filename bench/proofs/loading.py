@@ -15,7 +15,7 @@ from glassware.procedural.materials.description import OpaqueMaterial, UniformTe
 from glassware.procedural.mesh import Mesh, joined
 from glassware.procedural.optics.medium import AIR, Medium
 from glassware.procedural.surroundings.description import Camera, PictureEnvironment, SkyEnvironment, Table
-from glassware.render.kernel import Kernel, load
+from glassware.render.scene.kernel import Kernel, load
 
 from .bodies import box
 

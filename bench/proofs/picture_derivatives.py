@@ -10,12 +10,12 @@ import numpy as np
 from scipy import stats
 
 from glassware.procedural.optics.medium import Medium
-from glassware.render.derivatives import changed
-from glassware.render.integrator import trace
-from glassware.render.kernel import Kernel
-from glassware.render.replay import replay
-from glassware.render.sampler import samples
-from glassware.render.tape import Slots, slots, tape
+from glassware.render.derivatives.gradients import changed
+from glassware.render.derivatives.replay import replay
+from glassware.render.derivatives.tape import Slots, slots, tape
+from glassware.render.pictures.integrator import trace
+from glassware.render.pictures.sampler import samples
+from glassware.render.scene.kernel import Kernel
 
 from .bodies import box
 from .bundles import bundle

@@ -17,7 +17,7 @@ from ...procedural.inputs import check_inputs
 from ...procedural.sanity import check_scene
 from ...procedural.settings import SceneSettings
 from ...procedural.user_text import UserPath, UserText
-from ...render.backend import activate
+from ...render.machine.backend import activate
 from .. import layout
 from ..config import layered, parsed
 from ..dataset_file import DatasetFile, installed_versions
@@ -110,8 +110,8 @@ def _preview_row(scene: Scene, view: View) -> PreviewRow:
 
 def _views(scene: Scene, points: SceneKeypoints, stages: Stages) -> Iterator[View]:
     # Only here: these bring Mitsuba, whose variant must be set first.
-    from ...render.kernel import load
-    from ...render.sight import line_of_sight
+    from ...render.labels.sight import line_of_sight
+    from ...render.scene.kernel import load
     from ...render.view import render_view
 
     with stages.timed("loading"):

@@ -16,9 +16,9 @@ def test_a_balls_derivatives_are_those_of_central_differences(law, holds):
 def test_directions_cut_off_from_the_derivative_are_found(law, broken, monkeypatch):
     import drjit as dr
 
-    refraction = importlib.import_module("glassware.render.refraction")
-    right = refraction.refracted
-    monkeypatch.setattr(refraction, "refracted", lambda *given: dr.detach(right(*given)))
+    dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
+    right = dielectric.refracted
+    monkeypatch.setattr(dielectric, "refracted", lambda *given: dr.detach(right(*given)))
     derivatives = law("derivatives")
     assert broken(derivatives.slab())
     assert broken(derivatives.ball_by_differences())

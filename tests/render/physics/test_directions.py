@@ -43,9 +43,9 @@ def test_a_drawn_glass_of_water_agrees_with_a_second_tracer(law, holds):
 
 @pytest.mark.parametrize("wrong", [1.0 + 1e-5, 1.0 - 1e-5])
 def test_an_index_wrong_in_the_fifth_digit_is_found(law, broken, monkeypatch, wrong):
-    refraction = importlib.import_module("glassware.render.refraction")
-    right = refraction.refracted
-    monkeypatch.setattr(refraction, "refracted", lambda wi, m, ci, ct, eta: right(wi, m, ci, ct, eta * wrong))
+    dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
+    right = dielectric.refracted
+    monkeypatch.setattr(dielectric, "refracted", lambda wi, m, ci, ct, eta: right(wi, m, ci, ct, eta * wrong))
     assert broken(law("snell").slab(np.arange(5.0, 86.0, 10.0)))
 
 

@@ -33,14 +33,14 @@ def test_media_absorb_as_beer_and_lambert_say(law, holds):
 
 
 def test_absorption_wrong_by_a_part_in_a_thousand_is_found(law, broken, monkeypatch):
-    kernel = importlib.import_module("glassware.render.surfaces")
+    kernel = importlib.import_module("glassware.render.scene.surfaces")
     right = kernel.surface_table
 
     def wrong(*given):
         table = right(*given)
         return replace(table, sigma_a=table.sigma_a * 1.001)
 
-    monkeypatch.setattr(importlib.import_module("glassware.render.kernel"), "surface_table", wrong)
+    monkeypatch.setattr(importlib.import_module("glassware.render.scene.kernel"), "surface_table", wrong)
     assert broken(law("energy").beer_lambert(1000, lengths=(0.05,)))
 
 
@@ -54,7 +54,7 @@ def test_drawn_vessels_are_invisible_in_a_white_furnace_with_default_settings(la
 
 
 def test_light_lost_at_interfaces_is_found_in_the_furnace(law, broken, monkeypatch):
-    integrator = importlib.import_module("glassware.render.integrator")
+    integrator = importlib.import_module("glassware.render.pictures.integrator")
     right = integrator.scatter
 
     def lossy(*given):
@@ -75,7 +75,7 @@ def test_rough_interfaces_are_reciprocal(law, holds):
 
 
 def test_a_roughness_that_differs_by_side_is_found(law, broken, monkeypatch):
-    dielectric = importlib.import_module("glassware.render.dielectric")
+    dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
     right = dielectric.walk
     # Seen from the glass the surface is a tenth rougher.
     monkeypatch.setattr(
@@ -90,7 +90,7 @@ def test_light_of_the_first_facet_is_mitsubas_rough_dielectric(law, holds, alpha
 
 
 def test_another_roughness_than_mitsubas_is_found(law, broken, monkeypatch):
-    dielectric = importlib.import_module("glassware.render.dielectric")
+    dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
     right = dielectric.walk
     monkeypatch.setattr(dielectric, "walk", lambda wi, alpha, eta, seed: right(wi, alpha * 1.05, eta, seed))
     assert broken(law("microsurface").first_facet(500_000, alpha=0.1))

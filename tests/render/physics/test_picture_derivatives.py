@@ -21,7 +21,7 @@ def test_light_changes_with_roughness_as_central_differences_do(law, holds):
 
 
 def test_lengths_that_are_half_forgotten_are_found(law, broken, monkeypatch):
-    replay = importlib.import_module("glassware.render.replay")
+    replay = importlib.import_module("glassware.render.derivatives.replay")
     right = replay.add_absorption
     monkeypatch.setattr(
         replay, "add_absorption", lambda into, medium, length, *rest: right(into, medium, 0.5 * length, *rest)
@@ -30,7 +30,7 @@ def test_lengths_that_are_half_forgotten_are_found(law, broken, monkeypatch):
 
 
 def test_a_wrong_score_is_found(law, broken, monkeypatch):
-    replay = importlib.import_module("glassware.render.replay")
+    replay = importlib.import_module("glassware.render.derivatives.replay")
     right = replay.add_roughness
     monkeypatch.setattr(
         replay,

@@ -1,0 +1,1 @@
+"""Derivatives of path-traced pictures: paths walked a second time."""

@@ -1,0 +1,1 @@
+"""What one interface does to a ray: smooth, rough and polarised."""

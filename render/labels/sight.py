@@ -1,0 +1,41 @@
+"""Lines of sight: how far one sees from a point towards others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ..scene.kernel import Kernel
+from .geometry import straight
+
+
+@dataclass(frozen=True, eq=False)
+class LineOfSight:
+    """Where the straight rays from an eye through n points meet surfaces; inf for none."""
+
+    first_distance: np.ndarray  #: (n,) float64, distance along the ray to the first surface [m]
+    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
+
+
+def line_of_sight(kernel: Kernel, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
+    """Trace from `origin` towards each point.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The loaded scene.
+    origin : (3,) float
+        The eye, world frame [m].
+    points : (n, 3) float
+        Targets, world frame [m].
+    """
+    if len(points) == 0:
+        return LineOfSight(np.zeros(0), np.zeros(0))
+    direction = dr.normalize(mi.Vector3f(np.ascontiguousarray((points - origin).T, dtype=np.float32)))
+    start = dr.opaque(mi.Float, 0.0) + mi.Point3f(np.asarray(origin, dtype=np.float32))
+    seen = straight(kernel, mi.Ray3f(start, direction))
+    dr.eval(seen)
+    return LineOfSight(np.array(seen.first, np.float64), np.array(seen.background, np.float64))

@@ -1,0 +1,144 @@
+"""Guides for the denoiser that see through glass, free of noise.
+
+A few rays through every pixel follow smooth glass to the first rough surface without tossing a coin: straight on
+through every interface, and mirrored at the first one, weighted by Fresnel's shares and by absorption. Path tracing
+could record the same on its way, with the noise of its coin tosses; that would have to be cleaned by two more passes of
+the denoiser, which cost more than these rays.
+
+What lies within a pixel is averaged: where its first rays disagree, as at outlines and on fine patterns, more follow.
+The denoiser trusts guides, and would draw the moire of too few rays into the picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import cv2
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...procedural.surroundings.description import Camera
+from ..interfaces.dielectric import through
+from ..rays import Pinhole, leave, pinhole, pixel_rays
+from ..scene.kernel import Kernel
+from ..scene.spectrum import grey_guide
+from ..scene.surfaces import met, registry_id
+from .sampler import four, samples
+
+#: Places in the pixel, a rotated grid: four columns and four rows for four rays [px].
+_PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
+#: Rays that follow in a pixel, or beside one, whose first four differ by more than `_DISAGREE` in a colour of the
+#: albedo or a component of the normal.
+_MORE, _DISAGREE = 16, 0.2
+#: Seed of their places in the pixel, which differ from pixel to pixel: what is left is noise and no pattern.
+_SEED = 0x6D15
+#: Interfaces after which a ray gives up; it carries little light by then, and the guide only has to show shapes.
+_MAX_INTERFACES = 16
+
+
+def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the guides of one eye, and where it sees glass.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The loaded scene.
+    camera : Camera
+        The stereo pair.
+    eye : {"left", "right"}
+        Which of the two.
+
+    Returns
+    -------
+    albedo : (H, W, 3) float32
+        Reflectance of the first rough surfaces in [0, 1]; the sky's exposed radiance, cut at 1, where there is none.
+    normal : (H, W, 3) float32
+        Their normals, world frame, weighted like the albedo and so shorter than 1 behind glass.
+    glass : (H, W) bool
+        Where any of the rays meets glass first.
+    """
+    view, shape = pinhole(camera, eye), (camera.height, camera.width)
+    every = np.arange(camera.width * camera.height, dtype=np.uint32)
+    few = _guides(kernel, view, camera.exposure, every, len(_PLACES), _rotated_grid)
+    values = few.sum(-1)
+    differ = (np.ptp(few, axis=-1).max(0) > _DISAGREE).astype(np.uint8).reshape(shape)
+    chosen = every[cv2.dilate(differ, np.ones((3, 3), np.uint8)).ravel() > 0]
+    counts = np.full(len(every), float(len(_PLACES)))
+    if len(chosen):
+        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _MORE, _scattered).sum(-1)
+        counts[chosen] += _MORE
+    albedo, normal, glass = np.split((values / counts).astype(np.float32).T, (3, 6), axis=1)
+    return albedo.reshape(*shape, 3), normal.reshape(*shape, 3), glass.reshape(shape) > 0.0
+
+
+def _guides(
+    kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, count: int, place: Callable
+) -> np.ndarray:
+    """Return albedo, normal and whether glass is first (0 or 1) of `count` rays in each pixel, (7, pixels, count)."""
+    lane = dr.arange(mi.UInt32, len(pixel) * count)
+    each = dr.opaque(mi.UInt32, count)
+    group = lane // each
+    at = dr.gather(mi.UInt32, mi.UInt32(pixel), group)
+    ray, _ = pixel_rays(view, at, place(at, lane - group * each))
+    strength = dr.opaque(mi.Float, exposure)
+    albedo, normal, mirrored, share, glass = _followed(kernel, ray, strength)
+    albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
+    albedo, normal = albedo + share * albedo_m, normal + share * normal_m
+    columns = (*albedo, *normal, dr.select(glass, mi.Float(1.0), 0.0))
+    dr.eval(columns)
+    return np.stack([np.array(column) for column in columns]).reshape(7, len(pixel), count)
+
+
+def _rotated_grid(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
+    """Return the same places in every pixel [px]."""
+    return dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), index)
+
+
+def _scattered(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
+    """Return well-spread places that differ from pixel to pixel [px]."""
+    u, v, *_ = four(samples(pixel, index, _MORE, _SEED), mi.UInt32(0))
+    return mi.Point2f(u, v) - 0.5
+
+
+@dr.syntax
+def _followed(
+    kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
+) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool]:
+    """Follow rays to the first rough surface.
+
+    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass.
+    """
+    scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
+    ray, active, bounces = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0)
+    weight, albedo, normal = mi.Color3f(1.0), mi.Color3f(0.0), mi.Normal3f(0.0)
+    mirrored, share, glass = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False)
+
+    while dr.hint(active, exclude=[table, scene, exposure, offset]):
+        si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
+        hit = active & si.is_valid()
+        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
+        weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
+        alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape), hit)
+
+        emitter = si.emitter(scene, active)
+        light = exposure * grey_guide(emitter.eval(si, active))
+        albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
+        rough = hit & (opaque | (alpha > 0.0))
+        glass |= hit & ~opaque & (bounces == 0)
+        colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
+        albedo += dr.select(rough, weight * colour, 0.0)
+        # (`dr.mean` would write the number of rays into the kernel.)
+        normal += dr.select(rough, dr.sum(weight) / 3.0 * ns, 0.0)
+
+        active = hit & ~rough & (bounces < _MAX_INTERFACES)
+        eta = dr.gather(mi.Float, table.eta, beyond, active) / dr.gather(mi.Float, table.eta, facing)
+        direction, passed = through(-ray.d, n, ns, eta)
+        first = active & (bounces == 0)
+        mirrored = dr.select(first, leave(si, mi.reflect(-ray.d, n), offset), mirrored)
+        share = dr.select(first, 1.0 - passed, share)
+        weight *= passed
+        ray = leave(si, direction, offset)
+        bounces += 1
+
+    return albedo, normal, mirrored, share, glass

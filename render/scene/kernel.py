@@ -1,0 +1,130 @@
+"""Description -> loaded Mitsuba scene, with the table of its surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mitsuba as mi
+import numpy as np
+
+from ...procedural.description import TABLE_ID, Interface, Prop, Scene, Vessel
+from ...procedural.mesh import Mesh
+from ...procedural.optics.medium import AIR
+from .lighting import area_light, envmap, keep_numbers_out_of_kernels
+from .opaque import opaque_bsdf, repeated
+from .spectrum import check_variant
+from .surfaces import Surface, SurfaceTable, registry_id, surface_table
+
+#: Rays start this share of the scene's largest coordinate off the surface that they leave, along its geometric normal.
+#: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
+#: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
+RAY_OFFSET = 2.0**-20
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """A scene ready for rays."""
+
+    description: Scene
+    mi_scene: mi.Scene
+    surfaces: SurfaceTable
+    offset: float  #: distance that rays start off a surface [m]
+
+
+def load(scene: Scene, glass_for_mitsuba: bool = False) -> Kernel:
+    """Load a scene into Mitsuba (the variant must be active: `render.machine.backend.activate`).
+
+    Parameters
+    ----------
+    scene : Scene
+        The description.
+    glass_for_mitsuba : bool
+        Give glass the BSDFs that Mitsuba's own integrators need to draw it. Ours refracts by the surface table, and
+        every such BSDF would be compiled into its kernel, index and all, for nothing.
+    """
+    check_variant(scene.picture.dispersion)
+    table = mi.load_dict(opaque_bsdf(scene.table.material))
+    bodies = [*_table_bodies(scene, table), *_object_bodies(scene, None if glass_for_mitsuba else table)]
+    shapes = {f"body{i}": _mi_mesh(mesh, world_T, bsdf) for i, (mesh, world_T, bsdf, _) in enumerate(bodies)}
+    lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
+    contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
+    # Merging shapes would lose the identity that ids and media hang on.
+    mi_scene = mi.load_dict(contents, optimize=False)
+    keep_numbers_out_of_kernels(mi_scene)
+    records = {f"body{i}": surface for i, (*_, surface) in enumerate(bodies)}
+    light = Surface(0, -1, True, AIR, AIR, 0.0)
+    by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
+    reach = max(float(np.abs(_in_world(mesh.vertices, world_T)).max()) for mesh, world_T, *_ in bodies)
+    return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach)
+
+
+def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    return [(repeated(scene.table.mesh, scene.table.material), np.eye(4), bsdf, surface)]
+
+
+def _object_bodies(scene: Scene, glass: mi.BSDF | None) -> list[tuple]:
+    bodies = []
+    for index, item in enumerate(scene.objects):
+        bodies += _vessel_bodies(item, index, glass) if isinstance(item, Vessel) else [_prop_body(item, index)]
+    return bodies
+
+
+def _vessel_bodies(vessel: Vessel, index: int, glass: mi.BSDF | None) -> list[tuple]:
+    """Return the interfaces; `glass` stands in for their BSDFs, which are made where there is none."""
+    bodies = []
+    for interface in vessel.interfaces:
+        media = interface.front, interface.back
+        surface = Surface(vessel.id, index, False, *media, interface.roughness, interface.part)
+        bodies.append((interface.mesh, vessel.world_T_object, glass or _glass_bsdf(interface), surface))
+    return bodies
+
+
+def _glass_bsdf(interface: Interface) -> mi.BSDF:
+    bsdf = {"type": "roughdielectric", "alpha": interface.roughness, "distribution": "ggx"}
+    bsdf = bsdf if interface.roughness > 0 else {"type": "dielectric"}
+    return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
+
+
+def _prop_body(prop: Prop, index: int) -> tuple:
+    surface = Surface(prop.id, index, True, AIR, AIR, 0.0)
+    bsdf = mi.load_dict(opaque_bsdf(prop.material))
+    return repeated(prop.mesh, prop.material), prop.world_T_object, bsdf, surface
+
+
+def _mi_mesh(mesh: Mesh, world_T_mesh: np.ndarray, bsdf: mi.BSDF) -> mi.Mesh:
+    """Return the mesh in the world frame. Equal positions in two meshes of one object stay equal to the last bit."""
+    properties = mi.Properties()
+    properties["mesh_bsdf"] = bsdf
+    properties["face_normals"] = mesh.normals is None
+    shape = mi.Mesh(
+        mesh.name,
+        len(mesh.vertices),
+        len(mesh.faces),
+        props=properties,
+        has_vertex_normals=mesh.normals is not None,
+        has_vertex_texcoords=mesh.uv is not None,
+    )
+    parameters = mi.traverse(shape)
+    # Flat arrays as they lie: Dr.Jit's vectors would be turned by a kernel that is compiled anew for every mesh size.
+    parameters["vertex_positions"] = mi.Float(_in_world(mesh.vertices, world_T_mesh).ravel())
+    parameters["faces"] = mi.UInt32(mesh.faces.astype(np.uint32).ravel())
+    if mesh.normals is not None:
+        turned = (mesh.normals @ world_T_mesh[:3, :3].T).astype(np.float32)
+        parameters["vertex_normals"] = mi.Float(turned.ravel())
+    if mesh.uv is not None:
+        parameters["vertex_texcoords"] = mi.Float(mesh.uv.astype(np.float32).ravel())
+    parameters.update()
+    return shape
+
+
+def _in_world(points: np.ndarray, world_T_mesh: np.ndarray) -> np.ndarray:
+    # Element by element in float64: the same point gives the same bits whichever mesh it stands in (a matrix product
+    # may round differently by a row's place in the array).
+    x, y, z = points.astype(np.float64).T
+    rows = [a * x + b * y + c * z + t for a, b, c, t in world_T_mesh[:3]]
+    return np.stack(rows, axis=1).astype(np.float32)
+
+
+def _registry_id(shape: mi.Shape) -> int:
+    return int(registry_id(mi.ShapePtr(shape))[0])

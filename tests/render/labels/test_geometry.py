@@ -1,0 +1,108 @@
+"""Labels of drawn scenes (glass, liquid, props) hold every check, and disparity fits the right view's geometry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from glassware.annotate.checks import check_view
+from glassware.annotate.geometry_checks import check_disparity
+from glassware.annotate.keypoints import scene_keypoints
+from glassware.annotate.labels import annotate
+
+SIZE = {"width": 160, "height": 120}
+
+
+def _labelled(kernel, number: int):
+    """Labels and both eyes' geometry of a view."""
+    from glassware.render.labels.geometry import trace_geometry
+    from glassware.render.labels.sight import line_of_sight
+
+    scene = kernel.description
+    camera, points = scene.cameras[number], scene_keypoints(scene)
+    left, right = (trace_geometry(kernel, camera, eye) for eye in ("left", "right"))
+    sight = line_of_sight(kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
+    return annotate(scene, camera, left, points, sight), left, right
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
+    from glassware.render.scene.kernel import load
+
+    scene = drawn(seed, vessel_count=(2, 4), prop_count=(1, 4), cameras={"views": 3, **SIZE})
+    kernel = load(scene)
+    for number, camera in enumerate(scene.cameras):
+        labels, left, right = _labelled(kernel, number)
+        assert check_view(scene, camera, labels, left, right) == []
+        assert {label.id for label in labels.objects} == {item.id for item in scene.objects}
+
+
+def test_no_check_finds_fault_with_real_meshes(backend, drawn, shared_assets):
+    from glassware.render.scene.kernel import load
+
+    scene = drawn(
+        8,
+        prop_count=(6, 6),
+        mesh_dir=shared_assets / "meshes",
+        texture_dir=shared_assets / "textures",
+        props={"file_share": 1.0},
+        cameras={"views": 2, **SIZE},
+    )
+    kernel = load(scene)
+    for number, camera in enumerate(scene.cameras):
+        labels, left, right = _labelled(kernel, number)
+        found = check_view(scene, camera, labels, left, right)
+        # Scanned and downloaded meshes are coarse: their smooth normals stand up to 15 degrees off their facets.
+        assert [violation for violation in found if violation.check != "normals against depth"] == []
+
+
+def test_disparity_is_focal_length_times_baseline_over_depth(backend, drawn):
+    from glassware.render.scene.kernel import load
+
+    scene = drawn(1, cameras={"views": 1, **SIZE})
+    kernel, camera = load(scene), scene.cameras[0]
+    _, left, right = _labelled(kernel, 0)
+    # The table is a plane: where both eyes see it, 1 / Z is linear along a row, and interpolation is exact.
+    inverse = np.where(right.id == 1, 1.0 / right.Z.astype(float), np.nan)
+    shift = camera.focal * camera.baseline / left.Z.astype(float)
+    columns = np.arange(camera.width)
+    landed = columns[None] - shift
+    found = np.stack([np.interp(landed[row], columns, inverse[row]) for row in range(camera.height)])
+    on_table = (left.id == 1) & np.isfinite(found) & (landed >= 0) & (landed <= camera.width - 1)
+    assert on_table.sum() > 2000
+    error = camera.focal * camera.baseline * (found - 1.0 / left.Z)[on_table]
+    assert np.abs(error).max() < 1e-3  # px; float32 depth of 24 bits times tens of pixels
+    assert check_disparity(left, replace(right, Z=right.Z * np.float32(1.02)), camera)
+
+
+def test_the_table_and_the_background_are_where_they_are(backend, drawn):
+    from glassware.render.scene.kernel import load
+
+    scene = drawn(3, cameras={"views": 3, **SIZE})
+    kernel = load(scene)
+    for number, camera in enumerate(scene.cameras):
+        _, left, _ = _labelled(kernel, number)
+        pose = camera.world_T_camera
+        rows, columns = np.nonzero(left.background_id == 1)
+        local = np.stack([columns - camera.centre[0], rows - camera.centre[1], np.full(len(rows), camera.focal)], 1)
+        points = local / camera.focal * left.background_Z[rows, columns].astype(float)[:, None]
+        heights = points @ pose[2, :3] + pose[2, 3]
+        # The top is at z = 0, its rounded edge below; float32 distances of about a metre along slanting rays.
+        assert heights.max() < 1e-5
+        assert (np.abs(heights) < 1e-5).mean() > 0.9
+
+
+def test_one_views_pictures_and_geometry_do_not_depend_on_others(backend, glasses):
+    from glassware.render.scene.kernel import load
+    from glassware.render.view import render_view
+
+    whole = load(glasses)
+    render_view(whole, 0)
+    after, alone = render_view(whole, 1), render_view(load(glasses), 1)
+    np.testing.assert_array_equal(after.left, alone.left)
+    np.testing.assert_array_equal(after.right, alone.right)
+    for name, values in vars(after.geometry).items():
+        np.testing.assert_array_equal(values, getattr(alone.geometry, name), err_msg=name)
+    assert not np.array_equal(after.left, after.right)

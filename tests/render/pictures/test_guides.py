@@ -1,0 +1,92 @@
+"""What the denoiser is told: colour and normal of the first rough surface, seen through glass, averaged over pixels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import maximum_filter, minimum_filter
+
+from glassware.procedural.materials.description import ProceduralTexture, UniformTexture
+
+DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
+
+
+@pytest.fixture(scope="module")
+def on_table(backend, glasses):
+    """(texture, repeats) -> the glasses on a table with it, loaded."""
+    from glassware.render.scene.kernel import load
+
+    def make(texture, repeats: float = 1.0):
+        material = glasses.table.material.model_copy(
+            update={"base_colour": texture, "repeats": repeats, "metallic": 0.0}
+        )
+        return load(glasses.model_copy(update={"table": glasses.table.model_copy(update={"material": material})}))
+
+    return make
+
+
+def _ids(kernel) -> np.ndarray:
+    from glassware.render.labels.geometry import trace_geometry
+
+    return trace_geometry(kernel, kernel.description.cameras[0]).id
+
+
+def _only(which: np.ndarray) -> np.ndarray:
+    """Which pixels have neighbours of the same kind alone."""
+    return minimum_filter(which.astype(int), size=3) > 0
+
+
+def _guides(kernel):
+    from glassware.render.pictures.guides import trace_guides
+
+    return trace_guides(kernel, kernel.description.cameras[0], "left")
+
+
+def test_glass_is_where_the_geometry_has_it(on_table):
+    kernel = on_table(UniformTexture(colour=PLAIN))
+    *_, glass = _guides(kernel)
+    vessels = np.isin(_ids(kernel), [vessel.id for vessel in kernel.description.vessels])
+    assert glass[_only(vessels)].all()
+    assert not glass[maximum_filter(vessels.astype(int), size=3) == 0].any()
+    assert 50 < vessels.sum() < 0.5 * vessels.size
+
+
+def test_a_plain_table_shows_its_colour_and_its_normal(on_table):
+    kernel = on_table(UniformTexture(colour=PLAIN))
+    albedo, normal, _ = _guides(kernel)
+    table = _only(_ids(kernel) == 1)
+    assert table.sum() > 100
+    # The principled model's diffuse reflectance is the base colour.
+    np.testing.assert_allclose(albedo[table], np.broadcast_to(PLAIN, albedo[table].shape), atol=1e-3)
+    np.testing.assert_allclose(normal[table], np.broadcast_to([0.0, 0.0, 1.0], normal[table].shape), atol=1e-3)
+
+
+def test_a_pattern_finer_than_pixels_shows_its_mean_and_no_moire(on_table):
+    chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
+    kernel = on_table(chequered, 400.0)
+    albedo = _guides(kernel)[0][_only(_ids(kernel) == 1)][:, 0]
+    # 20 independent places would leave 0.4 / sqrt(20) = 0.09 of noise; four alone leave 0.2, and the same four in every
+    # pixel make a pattern of it.
+    assert albedo.std() < 0.4 / np.sqrt(20)
+    assert abs(albedo.mean() - 0.5) < 4 * 0.4 / np.sqrt(20 * len(albedo))
+
+
+def test_the_first_four_rays_alone_would_not_do(on_table, monkeypatch):
+    from glassware.render.pictures import guides
+
+    monkeypatch.setattr(guides, "_DISAGREE", np.inf)
+    chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
+    kernel = on_table(chequered, 400.0)
+    assert _guides(kernel)[0][_only(_ids(kernel) == 1)][:, 0].std() > 0.4 / np.sqrt(20)
+
+
+def test_behind_clear_smooth_glass_lies_the_colour_behind_it(on_table):
+    kernel = on_table(UniformTexture(colour=PLAIN))
+    clear = replace(kernel.surfaces, sigma_a=0.0 * kernel.surfaces.sigma_a)
+    albedo, _, glass = _guides(replace(kernel, surfaces=clear))
+    shown = albedo[_only(glass)]
+    # Most is seen through the walls, the rest is mirrored or lost in reflections that are not followed.
+    middle = np.median(shown / np.array(PLAIN), axis=0)
+    assert ((middle > 0.7) & (middle < 1.1)).all()
