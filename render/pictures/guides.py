@@ -60,13 +60,11 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
     """
     view, shape = pinhole(camera, eye), (camera.height, camera.width)
     every = np.arange(camera.width * camera.height, dtype=np.uint32)
-    few = _guides(kernel, view, camera.exposure, every, len(_PLACES), _rotated_grid)
-    values = few.sum(-1)
-    differ = (np.ptp(few, axis=-1).max(0) > _DISAGREE).astype(np.uint8).reshape(shape)
-    chosen = every[cv2.dilate(differ, np.ones((3, 3), np.uint8)).ravel() > 0]
-    counts = np.full(len(every), float(len(_PLACES)))
+    values, differ = _guides(kernel, view, camera.exposure, every, len(_PLACES), _rotated_grid)
+    unsure = cv2.dilate((differ > _DISAGREE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
+    chosen, counts = every[unsure.ravel() > 0], np.full(len(every), float(len(_PLACES)))
     if len(chosen):
-        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _MORE, _scattered).sum(-1)
+        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _MORE, _scattered)[0]
         counts[chosen] += _MORE
     albedo, normal, glass = np.split((values / counts).astype(np.float32).T, (3, 6), axis=1)
     return albedo.reshape(*shape, 3), normal.reshape(*shape, 3), glass.reshape(shape) > 0.0
@@ -74,20 +72,30 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
 
 def _guides(
     kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, count: int, place: Callable
-) -> np.ndarray:
-    """Return albedo, normal and whether glass is first (0 or 1) of `count` rays in each pixel, (7, pixels, count)."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Follow `count` rays through each pixel.
+
+    Returns the sums of albedo, normal and whether glass is first, (7, pixels), and how far apart the rays of a pixel
+    are in any of these, (pixels,).
+    """
     lane = dr.arange(mi.UInt32, len(pixel) * count)
     each = dr.opaque(mi.UInt32, count)
     group = lane // each
     at = dr.gather(mi.UInt32, mi.UInt32(pixel), group)
+    # The rays of a pixel lie side by side and are added in a fixed order.
     ray, _ = pixel_rays(view, at, place(at, lane - group * each))
     strength = dr.opaque(mi.Float, exposure)
     albedo, normal, mirrored, share, glass = _followed(kernel, ray, strength)
     albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
-    albedo, normal = albedo + share * albedo_m, normal + share * normal_m
-    columns = (*albedo, *normal, dr.select(glass, mi.Float(1.0), 0.0))
+    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), dr.select(glass, mi.Float(1.0), 0.0))
     dr.eval(columns)
-    return np.stack([np.array(column) for column in columns]).reshape(7, len(pixel), count)
+    sums = [dr.block_sum(column, count) for column in columns]
+    ranges = [dr.block_reduce(dr.ReduceOp.Max, x, count) - dr.block_reduce(dr.ReduceOp.Min, x, count) for x in columns]
+    differ = mi.Float(0.0)
+    for one in ranges:
+        differ = dr.maximum(differ, one)
+    dr.eval(sums, differ)
+    return np.stack([np.array(x, np.float64) for x in sums]), np.array(differ)
 
 
 def _rotated_grid(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
