@@ -11,8 +11,6 @@ The denoiser trusts guides, and would draw the moire of too few rays into the pi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import cv2
 import drjit as dr
 import mitsuba as mi
@@ -26,12 +24,10 @@ from ..scene.spectrum import grey_guide
 from ..scene.surfaces import met, registry_id
 from .sampler import four, samples
 
-#: Places in the pixel, a rotated grid: four columns and four rows for four rays [px].
-_PLACES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
-#: Rays that follow in a pixel, or beside one, whose first four differ by more than `_DISAGREE` in a colour of the
-#: albedo or a component of the normal.
-_MORE, _DISAGREE = 16, 0.2
-#: Seed of their places in the pixel, which differ from pixel to pixel: what is left is noise and no pattern.
+#: Rays of every pixel, and those that follow in a pixel, or beside one, whose first differ by more than `_DISAGREE` in
+#: a colour of the albedo or a component of the normal.
+_FIRST, _MORE, _DISAGREE = 4, 16, 0.2
+#: Seed of their places in the pixel. They differ from pixel to pixel: what is left is noise and no pattern.
 _SEED = 0x6D15
 #: Interfaces after which a ray gives up; it carries little light by then, and the guide only has to show shapes.
 _MAX_INTERFACES = 16
@@ -60,20 +56,20 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
     """
     view, shape = pinhole(camera, eye), (camera.height, camera.width)
     every = np.arange(camera.width * camera.height, dtype=np.uint32)
-    values, differ = _guides(kernel, view, camera.exposure, every, len(_PLACES), _rotated_grid)
+    values, differ = _guides(kernel, view, camera.exposure, every, 0, _FIRST)
     unsure = cv2.dilate((differ > _DISAGREE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
-    chosen, counts = every[unsure.ravel() > 0], np.full(len(every), float(len(_PLACES)))
+    chosen, counts = every[unsure.ravel() > 0], np.full(len(every), float(_FIRST))
     if len(chosen):
-        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _MORE, _scattered)[0]
+        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _FIRST, _MORE)[0]
         counts[chosen] += _MORE
     albedo, normal, glass = np.split((values / counts).astype(np.float32).T, (3, 6), axis=1)
     return albedo.reshape(*shape, 3), normal.reshape(*shape, 3), glass.reshape(shape) > 0.0
 
 
 def _guides(
-    kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, count: int, place: Callable
+    kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, first: int, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Follow `count` rays through each pixel.
+    """Follow `count` rays through each pixel, from number `first` of its sequence on.
 
     Returns the sums of albedo, normal and whether glass is first, (7, pixels), and how far apart the rays of a pixel
     are in any of these, (pixels,).
@@ -83,7 +79,9 @@ def _guides(
     group = lane // each
     at = dr.gather(mi.UInt32, mi.UInt32(pixel), group)
     # The rays of a pixel lie side by side and are added in a fixed order.
-    ray, _ = pixel_rays(view, at, place(at, lane - group * each))
+    points = samples(at, dr.opaque(mi.UInt32, first) + lane - group * each, _FIRST + _MORE, _SEED)
+    u, v, *_ = four(points, mi.UInt32(0))
+    ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
     strength = dr.opaque(mi.Float, exposure)
     albedo, normal, mirrored, share, glass = _followed(kernel, ray, strength)
     albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
@@ -96,17 +94,6 @@ def _guides(
         differ = dr.maximum(differ, one)
     dr.eval(sums, differ)
     return np.stack([np.array(x, np.float64) for x in sums]), np.array(differ)
-
-
-def _rotated_grid(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
-    """Return the same places in every pixel [px]."""
-    return dr.gather(mi.Point2f, mi.Float(np.array(_PLACES, np.float32).ravel()), index)
-
-
-def _scattered(pixel: mi.UInt32, index: mi.UInt32) -> mi.Point2f:
-    """Return well-spread places that differ from pixel to pixel [px]."""
-    u, v, *_ = four(samples(pixel, index, _MORE, _SEED), mi.UInt32(0))
-    return mi.Point2f(u, v) - 0.5
 
 
 @dr.syntax

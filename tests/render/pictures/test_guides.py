@@ -65,8 +65,7 @@ def test_a_pattern_finer_than_pixels_shows_its_mean_and_no_moire(on_table):
     chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
     kernel = on_table(chequered, 400.0)
     albedo = _guides(kernel)[0][_only(_ids(kernel) == 1)][:, 0]
-    # 20 independent places would leave 0.4 / sqrt(20) = 0.09 of noise; four alone leave 0.2, and the same four in every
-    # pixel make a pattern of it.
+    # 20 independent places would leave 0.4 / sqrt(20) = 0.09 of noise; four alone leave 0.2.
     assert albedo.std() < 0.4 / np.sqrt(20)
     assert abs(albedo.mean() - 0.5) < 4 * 0.4 / np.sqrt(20 * len(albedo))
 
