@@ -11,8 +11,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-#: Samples of a pixel that shows glass over those of one that does not.
+#: Samples of a pixel that shows glass over those of one that does not, ...
 RATIO = 4.0
+#: ... or less, where the others would else get fewer groups than tell their noise.
+_FEWEST = 2
 
 
 def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
@@ -34,8 +36,10 @@ def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
     """
     # A pixel at the outline may show glass between the rays that looked for it.
     near = cv2.dilate(glass.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()
-    weights = np.where(near > 0, RATIO, 1.0)
-    return _rounded(weights / weights.mean() * (spp / size))
+    groups, share = spp / size, near.mean()
+    most = 1.0 + max(groups / _FEWEST - 1.0, 0.0) / share if share > 0.0 else RATIO
+    weights = np.where(near > 0, min(RATIO, most), 1.0)
+    return _rounded(weights / weights.mean() * groups)
 
 
 def _rounded(shares: np.ndarray) -> np.ndarray:

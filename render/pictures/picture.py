@@ -30,8 +30,8 @@ FEW_VIOLATIONS = 10
 #: noise. A variance from sixteen groups is off by 37 % in one pixel (chi-square with fifteen degrees of freedom), by
 #: 0.1 % over the pixels of a small picture.
 _GROUPS = 16
-#: Samples a pixel below which all pixels get as many: the others would get too few to tell their noise from.
-LEAST_ADAPTIVE = 8
+#: Samples a pixel below which all pixels get as many.
+LEAST_ADAPTIVE = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,11 +102,13 @@ def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     assert np.array_equal(np.array(again), np.array(first))
 
 
-def test_the_picture_is_the_one_that_is_rendered(rough_drawn):
+def test_the_picture_is_the_one_that_is_rendered_with_evenly_spread_samples(rough_drawn):
     from glassware.render.pictures.picture import trace_picture
 
-    rendered = trace_picture(rough_drawn, rough_drawn.description.cameras[0], "left", 3).radiance
-    np.testing.assert_allclose(_left(rough_drawn).radiance, rendered, rtol=1e-5)
+    picture = rough_drawn.description.picture.model_copy(update={"adaptive": False})
+    kernel = replace(rough_drawn, description=rough_drawn.description.model_copy(update={"picture": picture}))
+    rendered = trace_picture(kernel, kernel.description.cameras[0], "left", 3).radiance
+    np.testing.assert_allclose(_left(kernel).radiance, rendered, rtol=1e-5)
 
 
 def test_light_through_a_liquid_falls_by_its_path_per_absorption(looked_at):
