@@ -84,7 +84,10 @@ class Picture(Model):
     """How the pictures are computed."""
 
     spp: int = Field(
-        default=64, ge=1, le=1_048_576, description="Samples per pixel; with `noise`, samples per pixel of each pass"
+        default=64,
+        ge=1,
+        le=1_048_576,
+        description="Samples per pixel on the average over the picture; with `noise`, of each pass",
     )
     noise: float | None = Field(
         default=None,

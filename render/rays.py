@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from ..procedural.errors import InputError
 from ..procedural.surroundings.description import Camera
 
 
@@ -23,7 +24,9 @@ class Pinhole:
 
 
 def pinhole(camera: Camera, eye: str = "left") -> Pinhole:
-    """Return the left or the right eye of a camera."""
+    """Return the left or the right eye of a camera; InputError for another name."""
+    if eye not in ("left", "right"):
+        raise InputError("eye", "'left' or 'right'", repr(eye))
     world_T_eye = camera.world_T_camera if eye == "left" else camera.world_T_right
     view = Pinhole(
         width=mi.UInt32(camera.width),

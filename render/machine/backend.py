@@ -55,8 +55,10 @@ def activate(variant: str | None = None, spectral: bool | None = None) -> str:
     import drjit as dr
     import mitsuba as mi
 
-    if chosen not in mi.variants():
-        raise InputError("backend", "one of " + ", ".join(mi.variants()), repr(chosen))
+    # The ray loops are Dr.Jit kernels: Mitsuba's scalar variants have none.
+    possible = [name for name in mi.variants() if not name.startswith("scalar")]
+    if chosen not in possible:
+        raise InputError("backend", "one of " + ", ".join(possible), repr(chosen))
     loaded = dr.detail.llvm_version()[0]
     if chosen.startswith("llvm") and loaded < OLDEST:
         found = (

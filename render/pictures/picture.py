@@ -88,7 +88,7 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
 
 def _most(picture: Picture) -> int:
     """Return the most samples of a pixel, on the average over the picture."""
-    return picture.spp if picture.noise is None else max(picture.spp, picture.max_spp)
+    return picture.spp if picture.noise is None else picture.max_spp
 
 
 def _is_adaptive(picture: Picture, batch: int) -> bool:

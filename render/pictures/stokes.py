@@ -61,6 +61,8 @@ def trace_stokes(
     spp = kernel.description.picture.spp if spp is None else spp
     if spp < 1:
         raise InputError("spp", "at least 1", spp)
+    if not 0 <= seed < 1 << 32:
+        raise InputError("seed", "a number of 32 bits", seed)
     pixels, counts = camera.width * camera.height, np.zeros(2)
     total = np.zeros((4, 3, pixels))
     for sums, events in _passes(kernel, pinhole(camera, eye), pixels, spp, seed):

@@ -59,8 +59,9 @@ class Tally:
     def noise(self, exposure: float) -> float:
         """Return the relative error of the picture: the root of the expected mean of (I - R)^2 / (R^2 + 0.01).
 
-        Samples of different groups complete each other (they are one Sobol' sequence), so the true error is rather
-        below than above. It is NaN where there is one group.
+        It knows only what the samples found. Few samples miss light that comes by rare paths: the estimate is then too
+        low. Where all light is found it is rather too high, because samples of different groups complete each other
+        (they are one Sobol' sequence). It is NaN where there is one group.
         """
         if (self._squares == self.samples**2).any():
             return float("nan")

@@ -86,6 +86,12 @@ def test_an_unknown_variant_is_refused_by_name(backend: str) -> None:
         activate("gpu")
 
 
+def test_a_variant_without_kernels_is_refused_by_name(backend: str) -> None:
+    with pytest.raises(InputError, match=r"backend: expected one of llvm_ad_rgb.*'scalar_rgb'"):
+        activate("scalar_rgb")
+    assert activate() == backend
+
+
 @pytest.mark.skipif(not BAD, reason="this machine has no LLVM 14, 15 or 16 in Debian's folder")
 @pytest.mark.parametrize("library", BAD, ids=lambda path: path.name)
 def test_a_bad_library_that_the_user_names_is_refused_and_takes_only_the_child_down(

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
+from glassware.procedural.errors import InputError
+
 #: Independent pictures of each kind, and the side of the blocks that are compared [px].
 PICTURES, BLOCK = 10, 8
 #: Chance that equal means fail with other seeds.
@@ -82,3 +84,21 @@ def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, s
         (even.mean(axis=(1, 2)).var(0, ddof=1) + more.mean(axis=(1, 2)).var(0, ddof=1)) / PICTURES
     )
     assert np.abs(whole).max() < student.isf(0.5 * SIGNIFICANCE / 3, PICTURES - 1)
+
+
+def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
+    from dataclasses import replace
+
+    from glassware.render.pictures.picture import trace_picture
+
+    scene = loaded_glasses.description
+    picture = scene.picture.model_copy(update={"spp": 16, "noise": 1e-3, "max_spp": 6})
+    kernel = replace(loaded_glasses, description=scene.model_copy(update={"picture": picture}))
+    assert trace_picture(kernel, scene.cameras[0], "left", 1).spp == 6
+
+
+def test_an_eye_that_a_camera_has_not_is_refused(loaded_glasses):
+    from glassware.render.pictures.picture import trace_picture
+
+    with pytest.raises(InputError, match="eye: expected 'left' or 'right', found 'middle'"):
+        trace_picture(loaded_glasses, loaded_glasses.description.cameras[0], "middle", 1)

@@ -266,6 +266,8 @@ def test_a_picture_has_a_sample_at_least(mirror):
 
     with pytest.raises(InputError, match="spp"):
         trace_stokes(mirror, mirror.description.cameras[0], spp=0)
+    with pytest.raises(InputError, match="seed: expected a number of 32 bits, found -1"):
+        trace_stokes(mirror, mirror.description.cameras[0], seed=-1)
 
 
 def test_stokes_vectors_need_a_polarised_variant(backend, loaded_glasses):
