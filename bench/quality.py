@@ -19,12 +19,13 @@ import numpy as np
 import tyro
 from ours import Ours, Rendered, loaded, our_reference, render
 from pngs import write_exposed
-from references import Reference, relmse
+from references import RELMSE_EPSILON, Reference, relmse
 from rich.console import Console
 from scenes import NAMES, bench_scene
 from table import Row, report
 
 from glassware.procedural.errors import InputError
+from glassware.render.pictures.guides import trace_guides
 
 #: A reference whose own noise is more than this share of a figure makes that figure doubtful.
 FLOOR_SHARE = 0.1
@@ -100,10 +101,19 @@ def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Opti
     return [
         Row(f"{at} relMSE before denoising", noisy),
         Row(f"{at} relMSE after denoising", clean, note=doubt),
+        Row(f"{at} share of that where glass is seen", 100.0 * _in_glass(ours, kept, runs[0].clean * exposure), "%"),
         Row(f"{at} tracing", trace, "s"),
         Row(f"{at} denoising", denoise, "s"),
         Row(f"{at} samples", spp * options.width * options.height / trace / 1e6, "M/s"),
     ]
+
+
+def _in_glass(ours: Ours, kept: Reference, picture: np.ndarray) -> float:
+    """Return the share of the squared relative error that lies in pixels that show glass."""
+    *_, glass = trace_guides(ours.kernel, ours.kernel.description.cameras[0])
+    R = kept.picture
+    error = (((picture - R) ** 2 - kept.variance) / (R**2 + RELMSE_EPSILON)).mean(-1)
+    return float(error[glass].sum() / error.sum())
 
 
 def _times(runs: list[Rendered]) -> list[tuple[float, float]]:
