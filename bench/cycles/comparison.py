@@ -45,7 +45,7 @@ class Options:
     """Speed: samples measured of each renderer."""
     levels: tuple[int, ...] = (16, 64)
     """Speed: the errors to reach are those that Cycles has after its denoiser at these samples."""
-    thresholds: tuple[float, ...] = (0.1, 0.05, 0.025)
+    thresholds: tuple[float, ...] = (0.1,)
     """Speed: thresholds of Cycles' adaptive sampling, each measured as well."""
     repeats: int = 2
     """Speed: pictures that each figure is the mean of."""
