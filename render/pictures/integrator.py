@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +18,10 @@ from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolari
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
 from .sampler import Samples, four, hashed
 
+#: What an opaque surface does to a path: as `opaque_event`.
+OpaqueLight = Callable[..., tuple]
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
-_SHADOW_EPSILON = 1e-4
+SHADOW_EPSILON = 1e-4
 #: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
 SURVIVE = 0.99
 
@@ -35,15 +38,35 @@ class Radiance:
     polarisation: tuple[mi.Color3f, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where paths start, when it is not at a camera."""
+
+    previous: mi.Interaction3f
+    pdf: mi.Float  #: density that the direction was drawn with, by solid angle
+
+
 @dr.syntax
-def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, picture: Picture) -> Radiance:
+def trace(
+    kernel: Kernel,
+    ray: mi.Ray3f,
+    weight: mi.Spectrum,
+    points: Samples,
+    picture: Picture,
+    opaque_light: OpaqueLight | None = None,
+    start: Start | None = None,
+) -> Radiance:
     """Trace one path for every camera ray.
 
     Light is gathered by emitter sampling and BSDF sampling with the balance heuristic (Veach 1997, eq. 9.8). A segment
     is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
     from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here. In polarised
     variants all spectra are Mueller matrices (`mueller`), and lamps and sky are unpolarised.
+
+    `opaque_light` says what opaque surfaces do, `opaque_event` unless given. Paths that do not start at a camera have
+    a `start`, and lamps that they run into are weighted as what emitter sampling there could find.
     """
+    opaque_light = opaque_light or opaque_event
     scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
@@ -54,12 +77,15 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
     previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
     pdf, delta = mi.Float(1.0), mi.Bool(True)  # its density, and whether emitter sampling could not have found it
+    if start is not None:
+        previous, pdf, delta = mi.Interaction3f(start.previous), mi.Float(start.pdf), mi.Bool(False)
     medium = mi.UInt32(AIR_INDEX)  # medium of the segment, by the events so far
     violations, segments, alone = mi.UInt32(0), mi.UInt32(0), mi.Bool(False)
     active = mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, points, carried]):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
+        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         segments += 1
@@ -73,7 +99,9 @@ def trace(kernel: Kernel, ray: mi.Ray3f, weight: mi.Spectrum, points: Samples, p
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, factor, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
+            light, direction, factor, pdf, delta = opaque_light(
+                scene, si, pi.prim_uv, ray, offset, light_at, coin, lobe_at
+            )
             L += beta * light
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
@@ -160,6 +188,7 @@ def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteract
 def opaque_event(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
+    corner: mi.Point2f,
     ray: mi.Ray3f,
     offset: mi.Float,
     light: mi.Point2f,
@@ -172,7 +201,7 @@ def opaque_event(
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
     shadow = leave(si, ds.d, offset)
-    shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
+    shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
     lit &= ~scene.ray_test(shadow, False, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)

@@ -8,10 +8,11 @@ import mitsuba as mi
 import numpy as np
 
 from ...procedural.description import TABLE_ID, Interface, Prop, Scene, Vessel
-from ...procedural.mesh import Mesh
+from ...procedural.mesh import Mesh, as_trimesh
 from ...procedural.optics.medium import AIR
 from .lighting import area_light, envmap, keep_numbers_out_of_kernels
 from .opaque import opaque_bsdf, repeated
+from .refinement import refined, unwelded
 from .spectrum import check_variant
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
@@ -19,6 +20,24 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
 #: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
 RAY_OFFSET = 2.0**-20
+
+
+#: Longest edge of opaque meshes at whose vertices light is stored [m], and the most triangles that are cut finer.
+#: The table's top has a grid of its own.
+LONGEST_EDGE, LONGEST_OF_TABLE, MOST_FACES = 0.003, 0.05, 60_000
+
+
+@dataclass(frozen=True, eq=False)
+class OpaqueBody:
+    """An opaque mesh as it was loaded, in the world frame."""
+
+    row: int  #: registry id of its shape
+    positions: np.ndarray  #: (n, 3) float32 [m]
+    normals: np.ndarray  #: (n, 3) float32, of the shading, towards the front; not of unit length
+    faces: np.ndarray  #: (m, 3) int64
+    closed: bool  #: whether its back can never be seen
+    roughness: float  #: of the principled material
+    metallic: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +48,10 @@ class Kernel:
     mi_scene: mi.Scene
     surfaces: SurfaceTable
     offset: float  #: distance that rays start off a surface [m]
+    opaque_bodies: tuple[OpaqueBody, ...] = ()  #: filled in where light is to be stored on them
 
 
-def load(scene: Scene, glass_for_mitsuba: bool = False) -> Kernel:
+def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> Kernel:
     """Load a scene into Mitsuba (the variant must be active: `render.machine.backend.activate`).
 
     Parameters
@@ -41,10 +61,14 @@ def load(scene: Scene, glass_for_mitsuba: bool = False) -> Kernel:
     glass_for_mitsuba : bool
         Give glass the BSDFs that Mitsuba's own integrators need to draw it. Ours refracts by the surface table, and
         every such BSDF would be compiled into its kernel, index and all, for nothing.
+    cut : bool
+        Cut opaque meshes fine enough to store light at their vertices, and list them in `Kernel.opaque_bodies`.
     """
     check_variant(scene.picture.dispersion)
     table = mi.load_dict(opaque_bsdf(scene.table.material))
     bodies = [*_table_bodies(scene, table), *_object_bodies(scene, None if glass_for_mitsuba else table)]
+    if cut:
+        bodies = [(_cut(mesh, surface), *rest, surface) for mesh, *rest, surface in bodies]
     shapes = {f"body{i}": _mi_mesh(mesh, world_T, bsdf) for i, (mesh, world_T, bsdf, _) in enumerate(bodies)}
     lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
     contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
@@ -55,7 +79,37 @@ def load(scene: Scene, glass_for_mitsuba: bool = False) -> Kernel:
     light = Surface(0, -1, True, AIR, AIR, 0.0)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(_in_world(mesh.vertices, world_T)).max()) for mesh, world_T, *_ in bodies)
-    return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach)
+    opaque = ()
+    if cut:
+        rows = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
+        opaque = tuple(
+            _opaque_body(scene, rows[f"body{i}"], mesh, world_T, surface)
+            for i, (mesh, world_T, _, surface) in enumerate(bodies)
+            if surface.opaque
+        )
+    return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach, opaque)
+
+
+def _cut(mesh: Mesh, surface: Surface) -> Mesh:
+    """Return an opaque mesh with short edges; what is flat shaded gets vertices of its own for every face first."""
+    if not surface.opaque:
+        return mesh
+    longest = LONGEST_OF_TABLE if surface.instance == TABLE_ID else LONGEST_EDGE
+    return refined(mesh if mesh.normals is not None else unwelded(mesh), longest, MOST_FACES)
+
+
+def _opaque_body(scene: Scene, row: int, mesh: Mesh, world_T_mesh: np.ndarray, surface: Surface) -> OpaqueBody:
+    positions, faces = _in_world(mesh.vertices, world_T_mesh), mesh.faces.astype(np.int64)
+    if mesh.normals is not None:
+        normals = mesh.normals @ world_T_mesh[:3, :3].T
+    else:
+        a, b, c = (positions[faces[:, k]].astype(np.float64) for k in range(3))
+        normals = np.empty((len(positions), 3))
+        normals[faces] = np.cross(b - a, c - a)[:, None]
+    closed = as_trimesh(mesh).is_watertight
+    item = scene.table if surface.instance == TABLE_ID else scene.objects[surface.object]
+    material = item.material
+    return OpaqueBody(row, positions, normals, faces, closed, material.roughness, material.metallic)
 
 
 def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:

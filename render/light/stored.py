@@ -1,0 +1,124 @@
+"""The stored light, and what opaque surfaces make of it: a diffuse part that is read, a glossy part that is sampled.
+
+What a diffuse surface sends out depends a little on the eye's direction v. With f = (1 - cos)^5 for the light and F for
+the eye, roughness r, and n, l the normal and the direction of light, Burley's diffuse lobe (2012, section 5.3) is
+
+    (1 - f/2)(1 - F/2) + R (F + f + F f (R - 1)),    R = 2 r cos^2(half angle) = r (1 + l v),
+
+a polynomial in v. So it follows from moments of the arriving light: E (weight 1), its part weighted with f, and the
+mean directions of both. The one square, in the term with F f, is taken at the mean direction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...procedural.description import TABLE_ID
+from ..pictures.integrator import SHADOW_EPSILON
+from ..rays import leave
+from ..scene.kernel import Kernel
+from ..scene.surfaces import registry_id
+from .lobes import Gloss, glossy, sampled_gloss, schlick
+from .nodes import Lookup, Nodes, lookup_of, nodes_round
+
+#: Moments of a node: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
+MOMENTS = 12
+#: Roulette follows a glossy bounce with this many times its weight. The mean stays; what it carries is then at most
+#: a third of the light that it finds.
+_FOLLOW = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class StoredLight:
+    """The light that arrives at a scene's opaque surfaces."""
+
+    nodes: Nodes
+    moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
+    variance: np.ndarray  #: (count,) of the mean of E's three channels, estimated
+    samples: np.ndarray  #: (count,) paths that each node is the mean of
+
+
+def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
+    """Return what `integrator.trace` is to do at opaque surfaces: read the light that is stored there."""
+    table, lookup = kernel.surfaces, lookup_of(stored.nodes)
+    values = mi.Float(np.ascontiguousarray(stored.moments, np.float32).ravel())
+    look = np.zeros((dr.width(table.instance), 2), np.float32)
+    for body in kernel.opaque_bodies:
+        look[body.row] = body.roughness, body.metallic
+    roughness, metallic = mi.Float(look[:, 0].copy()), mi.Float(look[:, 1].copy())
+    dr.make_opaque(values, roughness, metallic)
+
+    def event(
+        scene: mi.Scene,
+        si: mi.SurfaceInteraction3f,
+        corner: mi.Point2f,
+        ray: mi.Ray3f,
+        offset: mi.Float,
+        light: mi.Point2f,
+        lobe: mi.Float,
+        bounce: mi.Point2f,
+    ) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
+        row, eye = registry_id(si.shape), -ray.d
+        on_table = dr.gather(mi.UInt32, table.instance, row) == TABLE_ID
+        gloss = Gloss(
+            mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
+            dr.gather(mi.Float, roughness, row),
+            dr.gather(mi.Float, metallic, row),
+        )
+        frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
+        wi = frame.to_local(eye)
+        index, weight = nodes_round(lookup, si, corner, eye, on_table)
+        radiance = _diffuse(gloss, wi, eye, _moments(values, index, weight))
+        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light)
+
+        wo = sampled_gloss(gloss, wi, bounce)
+        value, pdf = glossy(gloss, wi, wo)
+        factor = dr.select(pdf > 0.0, value / pdf, 0.0)
+        follow = dr.clip(_FOLLOW * dr.max(factor), 1e-3, 1.0)
+        factor = dr.select(lobe < follow, factor / follow, 0.0)
+        return radiance, frame.to_world(wo), mi.Spectrum(factor), pdf, mi.Bool(False)
+
+    return event
+
+
+def _moments(values: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> tuple:
+    """Return E, E weighted with f, and their mean directions, interpolated."""
+    parts = [dr.zeros(mi.Vector4f) for _ in range(3)]
+    for node, share in zip(index, weight, strict=True):
+        for k in range(3):
+            parts[k] += share * dr.gather(mi.Vector4f, values, 3 * node + k)
+    a, b, c = parts
+    return mi.Color3f(a.x, a.y, a.z), mi.Color3f(a.w, b.x, b.y), mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w)
+
+
+def _diffuse(gloss: Gloss, wi: mi.Vector3f, eye: mi.Vector3f, moments: tuple) -> mi.Color3f:
+    E, E_f, towards, towards_f = moments
+    F, r = schlick(wi.z), gloss.roughness
+    R, R_f = r * (1.0 + dr.dot(towards, eye)), r * (1.0 + dr.dot(towards_f, eye))
+    seen = (E - 0.5 * E_f) * (1.0 - 0.5 * F) + R * F * E + R_f * E_f + R_f * (R_f - 1.0) * F * E_f
+    return dr.maximum((1.0 - gloss.metallic) * dr.inv_pi * gloss.colour * seen, 0.0) & (wi.z > 0.0)
+
+
+def _lamp_in_gloss(
+    scene: mi.Scene,
+    si: mi.SurfaceInteraction3f,
+    frame: mi.Frame3f,
+    gloss: Gloss,
+    wi: mi.Vector3f,
+    offset: mi.Float,
+    sample: mi.Point2f,
+) -> mi.Color3f:
+    """Return the light of a sampled lamp or piece of sky that the surface mirrors."""
+    ds, arriving = scene.sample_emitter_direction(si, sample, False)
+    value, pdf = glossy(gloss, wi, frame.to_local(ds.d))
+    lit = (ds.pdf > 0.0) & dr.any(value > 0.0)
+    shadow = leave(si, ds.d, offset)
+    shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
+    lit &= ~scene.ray_test(shadow, False, lit)
+    share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    return dr.select(lit, share * value * arriving, 0.0)
