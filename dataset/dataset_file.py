@@ -9,6 +9,7 @@ from pydantic import Field
 
 from ..procedural.assets import Asset
 from ..procedural.model import Model
+from ..render.frame import LightCheck
 from .layout import DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -34,6 +35,9 @@ class DatasetFile(Model):
     config: dict[str, Any] = Field(description="The resolved settings that shape its scenes, as JSON data")
     versions: dict[str, str] = Field(description="Version of each package that can change its content")
     backend: str = Field(description="Variant of the renderer, such as llvm_ad_rgb")
+    light: tuple[LightCheck, ...] = Field(
+        default=(), description="How the pictures from stored light compare with path-traced ones, scene by scene"
+    )
     assets: tuple[Asset, ...] = Field(default=(), description="Files of others in it, with their licences")
 
 

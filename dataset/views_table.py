@@ -18,7 +18,7 @@ from ..procedural.assets import Asset
 from ..procedural.description import Scene
 from ..procedural.model import Model
 from ..procedural.scene_file import parsed, read_json
-from ..render.frame import Frame
+from ..render.frame import Frame, LightCheck
 from . import layout
 from .durable import write_atomically
 
@@ -86,6 +86,7 @@ class SceneViews(Model):
 
     views: tuple[ViewRow, ...]
     assets: tuple[Asset, ...]  #: paths relative to the data set
+    light: LightCheck | None = None  #: of pictures from stored light; null where none was stored
 
 
 def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:

@@ -19,7 +19,7 @@ from ..procedural.errors import InputError
 from ..procedural.model import Model
 from ..procedural.scene_file import assets_of, check_schema, json_text, parsed, read_json, stored_name
 from ..procedural.surroundings.description import Camera
-from ..render.frame import Frame, Geometry
+from ..render.frame import Frame, Geometry, LightCheck
 from . import layout
 from .camera_file import camera_file
 from .dataset_file import DatasetFile
@@ -81,7 +81,9 @@ def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None
         _check_same(root / layout.DATASET, read_head(root), head)
 
 
-def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterable[View]) -> list[ViewRow]:
+def write_scene(
+    root: Path, scene: Scene, points: SceneKeypoints, views: Iterable[View], light: LightCheck | None = None
+) -> list[ViewRow]:
     """Write a scene and its views, which may be rendered while they are asked for.
 
     The folder appears after the last view. Where anything is raised before, Ctrl-C included, nothing is left of it.
@@ -96,6 +98,8 @@ def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterabl
         The keypoints that the views are labelled with.
     views : iterable of View
         One view at a time; only one is held.
+    light : LightCheck, optional
+        What the check of the scene's stored light found.
 
     Returns
     -------
@@ -109,7 +113,9 @@ def write_scene(root: Path, scene: Scene, points: SceneKeypoints, views: Iterabl
         for view in views:
             _write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
             rows.append(view_row(scene, view.number, view.frame, view.labels))
-        _write_json(folder / layout.SCENE_VIEWS, SceneViews(views=tuple(rows), assets=_stored_assets(scene)))
+        _write_json(
+            folder / layout.SCENE_VIEWS, SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=light)
+        )
     return rows
 
 
@@ -130,8 +136,9 @@ def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
     """
     scenes = read_scene_views(root)
     found = {item.sha256: item for scene in scenes for item in scene.assets}
+    light = tuple(scene.light for scene in scenes if scene.light is not None)
     assets = tuple(found[digest] for digest in sorted(found))
-    _write_head(root, (head or read_head(root)).model_copy(update={"assets": assets}))
+    _write_head(root, (head or read_head(root)).model_copy(update={"assets": assets, "light": light}))
     return write_views_table(root, [row for scene in scenes for row in scene.views])
 
 

@@ -99,6 +99,11 @@ class Picture(Model):
     adaptive: bool = Field(
         default=True, description="Whether pixels that show glass get four times the samples of others"
     )
+    light: Literal["auto", "path", "shared"] = Field(
+        default="auto",
+        description="Trace the light anew for every picture (path), store it once per scene and read it in every "
+        "picture (shared), or what takes less time (auto)",
+    )
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
     rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")

@@ -69,6 +69,20 @@ class Sampling:
     noise: float  #: relative error, estimated: the root of the expected mean of (I - R)^2 / (R^2 + 0.01); NaN unknown
 
 
+@dataclass(frozen=True)
+class LightCheck:
+    """How pictures from a scene's stored light compare with path-traced ones, in random pixels of its views."""
+
+    scene_id: int
+    mode: str  #: what the pictures were made with: "shared", or "path" where the check failed
+    difference: float  #: how much brighter they are from stored light, as a share of the mean light
+    standard_error: float  #: of the difference
+    bound: float  #: most that the difference may be, beyond three standard errors
+    pixels: int  #: pixels compared
+    nodes: int  #: places that light was stored at
+    paths: int  #: paths that found it
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""

@@ -1,11 +1,13 @@
 """The light that arrives at every node, caustics included: paths that start at the surfaces.
 
-A path starts at a random point near its node, with the interpolation's own weight (a node is the mean of the surface
-that it stands for), looks at one lamp, and goes on along one direction drawn by the cosine, as the path tracer does it.
+A path starts at a random point of the surface that its node stands for, looks at one lamp, and goes on along one
+direction drawn by the cosine, as the path tracer does it. A few paths of every node tell where the light is uncertain;
+they are then thrown away (means of samples that decided their own number would be too low), and the others go there.
 """
 
 from __future__ import annotations
 
+import cv2
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -18,15 +20,25 @@ from ..scene.kernel import Kernel
 from ..scene.spectrum import draw_wavelengths
 from .lobes import schlick
 from .nodes import Nodes
+from .smooth import smoothed
+from .starts import Starts, start_points, starts_of
 from .stored import MOMENTS, StoredLight
 
-#: Paths traced at a time. Each holds 52 bytes of results.
+#: Paths traced at a time. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
-#: Paths of a group; the spread of a node's groups tells its variance.
-GROUP = 16
+#: Paths of a group. The spread of a node's groups tells its variance.
+GROUP = 8
+#: Groups of the pilot; fewest and most groups of a node, over the average.
+_PILOT, _LEAST, _MOST = 2, 0.5, 8.0
+#: Error counts relative to a node's light plus this share of the mean light, so that the dark does not get it all.
+_FLOOR = 0.1
+#: Side of the square that the pilot's estimates are averaged over on the grid: two groups alone know little.
+_SMOOTH = 9
+#: First sample numbers of the pilot's paths, which the others never reach.
+_PILOT_INDEX = 1 << 20
 
 
-def gather_light(kernel: Kernel, nodes: Nodes, groups: int, seed: int) -> StoredLight:
+def gather_light(kernel: Kernel, nodes: Nodes, paths: int, seed: int) -> StoredLight:
     """Return the light that arrives at the nodes.
 
     Parameters
@@ -35,80 +47,67 @@ def gather_light(kernel: Kernel, nodes: Nodes, groups: int, seed: int) -> Stored
         The scene, loaded with cut meshes.
     nodes : Nodes
         Where it is wanted.
-    groups : int
-        Groups of paths for every node.
+    paths : int
+        Paths of a node, on the average; at least two groups are taken of every one.
     seed : int
         32-bit seed.
     """
-    starts = Starts(nodes)
-    counts = np.full(nodes.count, groups, np.int64)
-    total, square, done = np.zeros((nodes.count, MOMENTS)), np.zeros(nodes.count), np.zeros(nodes.count, np.int64)
-    _add_groups(kernel, starts, counts, seed, total, square, done)
-    return _mean(nodes, total, square, done)
+    starts, groups = starts_of(nodes), max(2.0, paths / GROUP)
+    pilot = _gathered(kernel, starts, np.full(nodes.count, _PILOT), _PILOT_INDEX, seed)
+    counts = _shared_out(nodes, *_level_and_variance(*pilot), groups)
+    totals = _gathered(kernel, starts, counts, 0, seed)
+    moments = totals[0] / (counts * GROUP)[:, None]
+    for colour, vector in ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12))):  # sums become mean directions
+        weight, sums = luminance(moments[:, colour])[:, None], moments[:, vector]
+        moments[:, vector] = np.divide(sums, weight, out=np.zeros_like(sums), where=weight > 0.0)
+    moments, grid = moments.astype(np.float32), nodes.grid_count
+    moments[:grid] = smoothed(moments[:grid], (nodes.axes[1].lines, nodes.axes[0].lines))
+    return StoredLight(nodes, moments, _level_and_variance(*totals)[1], counts * GROUP)
 
 
-def _add_groups(kernel: Kernel, starts: Starts, counts: np.ndarray, seed: int, total, square, done) -> None:
+def _gathered(
+    kernel: Kernel, starts: Starts, counts: np.ndarray, first: int, seed: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Trace groups of every node; return sums of moments, squared sums of the groups' light, and the counts."""
+    total, square = np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
     node = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
     rank = np.arange(len(node)) - np.repeat(np.cumsum(counts) - counts, counts)
-    index = ((done[node] + rank) * GROUP).astype(np.uint32)
-    share = PATHS_PER_PASS // GROUP
-    for first in range(0, len(node), share):
-        some = slice(first, first + share)
+    index, share = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
+    for begin in range(0, len(node), share):
+        some = slice(begin, begin + share)
         sums = _one_pass(kernel, starts, node[some], index[some], seed)
         for k in range(MOMENTS):
             total[:, k] += np.bincount(node[some], sums[k], len(counts))
         square += np.bincount(node[some], sums[:3].mean(0) ** 2, len(counts))
-    done += counts
+    return total, square, counts
 
 
-def _mean(nodes: Nodes, total: np.ndarray, square: np.ndarray, done: np.ndarray) -> StoredLight:
-    n = done.astype(np.float64)
-    moments = total / (n * GROUP)[:, None]
-    level = moments[:, :3].mean(1)
-    spread = np.maximum(square / (n * GROUP**2) - level**2, 0.0)
-    variance = spread / np.maximum(n - 1.0, 1.0)
-    # First moments are kept as mean directions.
-    for colour, vector in ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12))):
-        weight = luminance(moments[:, colour])[:, None]
-        moments[:, vector] = np.divide(moments[:, vector], weight, out=np.zeros_like(moments[:, vector]), where=weight > 0)
-    return StoredLight(nodes, moments.astype(np.float32), variance, done * GROUP)
+def _level_and_variance(total: np.ndarray, square: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean of E's channels and the variance of that mean, estimated."""
+    level = total[:, :3].mean(1) / (counts * GROUP)
+    spread = np.maximum(square / (counts * GROUP**2) - level**2, 0.0)
+    return level, spread / np.maximum(counts - 1, 1)
 
 
-class Starts:
-    """The nodes as Dr.Jit arrays, with the triangles round every vertex."""
-
-    def __init__(self, nodes: Nodes) -> None:
-        x, y = nodes.axes
-        places = [axis.coordinate(np.arange(-1, axis.lines + 1)) for axis in (x, y)]
-        self.lines_x, self.grid_count = mi.UInt32(x.lines), mi.UInt32(nodes.grid_count)
-        # Lines beyond the first and the last stand in for themselves.
-        self.x, self.y = (mi.Float(np.clip(p, a.low, None).astype(np.float32)) for p, a in zip(places, (x, y), strict=True))
-        self.positions, self.normals = mi.Float(nodes.positions.ravel()), mi.Float(nodes.normals.ravel())
-        first, around = _triangles_round(nodes)
-        self.first, self.around = mi.UInt32(first), mi.UInt32(around)
-        self.triangles = mi.UInt32(nodes.triangles.ravel())
-        self.back = mi.Bool(nodes.back)
-        self.to_front = mi.UInt32(_to_front(nodes))
-        dr.make_opaque(self.lines_x, self.grid_count, self.x, self.y, self.positions, self.normals)
-        dr.make_opaque(self.first, self.around, self.triangles, self.back, self.to_front)
+def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: float) -> np.ndarray:
+    """Return how many groups each node gets: in proportion to its relative error, within bounds."""
+    shape, grid = (nodes.axes[1].lines, nodes.axes[0].lines), nodes.grid_count
+    level, variance = level.copy(), variance.copy()
+    for values in (level, variance):
+        values[:grid] = cv2.blur(values[:grid].reshape(shape), (_SMOOTH, _SMOOTH)).ravel()
+        values[grid:] = _over_neighbours(nodes, values[grid:])
+    # (The filter's running sums leave rounding below zero.)
+    error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean())
+    share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
+    return np.maximum(np.rint(share / share.mean() * groups), 2).astype(np.int64)
 
 
-def _to_front(nodes: Nodes) -> np.ndarray:
-    """Return for every vertex how far before it its front stands (0 for fronts)."""
-    away = np.zeros(len(nodes.positions), np.uint32)
-    if nodes.back.any():
-        edges = np.flatnonzero(np.diff(nodes.back.astype(np.int8), prepend=0, append=0))
-        for begin, end in edges.reshape(-1, 2):
-            away[begin:end] = end - begin
-    return away
-
-
-def _triangles_round(nodes: Nodes) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every vertex where its corners begin, and all corners (3 * triangle + k), sorted by vertex."""
+def _over_neighbours(nodes: Nodes, values: np.ndarray) -> np.ndarray:
+    """Return means over the triangles round each vertex; vertices of no triangle, backs among them, keep theirs."""
     corners = nodes.triangles.ravel()
-    order = np.argsort(corners, kind="stable").astype(np.uint32)
-    counts = np.bincount(corners, minlength=len(nodes.positions))
-    return np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32), order
+    mean = np.repeat(values[nodes.triangles].mean(1), 3)
+    met = np.bincount(corners, minlength=len(values))
+    return np.where(met > 0, np.bincount(corners, mean, len(values)) / np.maximum(met, 1), values)
 
 
 def _one_pass(kernel: Kernel, starts: Starts, node: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
@@ -122,18 +121,17 @@ def _one_pass(kernel: Kernel, starts: Starts, node: np.ndarray, index: np.ndarra
     return np.stack([np.array(dr.block_sum(value, GROUP), np.float64) for value in values])
 
 
-def _arriving(kernel: Kernel, starts: Starts, at: mi.UInt32, points: Samples) -> list[mi.Float]:
+def _arriving(kernel: Kernel, starts: Starts, node: mi.UInt32, points: Samples) -> list[mi.Float]:
+    """Return the moments that each path finds: E, E weighted with f, and the directions by luminance of both."""
     scene, offset = kernel.mi_scene, dr.opaque(mi.Float, kernel.offset)
-    p, n, ns = _start(starts, at, points)
-    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(at))
-    si.p, si.n, frame = p, n, mi.Frame3f(ns)
-    wavelengths, weight = draw_wavelengths(mi.Float(0.5))
-    si.wavelengths = wavelengths
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(node))
+    si.p, si.n, ns, known = start_points(starts, node, points)
+    si.wavelengths, weight = draw_wavelengths(mi.Float(0.5))
     a, b, c, d = four(points, mi.UInt32(1))
 
     ds, lamp = scene.sample_emitter_direction(si, mi.Point2f(a, b), False)
     cos = dr.dot(ns, ds.d)
-    lit = (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(n, ds.d) > 0.0) & dr.any(lamp > 0.0)
+    lit = known & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(lamp > 0.0)
     shadow = leave(si, ds.d, offset)
     shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
     lit &= ~scene.ray_test(shadow, False, lit)
@@ -141,63 +139,13 @@ def _arriving(kernel: Kernel, starts: Starts, at: mi.UInt32, points: Samples) ->
     near = dr.select(lit, share * cos * lamp, 0.0)
 
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(c, d))
-    direction = frame.to_world(local)
-    out = (dr.dot(n, direction) > 0.0) & (local.z > 0.0)
-    ray = leave(si, direction, offset)
-    far = trace(kernel, ray, weight, points, kernel.description.picture, start=Start(si, local.z * dr.inv_pi)).radiance
-    far = dr.select(out, far * dr.pi, 0.0)
+    direction = mi.Frame3f(ns).to_world(local)
+    start = Start(si, local.z * dr.inv_pi)
+    found = trace(kernel, leave(si, direction, offset), weight, points, kernel.description.picture, start=start)
+    # Where the shading normal leans out of the surface, half the directions lead into it.
+    far = dr.select(known & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
+
     f_near, f_far = schlick(cos), schlick(local.z)
-    level = mi.luminance(near), mi.luminance(far)
-    towards = level[0] * ds.d + level[1] * direction
-    towards_f = level[0] * f_near * ds.d + level[1] * f_far * direction
+    by_near, by_far = mi.luminance(near) * ds.d, mi.luminance(far) * direction
+    towards, towards_f = by_near + by_far, f_near * by_near + f_far * by_far
     return [*(near + far), *(f_near * near + f_far * far), *towards, *towards_f]
-
-
-def _start(starts: Starts, at: mi.UInt32, points: Samples) -> tuple[mi.Point3f, mi.Normal3f, mi.Normal3f]:
-    """Return a random point of the surface round each node, its geometric and its shading normal."""
-    a, b, c, _ = four(points, mi.UInt32(0))
-    grid = at < starts.grid_count
-    j = at // starts.lines_x
-    i = at - j * starts.lines_x
-    x, y = _near(starts.x, i, a, grid), _near(starts.y, j, b, grid)
-
-    vertex = dr.select(grid, 0, at - starts.grid_count)
-    away = dr.gather(mi.UInt32, starts.to_front, vertex, ~grid)
-    front = vertex - away
-    first, end = (dr.gather(mi.UInt32, starts.first, front + k, ~grid) for k in range(2))
-    pick = dr.minimum(mi.UInt32(mi.Float(end - first) * c), dr.maximum(end - first, 1) - 1)
-    corner = dr.gather(mi.UInt32, starts.around, first + pick, ~grid & (end > first))
-    triangle, k = corner // 3, corner % 3
-    ids = [dr.gather(mi.UInt32, starts.triangles, 3 * triangle + (k + m) % 3, ~grid) for m in range(3)]
-    # Uniform on the half of the triangle that is nearest to the corner, as far as weights go: see `_corner_weights`.
-    u, v, w = _corner_weights(a, b)
-    P = [dr.gather(mi.Point3f, starts.positions, index, ~grid) for index in ids]
-    N = [dr.gather(mi.Normal3f, starts.normals, index + away, ~grid) for index in ids]
-    p, ns = u * P[0] + v * P[1] + w * P[2], dr.normalize(u * N[0] + v * N[1] + w * N[2])
-    n = dr.normalize(mi.Normal3f(dr.cross(P[1] - P[0], P[2] - P[0])))
-    n = dr.select(dr.gather(mi.Bool, starts.back, vertex, ~grid), -n, n)
-    up = mi.Normal3f(0.0, 0.0, 1.0)
-    return dr.select(grid, mi.Point3f(x, y, 0.0), p), dr.select(grid, up, n), dr.select(grid, up, ns)
-
-
-def _near(lines: mi.Float, k: mi.UInt32, sample: mi.Float, active: mi.Bool) -> mi.Float:
-    """Return a coordinate in the cell round a line, half-way to its neighbours."""
-    before, here, after = (dr.gather(mi.Float, lines, k + m, active) for m in range(3))
-    t = 2.0 * sample - 1.0
-    return here + 0.5 * dr.select(t < 0.0, t * (here - before), t * (after - here))
-
-
-def _corner_weights(a: mi.Float, b: mi.Float) -> tuple[mi.Float, mi.Float, mi.Float]:
-    """Return barycentric weights of a uniform point of the part of a triangle that is nearest to the first corner.
-
-    That part is the quadrilateral of corner, both middles of its edges, and the centroid: a third of the triangle.
-    """
-    # Uniform points of the triangle, turned so that the first weight is the largest, are uniform on that part.
-    root = dr.sqrt(a)
-    x, y = 1.0 - root, root * (1.0 - b)
-    z = 1.0 - x - y
-    largest = dr.maximum(dr.maximum(x, y), z)
-    first = dr.select(x == largest, 0, dr.select(y == largest, 1, 2))
-    u = largest
-    v = dr.select(first == 0, y, dr.select(first == 1, z, x))
-    return u, v, 1.0 - u - v

@@ -24,7 +24,7 @@ from ..rays import leave
 from ..scene.kernel import Kernel
 from ..scene.surfaces import registry_id
 from .lobes import Gloss, glossy, sampled_gloss, schlick
-from .nodes import Lookup, Nodes, lookup_of, nodes_round
+from .nodes import Nodes, lookup_of, nodes_round
 
 #: Moments of a node: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
 MOMENTS = 12
@@ -39,7 +39,7 @@ class StoredLight:
 
     nodes: Nodes
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
-    variance: np.ndarray  #: (count,) of the mean of E's three channels, estimated
+    variance: np.ndarray  #: (count,) of the mean of E's three channels, estimated, before any filter
     samples: np.ndarray  #: (count,) paths that each node is the mean of
 
 

@@ -33,8 +33,8 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
         pyoidn.OIDN_IMAGE_NORMAL: normal,
     }
     images = {name: np.ascontiguousarray(image, dtype=np.float32) for name, image in images.items()}
-    result, device = np.zeros_like(images[pyoidn.OIDN_IMAGE_COLOR]), _device()
-    with pyoidn.Filter(device, pyoidn.OIDN_FILTER_TYPE_RT) as task:
+    result = np.zeros_like(images[pyoidn.OIDN_IMAGE_COLOR])
+    with pyoidn.Filter(device(), pyoidn.OIDN_FILTER_TYPE_RT) as task:
         for name, image in (*images.items(), (pyoidn.OIDN_IMAGE_OUTPUT, result)):
             task.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
         task.set_bool("hdr", True)
@@ -42,20 +42,22 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
         task.set_quality(pyoidn.OIDN_QUALITY_HIGH)
         task.commit()
         task.execute()
-        _check(device)
+        check(device())
     return result
 
 
 @cache
-def _device() -> pyoidn.Device:
+def device() -> pyoidn.Device:
+    """Return the device that filters run on."""
     # The CPU device even where there is a GPU: one machine's pictures then equal another's.
     device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
     device.commit()
-    _check(device)
+    check(device)
     return device
 
 
-def _check(device: pyoidn.Device) -> None:
+def check(device: pyoidn.Device) -> None:
+    """Raise what the device has to complain of."""
     message = device.get_error()
     if message is not None:
         raise RuntimeError(f"Open Image Denoise: {message}")

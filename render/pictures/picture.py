@@ -15,7 +15,7 @@ from ..scene.kernel import Kernel
 from ..scene.spectrum import draw_wavelengths
 from .allocation import RATIO, group_counts
 from .guides import trace_guides
-from .integrator import Radiance, trace
+from .integrator import OpaqueLight, Radiance, trace
 from .sampler import Samples, four, samples
 from .tally import Tally
 
@@ -51,7 +51,9 @@ class MediumError(RuntimeError):
     """The scene's interfaces contradict each other: a segment arrives in another medium than it started in."""
 
 
-def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
+def trace_picture(
+    kernel: Kernel, camera: Camera, eye: str, seed: int, opaque_light: OpaqueLight | None = None
+) -> Noisy:
     """Render one eye of a camera.
 
     Parameters
@@ -64,6 +66,8 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
         Which of the two.
     seed : int
         Seed of this picture, different for every eye of every view.
+    opaque_light : callable, optional
+        What opaque surfaces do, such as answering with stored light; by default paths go on from them.
 
     Raises
     ------
@@ -72,11 +76,12 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int) -> Noisy:
     """
     picture, pixels = kernel.description.picture, camera.width * camera.height
     albedo, normal, glass = trace_guides(kernel, camera, eye)
-    view, tally, counts, spp = pinhole(camera, eye), Tally(pixels), np.zeros(2, np.int64), 0
+    source = _Source(kernel, pinhole(camera, eye), seed, opaque_light)
+    tally, counts, spp = Tally(pixels), np.zeros(2, np.int64), 0
     most = _most(picture)
     while spp < most:
         batch = min(picture.spp, most - spp)
-        counts += _one_batch(kernel, view, tally, glass, batch, seed)
+        counts += _one_batch(source, tally, glass, batch)
         spp += batch
         check_media(counts, eye)
         if picture.noise is not None and tally.noise(camera.exposure) <= picture.noise:
@@ -95,16 +100,26 @@ def _is_adaptive(picture: Picture, batch: int) -> bool:
     return picture.adaptive and batch >= LEAST_ADAPTIVE
 
 
-def _one_batch(kernel: Kernel, view: Pinhole, tally: Tally, glass: np.ndarray, batch: int, seed: int) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class _Source:
+    """What the samples of one picture come from."""
+
+    kernel: Kernel
+    view: Pinhole
+    seed: int
+    opaque_light: OpaqueLight | None
+
+
+def _one_batch(source: _Source, tally: Tally, glass: np.ndarray, batch: int) -> np.ndarray:
     """Take a batch of samples a pixel on the average; return the violations and the segments."""
     size, every = max(1, batch // _GROUPS), np.ones(glass.size, np.int64)
-    if _is_adaptive(kernel.description.picture, batch):
-        return _some_groups(kernel, view, tally, group_counts(glass, batch, size), size, seed)
-    whole = _some_groups(kernel, view, tally, batch // size * every, size, seed)
-    return whole + _some_groups(kernel, view, tally, every, batch % size, seed)
+    if _is_adaptive(source.kernel.description.picture, batch):
+        return _some_groups(source, tally, group_counts(glass, batch, size), size)
+    whole = _some_groups(source, tally, batch // size * every, size)
+    return whole + _some_groups(source, tally, every, batch % size)
 
 
-def _some_groups(kernel: Kernel, view: Pinhole, tally: Tally, counts: np.ndarray, size: int, seed: int) -> np.ndarray:
+def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
     found, sums = np.zeros(2, np.int64), []
     if size == 0:
@@ -115,19 +130,19 @@ def _some_groups(kernel: Kernel, view: Pinhole, tally: Tally, counts: np.ndarray
     share = max(1, PATHS_PER_PASS // size)
     for first in range(0, len(pixel), share):
         some = slice(first, first + share)
-        result = _one_pass(kernel, view, pixel[some], index[some], size, seed)
+        result = _one_pass(source, pixel[some], index[some], size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
         sums.append([np.array(dr.block_sum(channel, size), np.float64) for channel in result.radiance])
     tally.add(counts, size, np.concatenate(sums, axis=1))
     return found
 
 
-def _one_pass(kernel: Kernel, view: Pinhole, pixel: np.ndarray, index: np.ndarray, size: int, seed: int) -> Radiance:
+def _one_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, size: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
-    picture: Picture = kernel.description.picture
+    picture: Picture = source.kernel.description.picture
     longest = _most(picture) * (int(RATIO) if _is_adaptive(picture, picture.spp) else 1)
-    ray, weight, points = camera_paths(view, pixel, index, size, longest, seed)
-    result = trace(kernel, ray, weight, points, picture)
+    ray, weight, points = camera_paths(source.view, pixel, index, size, longest, source.seed)
+    result = trace(source.kernel, ray, weight, points, picture, source.opaque_light)
     # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.
     dr.eval(result.radiance, result.violations, result.segments)
     return result
