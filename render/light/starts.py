@@ -81,7 +81,7 @@ def start_points(
     n, ns : mi.Normal3f
         Its geometric and its shading normal, on the side that the node's light is for.
     known : mi.Bool
-        False for vertices of no triangle, which nothing ever reads.
+        False for vertices of no triangle, which nothing ever reads, and on triangles without area.
     """
     a, b, c, _ = four(points, mi.UInt32(0))
     grid = node < starts.grid_count
@@ -114,9 +114,12 @@ def _on_mesh(
     N = [dr.gather(mi.Normal3f, starts.normals, index + away, known) for index in ids]
     p = weights[0] * P[0] + weights[1] * P[1] + weights[2] * P[2]
     ns = weights[0] * N[0] + weights[1] * N[1] + weights[2] * N[2]
-    n = mi.Normal3f(dr.normalize(dr.cross(P[1] - P[0], P[2] - P[0])))
+    across = dr.cross(P[1] - P[0], P[2] - P[0])
+    known &= (dr.squared_norm(across) > 0.0) & (dr.squared_norm(ns) > 0.0)
+    up = mi.Normal3f(0.0, 0.0, 1.0)
+    n, ns = (dr.select(known, dr.normalize(mi.Normal3f(x)), up) for x in (across, ns))
     sign = dr.select(dr.gather(mi.Bool, starts.back, vertex, active), mi.Float(-1.0), mi.Float(1.0))
-    return p, sign * n, dr.normalize(ns), known
+    return p, sign * n, ns, known
 
 
 def _corner_weights(a: mi.Float, b: mi.Float) -> tuple[mi.Float, mi.Float, mi.Float]:
