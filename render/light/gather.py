@@ -140,7 +140,8 @@ def _arriving(kernel: Kernel, starts: Starts, node: mi.UInt32, points: Samples) 
 
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(c, d))
     direction = mi.Frame3f(ns).to_world(local)
-    start = Start(si, local.z * dr.inv_pi)
+    # A direction along the surface itself would have no density, and its share of a lamp's light would be 0 / 0.
+    start = Start(si, dr.maximum(local.z, 1e-6) * dr.inv_pi)
     found = trace(kernel, leave(si, direction, offset), weight, points, kernel.description.picture, start=start)
     # Where the shading normal leans out of the surface, half the directions lead into it.
     far = dr.select(known & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
