@@ -16,6 +16,7 @@ from scenes import digest
 from glassware.procedural.description import Scene
 from glassware.procedural.materials.description import OpaqueMaterial
 from glassware.render.machine.backend import activate
+from glassware.render.pictures.integrator import OpaqueLight
 from glassware.render.pictures.picture import trace_picture
 from glassware.render.scene import kernel as render_kernel
 from glassware.render.scene.kernel import Kernel, load
@@ -44,7 +45,7 @@ class Ours:
     compile_seconds: float
 
 
-def loaded(scene: Scene, plain: bool = False) -> Ours:
+def loaded(scene: Scene, plain: bool = False, cut: bool = False) -> Ours:
     """Load a scene and compile its kernels.
 
     Parameters
@@ -53,11 +54,13 @@ def loaded(scene: Scene, plain: bool = False) -> Ours:
         The scene; its first camera is used.
     plain : bool
         Draw every opaque surface as an ideal diffuser of its base colour. Two renderers then mean the same by it.
+    cut : bool
+        Load it so that light can be stored on its surfaces.
     """
     activate()
     start = perf_counter()
     with _plain_materials() if plain else nullcontext():
-        kernel = load(scene)
+        kernel = load(scene, cut=cut)
     load_seconds = perf_counter() - start
     ours = Ours(kernel, load_seconds, 0.0)
     start = perf_counter()
@@ -65,13 +68,13 @@ def loaded(scene: Scene, plain: bool = False) -> Ours:
     return replace(ours, compile_seconds=perf_counter() - start)
 
 
-def render(ours: Ours, spp: int, seed: int, clean: bool = True) -> Rendered:
-    """Render the left eye of the first camera with `spp` samples."""
+def render(ours: Ours, spp: int, seed: int, clean: bool = True, opaque_light: OpaqueLight | None = None) -> Rendered:
+    """Render the left eye of the first camera with `spp` samples, from stored light where that is given."""
     scene = ours.kernel.description
     picture = scene.picture.model_copy(update={"spp": spp, "noise": None})
     kernel = replace(ours.kernel, description=scene.model_copy(update={"picture": picture}))
     start = perf_counter()
-    noisy = trace_picture(kernel, scene.cameras[0], "left", seed)
+    noisy = trace_picture(kernel, scene.cameras[0], "left", seed, opaque_light)
     traced = perf_counter()
     denoised = clean_picture(noisy) if clean else None
     return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)

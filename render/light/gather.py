@@ -29,7 +29,7 @@ PATHS_PER_PASS = 1 << 21
 #: Paths of a group. The spread of a node's groups tells its variance.
 GROUP = 8
 #: Groups of the pilot; fewest and most groups of a node, over the average.
-_PILOT, _LEAST, _MOST = 2, 0.5, 8.0
+_PILOT, _LEAST, _MOST = 2, 0.25, 8.0
 #: Error counts relative to a node's light plus this share of the mean light, so that the dark does not get it all.
 _FLOOR = 0.1
 #: Side of the square that the pilot's estimates are averaged over on the grid: two groups alone know little.
@@ -97,9 +97,17 @@ def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: f
         values[:grid] = cv2.blur(values[:grid].reshape(shape), (_SMOOTH, _SMOOTH)).ravel()
         values[grid:] = _over_neighbours(nodes, values[grid:])
     # (The filter's running sums leave rounding below zero.)
-    error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean())
+    error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean()) * _size(nodes)
     share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
     return np.maximum(np.rint(share / share.mean() * groups), 2).astype(np.int64)
+
+
+def _size(nodes: Nodes) -> np.ndarray:
+    """Return the surface that each node stands for, at most 1, in fine cells: where many share a pixel, few will do."""
+    corners = nodes.positions[nodes.triangles].astype(np.float64)
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    each = np.bincount(nodes.triangles.ravel(), np.repeat(area / 3.0, 3), len(nodes.positions)) / nodes.fine**2
+    return np.concatenate([np.ones(nodes.grid_count), np.clip(each, 0.0, 1.0)])
 
 
 def _over_neighbours(nodes: Nodes, values: np.ndarray) -> np.ndarray:
