@@ -116,6 +116,8 @@ class Picture(Model):
     def _dispersion_needs_wavelengths(self) -> Picture:
         if self.dispersion and not self.spectral:
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
+        if self.light == "shared" and self.spectral:
+            raise ValueError("light: expected path or auto where spectral is on, found shared")
         return self
 
 

@@ -123,8 +123,15 @@ def grid_axes(scene: Scene) -> tuple[Axis, Axis]:
     fine_low, fine_high = _round_objects(scene, low, high)
     step = float(np.clip(pixel_on_table(scene), FINEST, COARSEST))
     step = max(step, float((fine_high - fine_low).max()) / MOST_CELLS)
-    x, y = (Axis(float(low[k]), float(fine_low[k]), float(fine_high[k]), float(high[k]), step) for k in range(2))
+    x, y = (_axis(float(low[k]), float(fine_low[k]), float(fine_high[k]), float(high[k]), step) for k in range(2))
     return x, y
+
+
+def _axis(low: float, fine_low: float, fine_high: float, high: float, step: float) -> Axis:
+    """Return an axis whose fine part begins and ends at lines: no cell has both kinds of step."""
+    fine_low = low + np.floor((fine_low - low) / (COARSE * step)) * COARSE * step
+    fine_high = fine_low + np.ceil((fine_high - fine_low) / step - 1e-9) * step
+    return Axis(low, float(fine_low), float(fine_high), max(high, float(fine_high)), step)
 
 
 def pixel_on_table(scene: Scene) -> float:

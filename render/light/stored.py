@@ -64,7 +64,8 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         bounce: mi.Point2f,
     ) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
         row, eye = registry_id(si.shape), -ray.d
-        on_table = dr.gather(mi.UInt32, table.instance, row) == TABLE_ID
+        instance = dr.gather(mi.UInt32, table.instance, row)
+        on_table, lamp = instance == TABLE_ID, instance == 0  # a lamp shines and is black
         gloss = Gloss(
             mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
             dr.gather(mi.Float, roughness, row),
@@ -73,7 +74,7 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
         wi = frame.to_local(eye)
         index, weight = nodes_round(lookup, si, corner, eye, on_table)
-        radiance = _diffuse(gloss, wi, eye, _moments(values, index, weight))
+        radiance = diffuse(gloss, wi, eye, _moments(values, index, weight))
         radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light)
 
         wo = sampled_gloss(gloss, wi, bounce)
@@ -81,6 +82,7 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         factor = dr.select(pdf > 0.0, value / pdf, 0.0)
         follow = dr.clip(_FOLLOW * dr.max(factor), 1e-3, 1.0)
         factor = dr.select(lobe < follow, factor / follow, 0.0)
+        radiance, factor = (dr.select(lamp, 0.0, x) for x in (radiance, factor))
         return radiance, frame.to_world(wo), mi.Spectrum(factor), pdf, mi.Bool(False)
 
     return event
@@ -96,7 +98,11 @@ def _moments(values: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -
     return mi.Color3f(a.x, a.y, a.z), mi.Color3f(a.w, b.x, b.y), mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w)
 
 
-def _diffuse(gloss: Gloss, wi: mi.Vector3f, eye: mi.Vector3f, moments: tuple) -> mi.Color3f:
+def diffuse(gloss: Gloss, wi: mi.Vector3f, eye: mi.Vector3f, moments: tuple) -> mi.Color3f:
+    """Return what the diffuse part sends to the eye.
+
+    `wi` and `eye` are the same direction, in the frame of the shading normal and in that of the mean directions.
+    """
     E, E_f, towards, towards_f = moments
     F, r = schlick(wi.z), gloss.roughness
     R, R_f = r * (1.0 + dr.dot(towards, eye)), r * (1.0 + dr.dot(towards_f, eye))
