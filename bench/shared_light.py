@@ -50,7 +50,7 @@ class Options:
     """Samples of the path-traced picture whose error both have to reach."""
     views: tuple[int, ...] = (57, 5)
     """Stereo views of a scene, each judged."""
-    paths: int = 256
+    paths: int = 128
     """Paths that find the light of a node, on the average."""
     width: int = 640
     """Width of the picture [px]."""

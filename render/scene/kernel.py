@@ -22,9 +22,9 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 RAY_OFFSET = 2.0**-20
 
 
-#: Longest edge of opaque meshes at whose vertices light is stored [m], and the most triangles that are cut finer.
+#: Longest edge of opaque meshes at whose vertices light is stored [m], and the most triangles that are still cut.
 #: The table's top has a grid of its own.
-LONGEST_EDGE, LONGEST_OF_TABLE, MOST_FACES = 0.003, 0.05, 60_000
+LONGEST_EDGE, LONGEST_OF_TABLE, MOST_FACES = 0.005, 0.05, 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +107,8 @@ def _opaque_body(scene: Scene, row: int, mesh: Mesh, world_T_mesh: np.ndarray, s
         normals = np.empty((len(positions), 3))
         normals[faces] = np.cross(b - a, c - a)[:, None]
     closed = as_trimesh(mesh).is_watertight
-    item = scene.table if surface.instance == TABLE_ID else scene.objects[surface.object]
-    material = item.material
+    materials = {TABLE_ID: scene.table.material, **{prop.id: prop.material for prop in scene.props}}
+    material = materials[surface.instance]
     return OpaqueBody(row, positions, normals, faces, closed, material.roughness, material.metallic)
 
 

@@ -42,7 +42,14 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
-NAMES = ["the caustic of a glass ball", "colours between props", "glasses with liquid over a table", "a glossy table"]
+#: One in the quick suite; the others take up to two minutes each.
+NAMES = [
+    "the caustic of a glass ball",
+    *(
+        pytest.param(name, marks=pytest.mark.slow)
+        for name in ("colours between props", "glasses with liquid over a table", "a glossy table")
+    ),
+]
 
 
 def _blocks(picture: np.ndarray) -> np.ndarray:
