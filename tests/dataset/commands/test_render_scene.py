@@ -159,3 +159,19 @@ def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     assert list((out / "scenes").iterdir()) == []
     assert not (out / "preview.png").exists()
     assert not (out / "views.parquet").exists()
+
+
+def test_stored_light_is_checked_and_gives_the_same_files_on_one_core(render_scene, small, tmp_path):
+    shared = ("--seed", 7, "--config", small, "--picture.light", "shared")
+    assert render_scene(*shared, "--out", tmp_path / "all").code == 0
+    (check,) = json.loads((tmp_path / "all" / "dataset.json").read_text())["light"]
+    assert check["scene_id"] == 0
+    assert check["mode"] == "shared"
+    assert abs(check["difference"]) <= check["bound"] + 3.0 * check["standard_error"]
+    cores = sorted(os.sched_getaffinity(0))
+    if len(cores) < 2:
+        pytest.skip("this process may use one core only")
+    command = ["taskset", "-c", str(cores[0]), *COMMAND, *map(str, shared), "--out", str(tmp_path / "one")]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert _files(tmp_path / "one") == _files(tmp_path / "all")
