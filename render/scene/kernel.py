@@ -24,7 +24,7 @@ RAY_OFFSET = 2.0**-20
 
 #: Longest edge of opaque meshes at whose vertices light is stored [m], and the most triangles that are still cut.
 #: The table's top has a grid of its own.
-LONGEST_EDGE, LONGEST_OF_TABLE, MOST_FACES = 0.005, 0.05, 10_000
+LONGEST_EDGE, LONGEST_OF_TABLE, MOST_FACES = 0.005, 0.05, 40_000
 
 
 @dataclass(frozen=True, eq=False)
