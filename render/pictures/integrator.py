@@ -18,7 +18,7 @@ from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolari
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
 from .sampler import Samples, four, hashed
 
-#: What an opaque surface does to a path: as `opaque_event`.
+#: What opaque surfaces do to a path: as `opaque_event`, which `trace` takes unless it is given another.
 OpaqueLight = Callable[..., tuple]
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
 SHADOW_EPSILON = 1e-4
@@ -40,7 +40,7 @@ class Radiance:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where paths start, when it is not at a camera."""
+    """Where paths start, when it is not at a camera: lamps could have been sampled there, and are weighted so."""
 
     previous: mi.Interaction3f
     pdf: mi.Float  #: density that the direction was drawn with, by solid angle
@@ -62,26 +62,23 @@ def trace(
     is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
     from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here. In polarised
     variants all spectra are Mueller matrices (`mueller`), and lamps and sky are unpolarised.
-
-    `opaque_light` says what opaque surfaces do, `opaque_event` unless given. Paths that do not start at a camera have
-    a `start`, and lamps that they run into are weighted as what emitter sampling there could find.
     """
-    opaque_light = opaque_light or opaque_event
+    surface = opaque_light or opaque_event
     scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
     # ---- Loop state ----
-    ray, depth = mi.Ray3f(ray), mi.UInt32(0)
+    ray, depth, medium = (
+        mi.Ray3f(ray),
+        mi.UInt32(0),
+        mi.UInt32(AIR_INDEX),
+    )  # medium of the segment, by the events so far
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
-    previous = dr.zeros(mi.Interaction3f)  # where the last direction was sampled
-    pdf, delta = mi.Float(1.0), mi.Bool(True)  # its density, and whether emitter sampling could not have found it
-    if start is not None:
-        previous, pdf, delta = mi.Interaction3f(start.previous), mi.Float(start.pdf), mi.Bool(False)
-    medium = mi.UInt32(AIR_INDEX)  # medium of the segment, by the events so far
-    violations, segments, alone = mi.UInt32(0), mi.UInt32(0), mi.Bool(False)
-    active = mi.Bool(True)
+    # Where the last direction was sampled, its density, and whether emitter sampling could not have found it.
+    previous, pdf, delta = _beginning(start)
+    violations, segments, alone, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, points, carried]):
         pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
@@ -99,9 +96,7 @@ def trace(
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, factor, pdf, delta = opaque_light(
-                scene, si, pi.prim_uv, ray, offset, light_at, coin, lobe_at
-            )
+            light, direction, factor, pdf, delta = surface(scene, si, pi.prim_uv, ray, offset, light_at, coin, lobe_at)
             L += beta * light
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
@@ -126,6 +121,13 @@ def trace(
 
     s0, *others = seen(L, carried, ray.wavelengths)
     return Radiance(s0, violations, segments, tuple(others))
+
+
+def _beginning(start: Start | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:
+    """Return the state that paths begin with: at a camera no lamp could have been sampled."""
+    if start is None:
+        return dr.zeros(mi.Interaction3f), mi.Float(1.0), mi.Bool(True)
+    return mi.Interaction3f(start.previous), mi.Float(start.pdf), mi.Bool(False)
 
 
 def interface_event(
