@@ -69,11 +69,7 @@ def trace(
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
     # ---- Loop state ----
-    ray, depth, medium = (
-        mi.Ray3f(ray),
-        mi.UInt32(0),
-        mi.UInt32(AIR_INDEX),
-    )  # medium of the segment, by the events so far
+    ray, depth, medium = mi.Ray3f(ray), mi.UInt32(0), mi.UInt32(AIR_INDEX)  # the segment's medium, by events so far
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
     # Where the last direction was sampled, its density, and whether emitter sampling could not have found it.
