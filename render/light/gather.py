@@ -13,7 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...procedural.surroundings.colour import luminance
-from ..pictures.integrator import SHADOW_EPSILON, Start, trace
+from ..pictures.integrator import Start, trace, unshadowed
 from ..pictures.sampler import Samples, four, samples
 from ..rays import leave
 from ..scene.kernel import Kernel
@@ -140,9 +140,7 @@ def _arriving(kernel: Kernel, starts: Starts, node: mi.UInt32, points: Samples) 
     ds, lamp = scene.sample_emitter_direction(si, mi.Point2f(a, b), False)
     cos = dr.dot(ns, ds.d)
     lit = known & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(lamp > 0.0)
-    shadow = leave(si, ds.d, offset)
-    shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
-    lit &= ~scene.ray_test(shadow, False, lit)
+    lit = unshadowed(scene, si, ds, offset, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + cos * dr.inv_pi))
     near = dr.select(lit, share * cos * lamp, 0.0)
 

@@ -19,8 +19,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...procedural.description import TABLE_ID
-from ..pictures.integrator import SHADOW_EPSILON
-from ..rays import leave
+from ..pictures.integrator import unshadowed
 from ..scene.kernel import Kernel
 from ..scene.surfaces import registry_id
 from .lobes import Gloss, glossy, sampled_gloss, schlick
@@ -123,8 +122,6 @@ def _lamp_in_gloss(
     ds, arriving = scene.sample_emitter_direction(si, sample, False)
     value, pdf = glossy(gloss, wi, frame.to_local(ds.d))
     lit = (ds.pdf > 0.0) & dr.any(value > 0.0)
-    shadow = leave(si, ds.d, offset)
-    shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
-    lit &= ~scene.ray_test(shadow, False, lit)
+    lit = unshadowed(scene, si, ds, offset, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
     return dr.select(lit, share * value * arriving, 0.0)

@@ -21,7 +21,7 @@ from .sampler import Samples, four, hashed
 #: What opaque surfaces do to a path: as `opaque_event`, which `trace` takes unless it is given another.
 OpaqueLight = Callable[..., tuple]
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
-SHADOW_EPSILON = 1e-4
+_SHADOW_EPSILON = 1e-4
 #: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
 SURVIVE = 0.99
 
@@ -183,6 +183,15 @@ def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteract
     return turned
 
 
+def unshadowed(
+    scene: mi.Scene, si: mi.SurfaceInteraction3f, ds: mi.DirectionSample3f, offset: mi.Float, lit: mi.Bool
+) -> mi.Bool:
+    """Return where nothing stands between the point and the lamp that was sampled, of where that is asked."""
+    shadow = leave(si, ds.d, offset)
+    shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
+    return lit & ~scene.ray_test(shadow, False, lit)
+
+
 def opaque_event(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
@@ -198,9 +207,7 @@ def opaque_event(
     ds, arriving = scene.sample_emitter_direction(si, light, False)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
-    shadow = leave(si, ds.d, offset)
-    shadow.maxt = ds.dist * (1.0 - SHADOW_EPSILON)
-    lit &= ~scene.ray_test(shadow, False, lit)
+    lit = unshadowed(scene, si, ds, offset, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
