@@ -34,8 +34,8 @@ from glassware.render.light.stored import opaque_light
 from glassware.render.pictures.guides import trace_guides
 from glassware.render.pictures.integrator import OpaqueLight
 
-#: Least times that a whole scene must be faster, the target, and the most that a region's mean may be off.
-LEAST, TARGET, BIAS = 3.0, 5.0, 0.01
+#: Least times that a whole scene of the most views must be faster, and the most that a region's mean may be off.
+LEAST, BIAS = 3.0, 0.01
 
 
 @dataclass(frozen=True)
