@@ -62,7 +62,7 @@ def gather_light(kernel: Kernel, nodes: Nodes, paths: int, seed: int) -> StoredL
         moments[:, vector] = np.divide(sums, weight, out=np.zeros_like(sums), where=weight > 0.0)
     moments, grid = moments.astype(np.float32), nodes.grid_count
     moments[:grid] = smoothed(moments[:grid], (nodes.axes[1].lines, nodes.axes[0].lines))
-    return StoredLight(nodes, moments, _level_and_variance(*totals)[1], counts * GROUP)
+    return StoredLight(nodes, moments, counts * GROUP)
 
 
 def _gathered(

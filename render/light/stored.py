@@ -38,7 +38,6 @@ class StoredLight:
 
     nodes: Nodes
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
-    variance: np.ndarray  #: (count,) of the mean of E's three channels, estimated, before any filter
     samples: np.ndarray  #: (count,) paths that each node is the mean of
 
 
