@@ -17,14 +17,13 @@ from typing import Annotated
 
 import numpy as np
 import tyro
+from each_scene import report_scenes
 from ours import Ours, Rendered, loaded, our_reference, render
 from pngs import write_exposed
 from references import RELMSE_EPSILON, Reference, relmse
-from rich.console import Console
 from scenes import NAMES, bench_scene
-from table import Row, report
+from table import Row
 
-from glassware.procedural.errors import InputError
 from glassware.render.pictures.guides import trace_guides
 
 #: A reference whose own noise is more than this share of a figure makes that figure doubtful.
@@ -60,15 +59,7 @@ class Options:
 def main() -> int:
     """Measure and print."""
     options = tyro.cli(Options, description=__doc__)
-    rows: list[Row] = []
-    try:
-        for name in options.scenes:
-            rows += _scene_rows(name, options)
-    except InputError as error:
-        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
-        return 2
-    size = f"{options.width}x{options.height}"
-    return report(f"Our renderer, {size}", rows, options.json_file, reference_spp=options.reference_spp)
+    return report_scenes("Our renderer", options, lambda name: _scene_rows(name, options))
 
 
 def _scene_rows(name: str, options: Options) -> list[Row]:

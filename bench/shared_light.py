@@ -18,16 +18,15 @@ from typing import Annotated
 
 import numpy as np
 import tyro
+from each_scene import report_scenes
 from ours import Ours, loaded, our_reference, render
 from pngs import write_exposed
 from references import Reference, relmse
-from rich.console import Console
 from scenes import NAMES, bench_scene
 from speed import Point, time_to
-from table import Row, report
+from table import Row
 
 from glassware.procedural.description import TABLE_ID
-from glassware.procedural.errors import InputError
 from glassware.render.light.gather import gather_light
 from glassware.render.light.nodes import place_nodes
 from glassware.render.light.stored import opaque_light
@@ -69,15 +68,7 @@ class Options:
 def main() -> int:
     """Measure and print."""
     options = tyro.cli(Options, description=__doc__)
-    rows: list[Row] = []
-    try:
-        for name in options.scenes:
-            rows += _scene_rows(name, options)
-    except InputError as error:
-        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
-        return 2
-    size = f"{options.width}x{options.height}"
-    return report(f"Stored light, {size}", rows, options.json_file, reference_spp=options.reference_spp)
+    return report_scenes("Stored light", options, lambda name: _scene_rows(name, options))
 
 
 def _scene_rows(name: str, options: Options) -> list[Row]:
