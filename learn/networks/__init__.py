@@ -1,0 +1,1 @@
+"""The network MVTrans: as it was released, and corrected."""

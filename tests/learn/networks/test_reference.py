@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from glassware.learn import ReferenceNetwork, load_reference
+from glassware.procedural.errors import InputError
+
+GOLDEN = Path(__file__).resolve().parents[4] / "shared" / "reference" / "golden"
+
+#: Norm of the difference over the norm of the output. Both run in float32, where the order of sums alone makes some
+#: 1e-6 in each of about a hundred layers.
+AGREEMENT = 1e-4
+PARAMETERS = 49_749_487
+
+
+@pytest.fixture(scope="module")
+def shapes() -> dict[str, list[int]]:
+    path = GOLDEN / "mvtrans_state_dict.json"
+    if not path.is_file():
+        pytest.skip("the golden case is not beside this checkout (shared/reference/golden)")
+    return json.loads(path.read_text())
+
+
+def drawn(name: str, shapes: dict[str, list[int]]) -> torch.Tensor:
+    """The weights of the golden case, by the rule of its README."""
+    rng = np.random.default_rng(zlib.crc32(("public" + name).encode()))
+    module, leaf = name.rsplit(".", 1)
+    shape = tuple(shapes[name])
+    if leaf == "num_batches_tracked":
+        return torch.tensor(0)
+    if f"{module}.running_mean" in shapes:
+        values = rng.uniform(0.5, 1.5, shape) if leaf in ("weight", "running_var") else 0.1 * rng.standard_normal(shape)
+    elif leaf == "weight":
+        values = rng.standard_normal(shape) * math.sqrt(2.0 / math.prod(shape[1:]))
+    else:
+        values = 0.01 * rng.standard_normal(shape)
+    return torch.from_numpy(np.asarray(values, np.float32))
+
+
+@pytest.fixture(scope="module")
+def outputs(shapes) -> tuple[dict[str, torch.Tensor], dict[str, np.ndarray]]:
+    """What our network gives for the golden case, and what the released one gave."""
+    net = load_reference({f"model.{name}": drawn(name, shapes) for name in shapes})
+    with np.load(GOLDEN / "mvtrans_public.npz") as stored:
+        case = dict(stored)
+    images, poses, K = (torch.from_numpy(case[name]) for name in ("imgs", "cam_poses", "K"))
+    with torch.inference_mode():
+        return net(images, poses, K[:, None].expand(-1, images.shape[1], -1, -1)), case
+
+
+@pytest.mark.parametrize("name", ["seg", "depth", "small_depth", "heatmap", "vertex", "z_centroid", "covariance"])
+def test_the_reference_agrees_with_the_released_network(outputs, name):
+    ours, released = outputs[0][name].numpy(), outputs[1][name]
+    assert ours.shape == released.shape
+    assert np.linalg.norm(ours - released) < AGREEMENT * np.linalg.norm(released)
+
+
+def test_the_reference_has_the_released_names_and_shapes(shapes):
+    net = ReferenceNetwork()
+    assert {name: list(value.shape) for name, value in net.state_dict().items()} == shapes
+    assert sum(parameter.numel() for parameter in net.parameters()) == PARAMETERS
+
+
+def test_another_networks_weights_are_one_clear_line():
+    state = ReferenceNetwork().state_dict()
+    removed = state.pop("pre0.0.weight")
+    with pytest.raises(InputError, match=r"pre0\.0\.weight: expected \(32, 64, 1, 1, 1\), found none"):
+        load_reference(state)
+    with pytest.raises(InputError, match=r"pre0\.0\.weight: .*, found \(64, 32, 1, 1, 1\)"):
+        load_reference(state | {"pre0.0.weight": removed.transpose(0, 1)})
+    with pytest.raises(InputError, match=r"other\.weight: expected no such tensor"):
+        load_reference(state | {"pre0.0.weight": removed, "other.weight": removed})
