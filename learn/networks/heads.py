@@ -67,6 +67,11 @@ class FieldHead(nn.Module):
         self.p4 = nn.Sequential(_Conv(inputs, width, kind), _twice())
         self.predictor = nn.Conv2d(width, outputs, 1)
 
+    def start(self, value: float) -> None:
+        """Let the maps of a new network lie round a value."""
+        assert self.predictor.bias is not None
+        nn.init.constant_(self.predictor.bias, value)
+
     def forward(self, pyramid: Pyramid) -> Tensor:
         """Return the maps, (B, n, H/8, W/8)."""
         return self.predictor(self.p3(pyramid[1]) + self.p4(pyramid[2]))

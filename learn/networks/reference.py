@@ -24,6 +24,7 @@ from ...procedural.errors import InputError
 from .context import ContextDecoder, UpConv
 from .dilated_backbone import ReferenceBackbone
 from .heads import DenseHead, FieldHead
+from .inputs import check_inputs
 from .layers import conv_norm_3d, initialise, soft_argmin
 from .matching_features import MatchingFeatures
 from .resnet import ResNet
@@ -124,6 +125,7 @@ class ReferenceNetwork(nn.Module):
             ``seg`` (B, 3, H, W), ``depth`` and ``heatmap`` (B, H, W), ``small_depth`` (B, H/4, W/4), ``vertex``
             (B, 16, H/8, W/8), ``z_centroid`` (B, H/8, W/8), ``covariance`` (B, 6, H/8, W/8).
         """
+        check_inputs(images, world_T_camera, K)
         pictures = 2.0 * (images / 255.0) - 1.0  # fault 2
         features = [self.matchingFeature(picture) for picture in pictures.unbind(1)]
         projection = _projections(world_T_camera, K[0, 0])

@@ -3,6 +3,8 @@ from __future__ import annotations
 import pytest
 import torch
 
+from glassware.learn import NetworkSettings
+
 
 @pytest.fixture(scope="session", autouse=True)
 def two_threads() -> None:
@@ -14,3 +16,22 @@ def two_threads() -> None:
 def seeded() -> None:
     """The same weights in every test; tests must hold for any others as well."""
     torch.manual_seed(20230213)
+
+
+@pytest.fixture(scope="session")
+def tiny() -> NetworkSettings:
+    """A network that is computed in some hundredths of a second."""
+    return NetworkSettings(
+        depth_range=(0.4, 1.6),
+        planes=8,
+        feature_channels=8,
+        feature_width=4,
+        feature_blocks=(1, 1, 1, 1),
+        volume_channels=4,
+        context="resnet18",
+        context_width=4,
+        decoder_width=4,
+        backbone_width=8,
+        pyramid_channels=8,
+        head_channels=8,
+    )
