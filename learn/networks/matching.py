@@ -28,7 +28,7 @@ class Concatenation(nn.Module):
         features, self.channels = settings.feature_channels, settings.volume_channels
         self.reference = nn.Conv2d(features, self.channels, 1, bias=False)
         self.source = nn.Conv2d(features, self.channels, 1, bias=False)
-        self.first = nn.Sequential(norm(settings.norm, self.channels, dims=3), nn.ReLU())
+        self.first = nn.Sequential(norm(settings.norm, self.channels, dims=3), nn.ReLU(inplace=True))
         self.second = conv_norm_3d(self.channels, self.channels, kind=settings.norm)
 
     def prepared(self, reference: Tensor, sources: Tensor) -> tuple[Tensor, Tensor]:
@@ -37,7 +37,7 @@ class Concatenation(nn.Module):
 
     def matched(self, reference: Tensor, warped: Tensor) -> Tensor:
         """Return the volume of one pair, (B, C, D, h, w)."""
-        return torch.relu(self.second(self.first(reference[:, :, None] + warped)))
+        return torch.relu_(self.second(self.first(reference[:, :, None] + warped)))
 
     def similarity(self, reference: Tensor, warped: Tensor) -> Tensor:
         """Return how alike both are, (B, D, h, w): the scaled product of the features."""
@@ -124,15 +124,19 @@ class MatchingVolume(nn.Module):
         reference, sources = self.pair.prepared(features[:, 0], features[:, 1:])
         poses, small_K = source_T_reference(world_T_camera), quarter_intrinsics(K)
         height, width = sources.shape[-2:]
-        weighted, weights = [], []
+        total, weights = None, None
         for view, source in enumerate(sources.unbind(1)):
             with torch.no_grad():
                 place = poses[:, view], small_K[:, 0], small_K[:, view + 1]
                 pixels, seen = plane_grid(*place, planes, (height, width))
             warped = sampled(source.float(), pixels)
-            weights.append(self._weight(reference, warped, seen))
-            weighted.append(weights[-1] * self.pair.matched(reference, warped))
-        return torch.stack(weighted).sum(0) / (torch.stack(weights).sum(0) + _NO_VIEW)
+            weight = self._weight(reference, warped, seen)
+            matched = weight * self.pair.matched(reference, warped)
+            total = matched if total is None else total + matched
+            weights = weight if weights is None else weights + weight
+        assert total is not None
+        assert weights is not None
+        return total / (weights + _NO_VIEW)
 
     def _weight(self, reference: Tensor, warped: Tensor, seen: Tensor) -> Tensor:
         mask = seen[:, None].to(warped)

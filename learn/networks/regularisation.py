@@ -18,10 +18,10 @@ class Regularisation(nn.Module):
 
     def __init__(self, inputs: int, channels: int, kind: Norm) -> None:
         super().__init__()
-        self.enter = nn.Sequential(conv_norm_3d(inputs, channels, kind=kind), nn.ReLU())
-        self.join = nn.Sequential(conv_norm_3d(channels + 1, channels, kind=kind), nn.ReLU())
-        self.down = nn.Sequential(conv_norm_3d(channels, 2 * channels, stride=2, kind=kind), nn.ReLU())
-        self.inside = nn.Sequential(conv_norm_3d(2 * channels, 2 * channels, kind=kind), nn.ReLU())
+        self.enter = nn.Sequential(conv_norm_3d(inputs, channels, kind=kind), nn.ReLU(inplace=True))
+        self.join = nn.Sequential(conv_norm_3d(channels + 1, channels, kind=kind), nn.ReLU(inplace=True))
+        self.down = nn.Sequential(conv_norm_3d(channels, 2 * channels, stride=2, kind=kind), nn.ReLU(inplace=True))
+        self.inside = nn.Sequential(conv_norm_3d(2 * channels, 2 * channels, kind=kind), nn.ReLU(inplace=True))
         self.up = conv_norm_3d(2 * channels, channels, 1, kind=kind)
         self.leave = nn.Conv3d(channels, 1, 3, padding=1)
 
@@ -30,7 +30,7 @@ class Regularisation(nn.Module):
         joined = self.join(torch.cat([self.enter(volume), context[:, None]], dim=1))
         deep = self.up(self.inside(self.down(joined)))
         wide = functional.interpolate(deep, joined.shape[-3:], mode="trilinear", align_corners=False)
-        return self.leave(torch.relu(joined + wide))[:, 0]
+        return self.leave(torch.relu_(joined + wide))[:, 0]
 
 
 def windowed_expectation(logits: Tensor, planes: Tensor, window: int) -> Tensor:

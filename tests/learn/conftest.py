@@ -1,5 +1,10 @@
 from __future__ import annotations
 
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
 import pytest
 import torch
 
@@ -35,3 +40,14 @@ def tiny() -> NetworkSettings:
         pyramid_channels=8,
         head_channels=8,
     )
+
+
+@pytest.fixture(scope="session")
+def box_scene() -> ModuleType:
+    """The module `tests/learn/box_scene.py`: exact pictures of boxes."""
+    name = "glassware_tests_learn_box_scene"
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("box_scene.py"))
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

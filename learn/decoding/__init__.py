@@ -1,0 +1,1 @@
+"""From a network's outputs to objects: peaks, boxes, poses and masks."""
