@@ -1,0 +1,1 @@
+"""Losses, and the run that lowers them."""
