@@ -1,0 +1,67 @@
+"""Errors of depth, as ClearGrasp counts them.
+
+(Sajjan et al., "ClearGrasp: 3D Shape Estimation of Transparent Objects for Manipulation", ICRA 2020, section VI; the
+deltas are Eigen et al.'s, NeurIPS 2014, section 4.) Over the pixels of a mask whose true depth t is known, with the
+predicted depth p: RMSE = sqrt(mean (p - t)^2), MAE = mean |p - t|, REL = mean |p - t| / t, and delta 1.05 = the share
+with max(p / t, t / p) < 1.05, and so on. The figures of a data set are means over its pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+#: Height and width that ClearGrasp, and MVTrans after it, compares at [px].
+CLEARGRASP_SIZE = (144, 256)
+
+
+@dataclass(frozen=True)
+class DepthErrors:
+    """Errors of one picture, or their means."""
+
+    rmse: float  #: [m]
+    mae: float  #: [m]
+    rel: float
+    delta_105: float  #: share, 0 to 1
+    delta_110: float
+    delta_125: float
+
+
+def depth_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:
+    """Return the errors over a mask; None where no pixel of it has a known depth.
+
+    Parameters
+    ----------
+    predicted, true : (H, W) float
+        Depths [m]; a true one that is 0 or infinite is unknown. A predicted one of 0 or less is in no delta.
+    mask : (H, W) bool
+        The pixels that count.
+    """
+    valid = mask & (true > 0.0) & np.isfinite(true)
+    if not valid.any():
+        return None
+    p, t = predicted[valid].astype(np.float64), true[valid].astype(np.float64)
+    error = np.abs(p - t)
+    ratio = np.where(p > 0.0, np.maximum(p / t, t / np.where(p > 0.0, p, 1.0)), np.inf)
+    deltas = [float((ratio < bound).mean()) for bound in (1.05, 1.10, 1.25)]
+    return DepthErrors(float(np.sqrt((error**2).mean())), float(error.mean()), float((error / t).mean()), *deltas)
+
+
+def cleargrasp_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:
+    """Return the errors after all three were brought to `CLEARGRASP_SIZE`, each pixel taken whole from the larger."""
+    return depth_errors(*(_nearest(values, CLEARGRASP_SIZE) for values in (predicted, true, mask)))
+
+
+def mean_errors(pictures: Sequence[DepthErrors | None]) -> DepthErrors | None:
+    """Return the means over the pictures that have any; None where none has."""
+    known = [errors for errors in pictures if errors is not None]
+    if not known:
+        return None
+    return DepthErrors(*(float(np.mean([getattr(row, field.name) for row in known])) for field in fields(DepthErrors)))
+
+
+def _nearest(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    rows, columns = (np.arange(new) * old // new for new, old in zip(size, values.shape, strict=True))
+    return values[rows[:, None], columns]

@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+from dataclasses import astuple
+
+import cv2
+import numpy as np
+import pytest
+
+from glassware.learn.metrics.depth import DepthErrors, cleargrasp_errors, depth_errors, mean_errors
+
+
+def one_by_one(predicted, true, mask) -> DepthErrors:
+    """The formulas, pixel by pixel."""
+    pairs = [
+        (float(p), float(t))
+        for p, t, m in zip(predicted.flat, true.flat, mask.flat, strict=True)
+        if m and 0 < t < np.inf
+    ]
+    n = len(pairs)
+    deltas = [sum(p > 0 and p / t < bound and t / p < bound for p, t in pairs) / n for bound in (1.05, 1.1, 1.25)]
+    return DepthErrors(
+        (sum((p - t) ** 2 for p, t in pairs) / n) ** 0.5,
+        sum(abs(p - t) for p, t in pairs) / n,
+        sum(abs(p - t) / t for p, t in pairs) / n,
+        *deltas,
+    )
+
+
+@pytest.fixture
+def picture(rng):
+    true = rng.uniform(0.3, 1.5, (30, 41)).astype(np.float32)
+    predicted = (true * rng.normal(1.0, 0.1, true.shape)).astype(np.float32)
+    true[2], true[3], predicted[4] = 0.0, np.inf, -0.1
+    return predicted, true, rng.uniform(size=true.shape) < 0.5
+
+
+def test_the_errors_are_those_of_the_formulas(picture):
+    assert astuple(depth_errors(*picture)) == pytest.approx(astuple(one_by_one(*picture)))
+
+
+def test_cleargrasps_protocol_compares_at_its_size(rng):
+    true = rng.uniform(0.3, 1.5, (480, 640)).astype(np.float32)
+    predicted, mask = true + rng.normal(0, 0.05, true.shape).astype(np.float32), rng.uniform(size=true.shape) < 0.3
+    small = [
+        cv2.resize(a.astype(np.float32), (256, 144), interpolation=cv2.INTER_NEAREST) for a in (predicted, true, mask)
+    ]
+    expected = one_by_one(small[0], small[1], small[2] > 0)
+    assert astuple(cleargrasp_errors(predicted, true, mask)) == pytest.approx(astuple(expected))
+
+
+def test_pictures_without_a_pixel_do_not_count(picture):
+    predicted, true, mask = picture
+    assert depth_errors(predicted, true, np.zeros_like(mask)) is None
+    assert depth_errors(predicted, np.zeros_like(true), mask) is None
+    one, two = DepthErrors(1, 2, 3, 0.1, 0.2, 0.3), DepthErrors(3, 4, 5, 0.3, 0.4, 0.5)
+    assert astuple(mean_errors([one, None, two])) == pytest.approx((2, 3, 4, 0.2, 0.3, 0.4))
+    assert mean_errors([None]) is None

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from glassware.learn.metrics.pose import area_under_curve, pose_errors, rotation_angle, share_near
+
+
+def drawn(rng) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = Rotation.random(random_state=rng).as_matrix(), rng.uniform(-0.1, 0.1, 3)
+    return pose
+
+
+def test_errors_agree_with_scipys_rotations_and_neighbours(rng):
+    points = rng.uniform(-0.1, 0.1, (30, 3))
+    for _ in range(20):
+        found, true = drawn(rng), drawn(rng)
+        errors = pose_errors(found, true, points, symmetric=False)
+        between = Rotation.from_matrix(found[:3, :3]).inv() * Rotation.from_matrix(true[:3, :3])
+        assert errors.rotation == pytest.approx(between.magnitude())
+        moved = [points @ pose[:3, :3].T + pose[:3, 3] for pose in (found, true)]
+        assert errors.add == pytest.approx(np.linalg.norm(moved[0] - moved[1], axis=1).mean())
+        assert errors.add_s == pytest.approx(cKDTree(moved[0]).query(moved[1])[0].mean())
+        assert errors.translation == pytest.approx(np.linalg.norm(found[:3, 3] - true[:3, 3]))
+
+
+def test_small_angles_are_exact():
+    for angle in (1e-9, 1e-5, 1.0, np.pi):
+        assert rotation_angle(Rotation.from_euler("y", angle).as_matrix(), np.eye(3)) == pytest.approx(angle, rel=1e-6)
+
+
+def test_the_turn_of_an_object_of_revolution_does_not_count(rng):
+    points = rng.uniform(-0.1, 0.1, (10, 3))
+    for _ in range(20):
+        true, tilt = drawn(rng), rng.uniform(0, 0.5)
+        turned = true.copy()
+        turned[:3, :3] = true[:3, :3] @ Rotation.from_euler("xz", [tilt, rng.uniform(0, 6)]).as_matrix()
+        errors = pose_errors(turned, true, points, symmetric=True)
+        # What is left is the angle between the axes.
+        assert errors.rotation == pytest.approx(tilt, abs=1e-7)
+        assert pose_errors(true @ turn(rng), true, points, symmetric=True).add == pytest.approx(0.0, abs=1e-9)
+
+
+def turn(rng) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("z", rng.uniform(0, 6)).as_matrix()
+    return pose
+
+
+def test_the_area_is_that_under_the_curve_of_accuracy(rng):
+    distances, missed = rng.exponential(0.05, 40).tolist(), 3
+    steps = sorted(d for d in distances if d < 0.1)
+    area, _ = quad(lambda t: sum(d < t for d in distances) / (40 + missed), 0.0, 0.1, points=steps, limit=200)
+    assert area_under_curve(distances, missed) == pytest.approx(area / 0.1, abs=1e-6)
+    assert area_under_curve([0.0, 0.0], 0) == 1.0
+    assert share_near([0.01, 0.03], 2) == 0.25
+    assert np.isnan(area_under_curve([], 0))
+    assert area_under_curve([], 2) == share_near([], 2) == 0.0
