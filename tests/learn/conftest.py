@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import importlib.util
+import json
+import shutil
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -8,6 +10,7 @@ from types import ModuleType
 import pytest
 import torch
 
+from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings
 
 
@@ -51,3 +54,29 @@ def box_scene() -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="session")
+def rendered(backend, tmp_path_factory) -> Path:
+    """A data set of two small scenes of five views, by the command; do not change it."""
+    folder = tmp_path_factory.mktemp("learn")
+    config = folder / "small.yaml"
+    config.write_text(
+        "vessel_count: [1, 2]\n"
+        "prop_count: [1, 2]\n"
+        "vessels: {chord_error: 1.0e-4}\n"
+        "cameras: {width: 128, height: 96, views: 5}\n"
+        "picture: {spp: 4, layers: 0, refraction: no, light: path}\n"
+    )
+    for scene in (0, 1):
+        arguments = ["--seed", "3", "--scene", str(scene), "--out", str(folder / "data"), "--config", str(config)]
+        assert render_scene([*arguments]) == 0
+    splits = {"schema_version": "glassware/splits/1", "train": [0], "val": [1], "test": []}
+    (folder / "data" / "splits.json").write_text(json.dumps(splits))
+    return folder / "data"
+
+
+@pytest.fixture
+def copied(rendered, tmp_path) -> Path:
+    """A copy of it, to be damaged."""
+    return Path(shutil.copytree(rendered, tmp_path / "data"))

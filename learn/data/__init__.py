@@ -1,0 +1,1 @@
+"""Samples of several views out of a data set."""

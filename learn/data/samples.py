@@ -1,0 +1,201 @@
+"""A data set as samples of several views."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.utils.data import Dataset as TorchDataset
+
+from ...dataset.objects_file import ObjectsFile
+from ...dataset.reader import Dataset, StoredScene, StoredView
+from ...procedural.errors import InputError
+from ...procedural.randomness import stream
+from ..targets.encoding import Encoding
+from ..targets.view import view_targets
+from .augment import augmented
+from .neighbours import LAST_REFERENCE, grid_neighbours, nearest_cameras
+from .settings import AugmentSettings, ViewSettings
+from .splits import scenes_of
+from .truth import Truth, read_truth
+from .views import CameraView, check_sizes, read_camera, read_view
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Pictures of one scene from several cameras, and what is to be found in the first."""
+
+    name: str  #: such as ``scenes/000003/004``, the folder of the reference view
+    images: Tensor  #: (V, 3, H, W) float32 in [0, 1]
+    world_T_camera: Tensor  #: (V, 4, 4) float32
+    K: Tensor  #: (V, 3, 3) float32 [px]
+    targets: dict[str, Tensor]  #: of `targets.view.view_targets`
+    truth: Truth | None  #: the labels themselves, where they were asked for
+
+
+class SampleDataset(TorchDataset):
+    """Samples of a data set: each view that may be a reference is one.
+
+    An item is asked for by (index, draw): which reference, and which of the draws of neighbours and of changes of the
+    pictures, such as the number of the epoch. Nothing but these two and the seed decides a sample.
+
+    Parameters
+    ----------
+    root : Path
+        The data set.
+    split : str
+        ``train``, ``val``, ``test``, or ``all`` for every scene.
+    views : ViewSettings
+        Which views make a sample.
+    encoding : Encoding
+        Units of the targets.
+    augment : AugmentSettings, optional
+        How pictures are changed; without, they are not.
+    seed : int
+        Of the draws.
+    truth : bool
+        Whether samples carry their labels.
+
+    Raises
+    ------
+    InputError
+        Where there is no such data set or split, or nothing in it that may be a reference.
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        split: str,
+        views: ViewSettings,
+        encoding: Encoding,
+        *,
+        augment: AugmentSettings | None = None,
+        seed: int = 0,
+        truth: bool = False,
+    ) -> None:
+        if views.rule == "stereo" and views.count != 2:
+            raise InputError("views.count", "2 with the rule stereo", views.count)
+        self._root, self._views, self._encoding = root, views, encoding
+        self._augment, self._seed, self._truth = augment, seed, truth
+        self._objects_of: dict[int, ObjectsFile] = {}
+        scenes = scenes_of(Dataset.open(root), split)
+        self._references = [(scene, view) for scene in scenes for view in scene.views if self._may_be(view)]
+        if not self._references:
+            raise InputError(f"{root}, split {split}", "a view that may be a reference", "none")
+
+    def __len__(self) -> int:
+        """Return the number of references."""
+        return len(self._references)
+
+    def __getitem__(self, item: tuple[int, int]) -> Sample:
+        """Return a sample: of which reference, and of which draw."""
+        index, draw = item
+        scene, reference = self._references[index]
+        rng = stream(self._seed, index, f"learn/samples/{draw}")
+        views = self._seen_together(scene, reference, rng)
+        check_sizes(views, reference.folder)
+        pictures = np.stack([view.picture for view in views])
+        if self._augment is not None:
+            pictures = augmented(pictures, self._augment, rng)
+        size = (pictures.shape[1], pictures.shape[2])
+        truth = read_truth(reference, self._objects(scene), size)
+        targets = view_targets(truth.instances, truth.Z, truth.objects, views[0].K, self._encoding)
+        return Sample(
+            name=str(reference.folder.relative_to(self._root)),
+            images=torch.from_numpy(pictures).movedim(-1, 1).float() / 255.0,
+            world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in views])).float(),
+            K=torch.from_numpy(np.stack([view.K for view in views])).float(),
+            targets={name: torch.from_numpy(values) for name, values in targets.items()},
+            truth=truth if self._truth else None,
+        )
+
+    def depth_range(self, most: int = 64) -> tuple[float, float]:
+        """Return the least and the greatest depth of objects and table over evenly spread references [m].
+
+        Parameters
+        ----------
+        most : int
+            How many references are read at most.
+        """
+        step = max(len(self) // most, 1)
+        limits = []
+        for scene, view in self._references[::step]:
+            record = read_camera(view)
+            truth = read_truth(view, self._objects(scene), (record.height, record.width))
+            seen = truth.Z[(truth.instances > 0) & np.isfinite(truth.Z)]
+            if seen.size:
+                limits.append((float(seen.min()), float(seen.max())))
+        if not limits:
+            raise InputError(self._root, "a view with a surface in it", "none")
+        return min(near for near, _ in limits), max(far for _, far in limits)
+
+    def _may_be(self, view: StoredView) -> bool:
+        return self._views.rule != "grid" or read_camera(view).grid_index <= LAST_REFERENCE
+
+    def _seen_together(self, scene: StoredScene, reference: StoredView, rng: np.random.Generator) -> list[CameraView]:
+        if self._views.rule == "stereo":
+            return [read_view(reference), read_view(reference, "right")]
+        others = self._candidates(scene, reference)
+        wanted = self._views.count - 1
+        if len(others) < wanted:
+            raise InputError(
+                f"{reference.folder}: views",
+                f"{wanted} others by the rule {self._views.rule}",
+                f"{len(others)} of the {len(scene.views)} views of the scene",
+            )
+        drawn = rng.permutation(len(others))[:wanted]
+        return [read_view(reference), *(read_view(others[index]) for index in drawn)]
+
+    def _candidates(self, scene: StoredScene, reference: StoredView) -> Sequence[StoredView]:
+        views = scene.views
+        cameras = [read_camera(view) for view in views]
+        number = views.index(reference)
+        if self._views.rule == "grid":
+            near = grid_neighbours(cameras[number].grid_index)
+            return [view for view, camera in zip(views, cameras, strict=True) if camera.grid_index in near]
+        positions = np.stack([camera.world_T_camera[:3, 3] for camera in cameras])
+        pool = max(self._views.pool, self._views.count - 1)
+        return [views[index] for index in nearest_cameras(positions, number, pool)]
+
+    def _objects(self, scene: StoredScene) -> ObjectsFile:
+        if scene.scene_id not in self._objects_of:
+            self._objects_of[scene.scene_id] = scene.objects()
+        return self._objects_of[scene.scene_id]
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Samples side by side."""
+
+    names: tuple[str, ...]
+    images: Tensor  #: (B, V, 3, H, W)
+    world_T_camera: Tensor  #: (B, V, 4, 4)
+    K: Tensor  #: (B, V, 3, 3)
+    targets: dict[str, Tensor]
+    truths: tuple[Truth | None, ...]
+
+    def to(self, device: torch.device) -> Batch:
+        """Return the batch on another device."""
+        moved = {name: value.to(device, non_blocking=True) for name, value in self.targets.items()}
+        images, poses, K = (x.to(device, non_blocking=True) for x in (self.images, self.world_T_camera, self.K))
+        return Batch(self.names, images, poses, K, moved, self.truths)
+
+
+def batched(samples: Sequence[Sample]) -> Batch:
+    """Return samples as one batch; InputError where their pictures differ in size."""
+    sizes = {sample.images.shape[-2:]: sample.name for sample in samples}
+    if len(sizes) > 1:
+        shown = " and ".join(f"{h} x {w} px in {name}" for (h, w), name in sizes.items())
+        raise InputError("a batch", "pictures of one size", shown)
+    return Batch(
+        names=tuple(sample.name for sample in samples),
+        images=torch.stack([sample.images for sample in samples]),
+        world_T_camera=torch.stack([sample.world_T_camera for sample in samples]),
+        K=torch.stack([sample.K for sample in samples]),
+        targets={name: torch.stack([sample.targets[name] for sample in samples]) for name in samples[0].targets},
+        truths=tuple(sample.truth for sample in samples),
+    )

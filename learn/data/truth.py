@@ -1,0 +1,78 @@
+"""What is known of a reference view: its objects, their pixels and its depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...annotate.labels import ObjectLabel
+from ...dataset import layout
+from ...dataset.exr import channel, read_exr
+from ...dataset.objects_file import ObjectRecord, ObjectsFile
+from ...dataset.pictures import read_png
+from ...dataset.reader import StoredView
+from ...procedural.errors import InputError
+from ..objects import ViewObject, canonical_pose
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The labels of a view."""
+
+    instances: np.ndarray  #: (H, W) uint16, ids of the first surface
+    Z: np.ndarray  #: (H, W) float32 [m]; +inf for none
+    objects: tuple[ViewObject, ...]
+    keypoints: dict[int, np.ndarray]  #: by object id, (k, 3) float64 in the object's frame [m]
+
+
+def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) -> Truth:
+    """Return the labels of a view; InputError that names file and field where one is missing.
+
+    Parameters
+    ----------
+    view : StoredView
+        The view.
+    objects : ObjectsFile
+        Its scene's.
+    size : (int, int)
+        Height and width of its pictures [px].
+    """
+    path = view.folder / layout.GEOMETRY
+    Z = channel(read_exr(path), "Z", path)
+    instances = read_png(view.folder / layout.INSTANCES)
+    for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
+        if values.shape != size:
+            raise InputError(view.folder / name, f"{size[0]} x {size[1]} px", values.shape)
+    records = {record.id: record for record in objects.objects}
+    labels = view.labels().objects
+    for label in labels:
+        if label.id not in records:
+            where = view.folder.parent / layout.OBJECTS
+            raise InputError(where, f"an object {label.id}, which {layout.LABELS} has", f"{sorted(records)}")
+    found = tuple(_object(records[label.id], label, instances, view) for label in labels)
+    known = {0, 1, *(item.id for item in found)}
+    strange = sorted(set(np.unique(instances).tolist()) - known)
+    if strange:
+        raise InputError(view.folder / layout.LABELS, f"an object {strange[0]}, which {layout.INSTANCES} has", "none")
+    keypoints = {record.id: np.array(record.keypoints, np.float64).reshape(-1, 3) for record in objects.objects}
+    return Truth(instances, Z, found, keypoints)
+
+
+def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:
+    symmetric = bool(record.symmetries_continuous)
+    for symmetry in record.symmetries_continuous:
+        if symmetry.axis[:2] != (0.0, 0.0) or symmetry.offset[:2] != (0.0, 0.0):
+            where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} symmetries_continuous"
+            raise InputError(where, "the z axis of the object", f"{symmetry.axis} through {symmetry.offset}")
+    pose = np.array(label.camera_T_object)
+    return ViewObject(
+        id=record.id,
+        category=record.category,
+        transparent=record.material.kind == "glass",
+        symmetric=symmetric,
+        fill=None if record.liquid is None else record.liquid.fill,
+        camera_T_object=canonical_pose(pose) if symmetric else pose,
+        size=np.array(record.size),
+        visible=int((instances == record.id).sum()),
+    )

@@ -1,0 +1,82 @@
+"""One view of a sample: its picture and its camera, checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...dataset import layout
+from ...dataset.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.reader import Eye, StoredView
+from ...procedural.errors import InputError
+from ...procedural.scene_file import check_schema, parsed, read_json
+from ..networks.inputs import MULTIPLE
+
+#: How far from 1 the rows of a rotation may be, and from 0 their products: our poses are stored with 16 digits, but
+#: those of others often with 6.
+RIGID = 1e-4
+#: Smallest determinant of K over its largest element cubed: a camera of 162 degrees has about 1e-2.
+REGULAR = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class CameraView:
+    """A picture and its camera."""
+
+    picture: np.ndarray  #: (H, W, 3) uint8, sRGB
+    world_T_camera: np.ndarray  #: (4, 4) float64
+    K: np.ndarray  #: (3, 3) float64 [px]
+
+
+def read_camera(view: StoredView) -> CameraFile:
+    """Return the record of a view's cameras; InputError that names file and field where it is none."""
+    path = view.folder / layout.CAMERA
+    data = read_json(path)
+    check_schema(path, data, CAMERA_SCHEMA)
+    record = parsed(CameraFile, data, path)
+    check_camera(np.array(record.K), record.world_T_camera, path)
+    return record
+
+
+def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
+    """Return the picture and the camera of a view; InputError that names file and field where they cannot be used."""
+    record = read_camera(view)
+    path = view.folder / f"{eye}.png"
+    picture = view.picture(eye)
+    if picture.shape != (record.height, record.width, 3):
+        raise InputError(path, f"a picture of {record.height} x {record.width} px in colour", picture.shape)
+    check_picture(picture, path)
+    pose = record.world_T_camera if eye == "left" else record.world_T_right
+    check_camera(np.array(record.K), pose, view.folder / layout.CAMERA)
+    return CameraView(picture, pose, np.array(record.K))
+
+
+def check_camera(K: np.ndarray, world_T_camera: np.ndarray, where: Path | str) -> None:
+    """Raise InputError where a pose is not rigid, or an intrinsic matrix has no inverse or another last row."""
+    rotation = world_T_camera[:3, :3]
+    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if not error < RIGID or np.linalg.det(rotation) < 0.0 or (world_T_camera[3] != (0.0, 0.0, 0.0, 1.0)).any():
+        raise InputError(f"{where}: world_T_camera", "a rigid pose", f"rows that are off by {error:.2g}")
+    if (K[2] != (0.0, 0.0, 1.0)).any():
+        raise InputError(f"{where}: K", "a last row of 0, 0, 1", K[2].tolist())
+    determinant = float(np.linalg.det(K))
+    if not abs(determinant) > REGULAR * float(np.abs(K).max()) ** 3:
+        raise InputError(f"{where}: K", "a matrix with an inverse", f"the determinant {determinant:.3g}")
+
+
+def check_picture(picture: np.ndarray, where: Path | str) -> None:
+    """Raise InputError where a picture is all one value, or of a size that the networks cannot take."""
+    height, width = picture.shape[:2]
+    if height % MULTIPLE or width % MULTIPLE:
+        raise InputError(where, f"a height and a width that are multiples of {MULTIPLE} px", f"{height} x {width}")
+    if picture.min() == picture.max():
+        raise InputError(where, "a picture", f"nothing but the value {picture.max()}")
+
+
+def check_sizes(views: list[CameraView], where: Path | str) -> None:
+    """Raise InputError where views are of different sizes."""
+    sizes = {view.picture.shape[:2] for view in views}
+    if len(sizes) != 1:
+        raise InputError(where, "views of one size", " and ".join(f"{h} x {w} px" for h, w in sorted(sizes)))

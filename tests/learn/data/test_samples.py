@@ -1,0 +1,214 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import torch
+from torch.utils.data import DataLoader
+
+from glassware.annotate.projection import project, unproject
+from glassware.dataset.pictures import read_png, write_png
+from glassware.dataset.reader import Dataset
+from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.settings import AugmentSettings, ViewSettings
+from glassware.learn.targets.encoding import CORRECTED
+from glassware.procedural.errors import InputError
+
+SCENE = "scenes/000000"
+
+
+def samples(root, split="all", **options) -> SampleDataset:
+    views = ViewSettings(**options.pop("views", {}))
+    return SampleDataset(root, split, views, CORRECTED, **options)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_a_sample_has_the_views_that_are_asked_for(rendered, count):
+    data = samples(rendered, views={"count": count}, truth=True)
+    assert len(data) == 10
+    sample = data[(7, 0)]
+    assert sample.images.shape == (count, 3, 96, 128)
+    stored = Dataset.open(rendered).scene(1)
+    assert sample.name == "scenes/000001/002"
+    np.testing.assert_array_equal(sample.images[0].movedim(0, -1).numpy() * 255, stored.views[2].picture())
+    np.testing.assert_allclose(sample.world_T_camera[0], stored.views[2].camera().world_T_camera, atol=1e-6)
+    np.testing.assert_allclose(sample.K[0], stored.views[2].camera().K, rtol=1e-6)
+    poses = {tuple(pose[:3, 3].round(decimals=4).tolist()) for pose in sample.world_T_camera}
+    assert len(poses) == count
+    geometry = stored.views[2].geometry()
+    np.testing.assert_array_equal(sample.truth.instances, geometry.id)
+    np.testing.assert_array_equal(sample.targets["depth"], np.where(np.isfinite(geometry.Z), geometry.Z, 0))
+
+
+def test_other_views_are_drawn_from_the_nearest(rendered):
+    data = samples(rendered, views={"pool": 2})
+    cameras = np.array([view.camera().world_T_camera[:3, 3] for view in Dataset.open(rendered).scene(0).views])
+    away = np.linalg.norm(cameras - cameras[0], axis=1)
+    drawn = set()
+    for draw in range(30):
+        place = data[(0, draw)].world_T_camera[1, :3, 3].numpy()
+        drawn.add(int(np.linalg.norm(cameras - place, axis=1).argmin()))
+    # Places on the grid may be equally far away.
+    assert len(drawn) == 2
+    assert max(away[list(drawn)]) <= np.sort(away)[2] + 1e-9
+
+
+def test_a_stereo_pair_stands_at_its_baseline(rendered):
+    sample = samples(rendered, views={"rule": "stereo"})[(0, 0)]
+    view = Dataset.open(rendered).scene(0).views[0]
+    relative = torch.linalg.inv(sample.world_T_camera[0].double()) @ sample.world_T_camera[1].double()
+    expected = np.eye(4)
+    expected[0, 3] = view.camera().baseline
+    np.testing.assert_allclose(relative, expected, atol=1e-6)
+    np.testing.assert_array_equal(sample.images[1].movedim(0, -1).numpy() * 255, view.picture("right"))
+
+
+def test_the_views_of_a_sample_show_the_same_table(rendered):
+    """Pictures, poses, K and depth fit together: points of the table have one colour in two views."""
+    sample = samples(rendered, views={"pool": 1}, truth=True)[(1, 0)]
+    K, poses = sample.K.double().numpy(), sample.world_T_camera.double().numpy()
+    first, second = (image.movedim(0, -1).numpy() for image in sample.images)
+
+    def difference(stretch: float) -> float:
+        points = unproject(sample.truth.Z * stretch, K[0])[sample.truth.instances == 1]
+        world = points @ poses[0][:3, :3].T + poses[0][:3, 3]
+        pixels, _ = project(world, K[1], poses[1])
+        u, v = np.nan_to_num(np.rint(pixels), nan=-1).astype(int).T
+        inside = (u >= 0) & (u < 128) & (v >= 0) & (v < 96)
+        return float(np.abs(first[sample.truth.instances == 1][inside] - second[v[inside], u[inside]]).mean())
+
+    assert difference(1.0) < 0.8 * min(difference(0.85), difference(1.15))
+
+
+def test_a_sample_depends_on_seed_reference_and_draw_alone(rendered):
+    changed = {"augment": AugmentSettings(), "views": {"count": 3}}
+    one, other = samples(rendered, seed=1, **changed), samples(rendered, seed=1, **changed)
+    other[(5, 0)]
+    same = [torch.equal(a.images, b.images) for a, b in [(one[(3, 2)], other[(3, 2)])]]
+    assert same == [True]
+    assert not torch.equal(one[(3, 2)].images, one[(3, 3)].images)
+    assert not torch.equal(one[(3, 2)].images, samples(rendered, seed=2, **changed)[(3, 2)].images)
+
+
+def test_workers_give_the_same_batches(rendered):
+    data = samples(rendered, augment=AugmentSettings())
+    order = [[(0, 0), (4, 0)], [(7, 1), (2, 1)]]
+    for batch, asked in zip(
+        DataLoader(data, batch_sampler=order, collate_fn=batched, num_workers=2), order, strict=True
+    ):
+        alone = batched([data[item] for item in asked])
+        assert torch.equal(batch.images, alone.images)
+        assert batch.names == alone.names
+        assert all(torch.equal(batch.targets[name], alone.targets[name]) for name in alone.targets)
+
+
+def test_splits_are_those_of_the_data_set(rendered):
+    assert {samples(rendered, "train")[(i, 0)].name[:13] for i in range(5)} == {"scenes/000000"}
+    assert len(samples(rendered, "val")) == 5
+    with pytest.raises(InputError, match=r"splits\.json: test: expected scenes that are there, found none"):
+        samples(rendered, "test")
+    with pytest.raises(InputError, match=r"splits\.json: other: expected the numbers of its scenes"):
+        samples(rendered, "other")
+
+
+def test_the_range_of_depth_is_that_of_the_files(rendered):
+    geometries = [view.geometry() for view in Dataset.open(rendered).views()]
+    depths = np.concatenate([g.Z[(g.id > 0) & np.isfinite(g.Z)] for g in geometries])
+    assert samples(rendered).depth_range() == (depths.min(), depths.max())
+
+
+def edited(path, change) -> None:
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+
+
+BAD = {
+    "pose": (
+        "000/camera.json",
+        lambda d: d["world_T_camera"][0].__setitem__(0, 3.0),
+        r"000/camera\.json: world_T_camera: expected a rigid pose",
+    ),
+    "mirrored pose": (
+        "000/camera.json",
+        lambda d: [row.__setitem__(0, -row[0]) for row in d["world_T_camera"]],
+        "a rigid pose",
+    ),
+    "K": (
+        "000/camera.json",
+        lambda d: d["K"][0].__setitem__(0, 0.0),
+        r"000/camera\.json: K: expected a matrix with an inverse",
+    ),
+    "size": ("000/camera.json", lambda d: d.update(width=64), r"000/left\.png: expected a picture of 96 x 64 px"),
+    "label": (
+        "000/labels.json",
+        lambda d: d["objects"].pop(),
+        r"000/labels\.json: expected an object \d+, which instances\.png has",
+    ),
+    "object": (
+        "objects.json",
+        lambda d: d["objects"].pop(),
+        r"objects\.json: expected an object \d+, which labels\.json has",
+    ),
+    "axis": (
+        "objects.json",
+        lambda d: d["objects"][0].update(symmetries_continuous=[{"axis": [1, 0, 0], "offset": [0, 0, 0]}]),
+        r"objects\.json: object 2 symmetries_continuous: expected the z axis",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_damaged_record_is_one_line_that_names_sample_and_field(copied, name):
+    file, change, message = BAD[name]
+    edited(copied / SCENE / file, change)
+    with pytest.raises(InputError, match=message):
+        samples(copied)[(0, 0)]
+
+
+@pytest.mark.parametrize(
+    ("file", "picture", "message"),
+    [
+        (
+            "000/left.png",
+            np.full((96, 128, 3), 7, np.uint8),
+            r"000/left\.png: expected a picture, found nothing but the value 7",
+        ),
+        ("000/instances.png", np.zeros((48, 64), np.uint16), r"000/instances\.png: expected 96 x 128 px"),
+    ],
+)
+def test_a_damaged_picture_is_one_line_that_names_it(copied, file, picture, message):
+    write_png(copied / SCENE / file, picture)
+    with pytest.raises(InputError, match=message):
+        samples(copied)[(0, 0)]
+
+
+@pytest.mark.parametrize(
+    "file", ["000/geometry.exr", "000/labels.json", "000/instances.png", "000/left.png", "objects.json"]
+)
+def test_a_missing_file_is_one_line_that_names_it(copied, file):
+    (copied / SCENE / file).unlink()
+    with pytest.raises(InputError, match=file.replace(".", r"\.")):
+        samples(copied)[(0, 0)]
+
+
+def test_views_of_different_sizes_and_too_few_of_them_are_one_clear_line(copied):
+    other = copied / SCENE / "001"
+    edited(other / "camera.json", lambda d: d.update(width=64, height=64))
+    write_png(other / "left.png", read_png(other / "left.png")[:64, :64])
+    with pytest.raises(InputError, match="expected views of one size, found 64 x 64 px and 96 x 128 px"):
+        samples(copied, views={"count": 5})[(0, 0)]
+    with pytest.raises(InputError, match=r"views: expected 5 others by the rule distance, found 4 of the 5 views"):
+        samples(copied, views={"count": 6})[(5, 0)]
+    with pytest.raises(InputError, match=r"views\.count: expected 2 with the rule stereo"):
+        samples(copied, views={"count": 3, "rule": "stereo"})
+    with pytest.raises(InputError, match="a view that may be a reference"):
+        samples(copied.parent / "data", views={"rule": "grid"}) if _lowered(copied) else None
+
+
+def _lowered(root) -> bool:
+    """Let every camera stand in the lowest ring of the grid."""
+    for path in root.glob("scenes/*/*/camera.json"):
+        edited(path, lambda d: d.update(grid_index=50))
+    return True
