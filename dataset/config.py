@@ -66,11 +66,13 @@ def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
 def layered(model: type[T], arguments: Sequence[str]) -> T:
     """Return the settings under the command line: the preset that it names, and on top of it the YAML file.
 
-    The model has the fields ``preset`` and ``config``, which are taken from the command line first.
+    The model has the field ``config``, and ``preset`` where it has presets; both are taken from the command line first.
     """
     _check_not_empty(arguments)
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
-    settings, where = preset(name or model.model_fields["preset"].default), "preset"
+    settings, where = {}, "preset"
+    if "preset" in model.model_fields:
+        settings = preset(name or model.model_fields["preset"].default)
     if path is not None:
         asked = yaml_settings(path)
         for name in ("preset", "config"):

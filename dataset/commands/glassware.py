@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from importlib.metadata import EntryPoint, entry_points
 
 from rich.console import Console
 
@@ -15,6 +16,8 @@ from .outcome import outcome
 _COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {
     "render": ("one labelled scene from a seed (also: render-scene)", render_scene.main),
 }
+#: Group of entry points under which other packages bring commands, which are imported when they are used.
+_GROUP = "glassware.commands"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -22,6 +25,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     if given and given[0] in _COMMANDS:
         return _COMMANDS[given[0]][1](given[1:])
+    brought = entry_points(group=_GROUP, name=given[0]) if given else ()
+    for entry in brought:
+        return _run(entry, given[1:])
     if given in (["--help"], ["-h"]):
         _help()
         return 0
@@ -33,10 +39,27 @@ def _help() -> None:
     console.print("usage: glassware COMMAND [OPTIONS]", highlight=False)
     for name, (purpose, _) in _COMMANDS.items():
         console.print(f"  {name:10} {purpose}", highlight=False)
+    for entry in sorted(entry_points(group=_GROUP), key=lambda entry: entry.name):
+        console.print(f"  {entry.name:10} from {entry.module}; see glassware {entry.name} --help", highlight=False)
+
+
+def _run(entry: EntryPoint, arguments: Sequence[str]) -> int:
+    """Run a command of another package; one whose libraries are missing is told in one line."""
+    try:
+        command = entry.load()
+    except ModuleNotFoundError as error:
+        missing = InputError(f"glassware {entry.name}", "its extra, as in pip install 'glassware[learn]'", error)
+
+        def refuse() -> None:
+            raise missing
+
+        return outcome(refuse)
+    return command(arguments)
 
 
 def _refuse(given: Sequence[str]) -> None:
-    raise InputError("glassware", f"a command, one of {', '.join(_COMMANDS)}", given[0] if given else "none")
+    names = [*_COMMANDS, *sorted(entry.name for entry in entry_points(group=_GROUP))]
+    raise InputError("glassware", f"a command, one of {', '.join(names)}", given[0] if given else "none")
 
 
 if __name__ == "__main__":

@@ -22,14 +22,25 @@ from .detection import PictureOverlaps
 _CATEGORY = 1
 
 
+#: A mask in pycocotools' compressed run-length encoding.
+Rle = Any
+
+
 @dataclass(frozen=True, eq=False)
 class PictureMasks:
     """Masks found in one picture, and those that are there."""
 
+    size: tuple[int, int]  #: height and width [px]
     scores: np.ndarray  #: (n,) float
-    found: np.ndarray  #: (n, H, W) bool
-    true: np.ndarray  #: (m, H, W) bool
+    found: tuple[Rle, ...]  #: n of them
+    true: tuple[Rle, ...]  #: m of them
     ignored: np.ndarray  #: (m,) bool: need not be found (COCO's ``iscrowd``)
+
+
+def picture_masks(scores: np.ndarray, found: np.ndarray, true: np.ndarray, ignored: np.ndarray) -> PictureMasks:
+    """Return the masks of a picture, packed; those found, (n, H, W), and those that are there, (m, H, W), are bool."""
+    size = (true.shape[1], true.shape[2])
+    return PictureMasks(size, scores, tuple(map(_packed, found)), tuple(map(_packed, true)), ignored)
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ def instance_precision(pictures: Sequence[PictureMasks]) -> InstancePrecision:
     """Return the average precisions of masks over a data set."""
     annotations, results, images = [], [], []
     for number, picture in enumerate(pictures, start=1):
-        height, width = picture.true.shape[1:]
+        height, width = picture.size
         images.append({"id": number, "height": height, "width": width})
         for mask, ignored in zip(picture.true, picture.ignored, strict=True):
             annotations.append(_annotation(mask, number, len(annotations) + 1) | {"iscrowd": int(ignored)})
@@ -60,21 +71,25 @@ def instance_precision(pictures: Sequence[PictureMasks]) -> InstancePrecision:
 
 def mask_overlaps(picture: PictureMasks) -> PictureOverlaps:
     """Return the IoU of each found mask with each true one."""
-    found = picture.found.reshape(len(picture.found), -1).astype(np.float64)
-    true = picture.true.reshape(len(picture.true), -1).astype(np.float64)
-    shared = found @ true.T
-    union = found.sum(1)[:, None] + true.sum(1) - shared
-    return PictureOverlaps(picture.scores, shared / np.maximum(union, 1.0), picture.ignored)
+    shape = (len(picture.found), len(picture.true))
+    if not all(shape):
+        return PictureOverlaps(picture.scores, np.zeros(shape), picture.ignored)
+    overlaps = coco_mask.iou(list(picture.found), list(picture.true), [0] * len(picture.true))
+    return PictureOverlaps(picture.scores, np.asarray(overlaps), picture.ignored)
 
 
-def _annotation(mask: np.ndarray, image: int, number: int) -> dict[str, Any]:
+def _packed(mask: np.ndarray) -> Rle:
+    return coco_mask.encode(np.asfortranarray(mask.astype(np.uint8)))
+
+
+def _annotation(mask: Rle, image: int, number: int) -> dict[str, Any]:
     return {
         "id": number,
         "image_id": image,
         "category_id": _CATEGORY,
-        "segmentation": coco_mask.encode(np.asfortranarray(mask.astype(np.uint8))),
-        "area": float(mask.sum()),
-        "bbox": [0.0, 0.0, float(mask.shape[1]), float(mask.shape[0])],
+        "segmentation": mask,
+        "area": float(coco_mask.area(mask)),
+        "bbox": coco_mask.toBbox(mask).tolist(),
     }
 
 

@@ -16,8 +16,6 @@ from ...procedural.model import Model
 from ..networks.settings import NetworkSettings
 from ..targets.view import TRANSPARENT
 
-#: Where Huber's loss goes over from squares to absolute values [m] (torch's default, which the released code takes).
-HUBER = 1.0
 #: The released code gives pixels without ground truth this depth, and cuts all greater ones to it [m].
 REFERENCE_FARTHEST = 3.0
 #: What the released code multiplies the target of the rough depth by, and divides its loss by.
@@ -25,7 +23,15 @@ REFERENCE_SCALE = 0.25
 
 
 class LossWeights(Model):
-    """How much each loss counts; 0 leaves it out."""
+    """How much each loss counts, 0 leaves it out; and where Huber's changes.
+
+    Below `huber` a depth error counts with its square over twice that, so that at the released code's 1 m millimetres
+    have hardly a gradient; a small value makes it the absolute error.
+    """
+
+    huber: float = Field(
+        default=1.0, gt=0.0, description="Depth error from which Huber's loss is no longer a square [m]"
+    )
 
     depth: float = Field(default=1.0, ge=0.0, description="Full-size depth, Huber [m]")
     small_depth: float = Field(default=1.0, ge=0.0, description="Rough depth, Huber [m]")
@@ -41,7 +47,10 @@ class LossWeights(Model):
 
 
 def losses(
-    outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], settings: NetworkSettings
+    outputs: Mapping[str, Tensor],
+    targets: Mapping[str, Tensor],
+    settings: NetworkSettings,
+    huber: float = 1.0,
 ) -> dict[str, Tensor]:
     """Return each loss, before its weight.
 
@@ -53,6 +62,8 @@ def losses(
         Batched, from `targets.view.view_targets`.
     settings : NetworkSettings
         Of the network.
+    huber : float
+        Of `LossWeights`.
 
     Returns
     -------
@@ -64,11 +75,11 @@ def losses(
         **{name: field_loss(outputs, targets, name) for name in ("vertex", "z_centroid", "covariance")},
     }
     if settings.variant == "reference":
-        return found | _reference_losses(outputs, targets)
+        return found | _reference_losses(outputs, targets, huber)
     found |= {
         "seg": functional.cross_entropy(outputs["seg"], targets["seg"]),
-        "depth": depth_loss(outputs["depth"], targets["depth"]),
-        "small_depth": depth_loss(outputs["small_depth"], quartered(targets["depth"])),
+        "depth": depth_loss(outputs["depth"], targets["depth"], huber),
+        "small_depth": depth_loss(outputs["small_depth"], quartered(targets["depth"]), huber),
         "offset": masked_mean((outputs["offset"] - targets["offset"]).abs().sum(1), targets["owned"]),
     }
     if settings.readout == "windowed":
@@ -86,9 +97,9 @@ def masked_mean(values: Tensor, mask: Tensor) -> Tensor:
     return torch.where(mask, values, 0.0).sum() / mask.sum().clamp_min(1)
 
 
-def depth_loss(depth: Tensor, target: Tensor) -> Tensor:
+def depth_loss(depth: Tensor, target: Tensor, huber: float) -> Tensor:
     """Return Huber's loss over the pixels whose target is a depth, not 0."""
-    return masked_mean(functional.smooth_l1_loss(depth, target, beta=HUBER, reduction="none"), target > 0.0)
+    return masked_mean(functional.smooth_l1_loss(depth, target, beta=huber, reduction="none"), target > 0.0)
 
 
 def field_loss(outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], name: str) -> Tensor:
@@ -128,12 +139,12 @@ def plane_loss(logits: Tensor, planes: Tensor, target: Tensor) -> Tensor:
     return masked_mean(-lower_term - log_probability.gather(1, index)[:, 0] * share, target > 0.0)
 
 
-def _reference_losses(outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor]) -> dict[str, Tensor]:
+def _reference_losses(outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], huber: float) -> dict[str, Tensor]:
     """Return the released code's: no pixel is left out, and the rough depth learns a quarter of the true one."""
     depth = torch.where(targets["depth"] > 0.0, targets["depth"], REFERENCE_FARTHEST).clamp_max(REFERENCE_FARTHEST)
     small = REFERENCE_SCALE * quartered(depth)
     return {
         "seg": functional.cross_entropy(outputs["seg"], targets["seg"].clamp_max(TRANSPARENT)),
-        "depth": functional.smooth_l1_loss(outputs["depth"], depth, beta=HUBER),
-        "small_depth": functional.smooth_l1_loss(outputs["small_depth"], small, beta=HUBER) / REFERENCE_SCALE,
+        "depth": functional.smooth_l1_loss(outputs["depth"], depth, beta=huber),
+        "small_depth": functional.smooth_l1_loss(outputs["small_depth"], small, beta=huber) / REFERENCE_SCALE,
     }

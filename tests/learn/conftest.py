@@ -15,9 +15,9 @@ from glassware.learn import NetworkSettings
 
 
 @pytest.fixture(scope="session", autouse=True)
-def two_threads() -> None:
-    """Tests share the machine: torch computes with two threads."""
-    torch.set_num_threads(2)
+def one_thread() -> None:
+    """Tests share the machine, and threads that wait for one which does not run take many times longer than one."""
+    torch.set_num_threads(1)
 
 
 @pytest.fixture(autouse=True)

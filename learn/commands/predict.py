@@ -1,0 +1,57 @@
+"""``glassware predict``: objects and depth in given pictures."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import tyro
+from pydantic import Field
+from rich.console import Console
+
+from ...dataset.commands.outcome import outcome
+from ...dataset.config import layered, parsed
+from ...procedural.errors import InputError
+from ...procedural.model import Model
+from ...procedural.user_text import UserPath
+from ..evaluation.predict import predict
+from ..machine import use
+
+_DESCRIPTION = """Find objects and depth in pictures: glassware predict CKPT IMAGE IMAGE ...
+
+The pictures are two or more views of one scene; boxes, masks and depth are of the first. The camera of a.png is in
+a.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder."""
+
+
+class Predict(Model):
+    """The request."""
+
+    checkpoint: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Checkpoint of a network")
+    images: tyro.conf.Positional[tuple[UserPath, ...]] = Field(
+        default=(), description="Pictures; the first is labelled"
+    )
+    out: UserPath = Field(default=Path("out-predict"), description="Folder that is written to")
+    device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
+    threads: int | None = Field(default=None, ge=1, le=1024, description="Threads of torch; all cores unless given")
+    config: UserPath | None = Field(default=None, description="YAML file of these settings")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code says how it went."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return outcome(lambda: _predict(given))
+
+
+def _predict(arguments: Sequence[str]) -> None:
+    request = parsed(Predict, layered(Predict, arguments), arguments, "glassware predict", _DESCRIPTION)
+    if request.checkpoint is None:
+        raise InputError("glassware predict", "a checkpoint and pictures", "neither")
+    device = use(request.device, request.threads)
+    found = predict(request.checkpoint, request.images, request.out, device).objects
+    console = Console()
+    console.print(f"{len(found)} objects; written to {request.out}", markup=False, highlight=False, soft_wrap=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

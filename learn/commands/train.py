@@ -1,0 +1,56 @@
+"""``glassware train``: a network from a data set."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import tyro
+from pydantic import Field
+from rich.console import Console
+
+from ...dataset.commands.outcome import outcome
+from ...dataset.config import layered, parsed
+from ...procedural.errors import InputError
+from ...procedural.user_text import UserPath
+from ..training.run import train
+from ..training.settings import TrainSettings
+
+_DESCRIPTION = """Train a network on a data set: glassware train DATA --config FILE --out RUN
+
+Settings are those of the YAML file, with the command line on top of it. A run that was stopped goes on with
+--resume RUN/last.ckpt and gives the weights that it would have given."""
+
+
+class Train(TrainSettings):
+    """The request."""
+
+    data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of the data set")
+    out: UserPath = Field(default=Path("out-train"), description="Folder of the run")
+    resume: UserPath | None = Field(default=None, description="Checkpoint to go on from")
+    config: UserPath | None = Field(default=None, description="YAML file of settings")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code says how it went."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return outcome(lambda: _train(given))
+
+
+def _train(arguments: Sequence[str]) -> None:
+    request = parsed(Train, layered(Train, arguments), arguments, "glassware train", _DESCRIPTION)
+    if request.data is None:
+        raise InputError("glassware train", "the folder of a data set", "none")
+    settings = TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})
+    console = Console()
+
+    def say(line: str) -> None:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    train(settings, request.data, request.out, request.resume, say)
+    say(f"{request.out}: trained for {settings.steps} steps")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

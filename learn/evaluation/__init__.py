@@ -1,0 +1,1 @@
+"""What a frozen network is worth on a data set."""

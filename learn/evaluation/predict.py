@@ -1,0 +1,144 @@
+"""A frozen network on given pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import torch
+
+from ...dataset import layout
+from ...dataset.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.durable import write_atomically
+from ...dataset.exr import write_exr
+from ...dataset.pictures import write_png
+from ...procedural.errors import InputError
+from ...procedural.quiet import quiet
+from ...procedural.scene_file import check_schema, json_text, parsed, read_json
+from ..checkpoint import load_network
+from ..data.views import CameraView, check_camera, check_picture, check_sizes
+from ..decoding.decode import Detections, decode
+from ..pictures import coloured_depth, depth_limits, rgb, with_boxes
+from ..targets.encoding import encoding_of
+from .score import frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a network finds in the first of some pictures."""
+
+    depth: np.ndarray  #: (H, W) float32 [m]
+    objects: Detections
+
+
+def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "cpu") -> Prediction:
+    """Find objects and depth in the first of some pictures of one scene, and write them.
+
+    ``prediction.png`` is the picture with boxes and masks, and its depth; ``prediction.json`` has the objects, and
+    ``depth.exr`` the depth, as channel Z [m].
+
+    Parameters
+    ----------
+    checkpoint : Path
+        Ours, or one of the released code.
+    images : sequence of Path
+        Two pictures or more, each with its camera (`picture_and_camera`); the first is the reference.
+    out : Path
+        Folder that is written to.
+    device : str
+        Torch's name of the device.
+
+    Raises
+    ------
+    InputError
+        Where there are too few pictures, or one or its camera cannot be used.
+    """
+    if len(images) < 2:
+        raise InputError("pictures", "two or more views of one scene", len(images))
+    views = [picture_and_camera(path) for path in images]
+    check_sizes(views, images[0])
+    network, settings = load_network(checkpoint)
+    pictures = torch.from_numpy(np.stack([view.picture for view in views])).movedim(-1, 1).float()[None] / 255.0
+    poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
+    K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]
+    with torch.inference_mode():
+        outputs = frozen(network.to(device))(pictures.to(device), poses.to(device), K.to(device))
+    fields = {name: value.float().cpu() for name, value in outputs.items()}
+    (found,) = decode(fields, K[:, 0].double(), encoding_of(settings.network.variant))
+    prediction = Prediction(fields["depth"][0].numpy(), found)
+    _write(prediction, rgb(pictures[0, 0]), views[0].K, images, out)
+    return prediction
+
+
+def picture_and_camera(path: Path) -> CameraView:
+    """Return a picture, PNG or JPEG, and its camera.
+
+    The camera is in a JSON file of the picture's name (``a.png``: ``a.json``) with ``K`` and ``world_T_camera`` as in
+    ``camera.json``, or it is the ``camera.json`` of the same folder, whose right camera belongs to ``right.png``.
+    """
+    try:
+        data = np.frombuffer(path.read_bytes(), np.uint8)
+    except OSError as error:
+        raise InputError(path, "a readable picture", error.strerror) from error
+    with quiet():
+        picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    if picture is None:
+        raise InputError(path, "a PNG or JPEG picture", "something else")
+    picture = np.ascontiguousarray(picture[..., ::-1])
+    check_picture(picture, path)
+    own = path.with_suffix(".json")
+    return _with_own(picture, own) if own.is_file() else _with_folders(picture, path)
+
+
+def _with_own(picture: np.ndarray, path: Path) -> CameraView:
+    record = read_json(path)
+    matrices = []
+    for name, shape in (("K", (3, 3)), ("world_T_camera", (4, 4))):
+        value = record.get(name) if isinstance(record, dict) else None
+        try:
+            matrices.append(np.array(value, np.float64).reshape(shape))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{path}: {name}", f"a matrix of {shape[0]} x {shape[1]} numbers", value) from error
+    K, pose = matrices
+    check_camera(K, pose, path)
+    return CameraView(picture, pose, K)
+
+
+def _with_folders(picture: np.ndarray, path: Path) -> CameraView:
+    camera = path.with_name(layout.CAMERA)
+    if not camera.is_file():
+        raise InputError(path, f"its camera in {path.with_suffix('.json').name} or {layout.CAMERA}", "neither")
+    data = read_json(camera)
+    check_schema(camera, data, CAMERA_SCHEMA)
+    record = parsed(CameraFile, data, camera)
+    if picture.shape[:2] != (record.height, record.width):
+        raise InputError(path, f"a picture of {record.height} x {record.width} px", picture.shape[:2])
+    pose = record.world_T_right if path.stem == "right" else record.world_T_camera
+    check_camera(np.array(record.K), pose, camera)
+    return CameraView(picture, pose, np.array(record.K))
+
+
+def _write(found: Prediction, picture: np.ndarray, K: np.ndarray, images: Sequence[Path], out: Path) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    depth = coloured_depth(found.depth, depth_limits(found.depth))
+    write_png(out / "prediction.png", np.concatenate([with_boxes(picture, found.objects, K), depth], axis=1))
+    write_exr(out / "depth.exr", {"Z": found.depth})
+    record = {"images": [str(path) for path in images], "objects": _records(found.objects)}
+    write_atomically(out / "prediction.json", json_text(record).encode())
+
+
+def _records(found: Detections) -> list[dict[str, Any]]:
+    return [
+        {
+            "score": float(found.score[index]),
+            "peak": found.peak[index].tolist(),
+            "camera_T_object": found.camera_T_object[index].tolist(),
+            "size": found.size[index].tolist(),
+            "pixels": int(found.mask[index].sum()),
+        }
+        for index in range(len(found))
+    ]

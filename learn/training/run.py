@@ -1,0 +1,246 @@
+"""A training run: step after step, and what is kept of it.
+
+The loop is ours, on Lightning's Fabric, which knows devices, precision and processes. What a step takes follows from
+its number alone, so a run that is stopped and goes on from a checkpoint gives the weights of one that was not stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import torch
+from lightning_fabric import Fabric
+from torch import Tensor
+from torch.utils.data import DataLoader
+
+from ...dataset.commands.stopping import check_stop
+from ...dataset.reader import Dataset
+from ...procedural.errors import InputError
+from ..checkpoint import Checkpoint, DataRecord, data_digest, load_checkpoint, restore, save_checkpoint
+from ..data.samples import Batch, SampleDataset, batched
+from ..networks.build import Network, build_network
+from ..networks.corrected import CorrectedNetwork
+from ..networks.resnet import load_pretrained
+from ..targets.encoding import encoding_of
+from .losses import losses, total_loss
+from .records import Records
+from .schedule import StepBatches, rate_at
+from .settings import TrainSettings
+
+#: Files of a run: the latest state, and that with the least validation loss.
+LAST, BEST = "last.ckpt", "best.ckpt"
+#: The same for validation in every run: its samples are drawn once.
+_VALIDATION_DRAW = 0
+#: How far beyond the depths of the training data planes reach, as a share: other scenes are a little larger.
+_MARGIN = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """What a run works with."""
+
+    fabric: Fabric
+    settings: TrainSettings
+    train: SampleDataset
+    val: SampleDataset | None
+    data: DataRecord
+    network: Network
+    optimiser: torch.optim.Optimizer
+    out: Path
+
+
+def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, say: Callable[[str], None]) -> None:
+    """Train a network and write its checkpoints.
+
+    Parameters
+    ----------
+    settings : TrainSettings
+        How.
+    data : Path
+        The data set.
+    out : Path
+        Folder of the run: ``last.ckpt``, ``best.ckpt`` and the logs for TensorBoard.
+    resume : Path, optional
+        A checkpoint of the same settings and data set to go on from.
+    say : callable
+        Takes lines about the progress.
+
+    Raises
+    ------
+    InputError
+        For wrong data or settings, and where the loss is no longer a number.
+    """
+    start = None if resume is None else _checked(load_checkpoint(resume), settings, data, resume)
+    if start is None and (out / LAST).exists():
+        raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(out, "a folder that can be made and written to", error.strerror) from error
+    if settings.machine.threads is not None:
+        torch.set_num_threads(settings.machine.threads)
+    parts = _prepared(settings if start is None else start.settings, data, out)
+    if start is None:
+        state = _first(parts)
+    else:
+        restore(parts.network, start.network, resume or out)
+        parts.optimiser.load_state_dict(start.optimiser)
+        torch.set_rng_state(start.rng)
+        state = start
+    _steps(parts, state, say)
+
+
+def _checked(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
+    """Return a checkpoint that may go on; what says where and how fast a run runs may differ."""
+    if start.data is None or start.data.sha256 != data_digest(data):
+        found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
+        raise InputError(f"{where}: data set", f"that of {data}", found)
+    asked, kept = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")
+    if asked["network"]["depth_range"] is None:
+        asked["network"]["depth_range"] = kept["network"]["depth_range"]
+    for name in asked.keys() - {"machine", "log_every", "pictures_every", "save_every"}:
+        if asked[name] != kept[name]:
+            raise InputError(f"{where}: {name}", f"{asked[name]}", f"{kept[name]} in the checkpoint")
+    free = {name: getattr(settings, name) for name in ("machine", "log_every", "pictures_every", "save_every")}
+    return replace(start, settings=start.settings.model_copy(update=free))
+
+
+def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
+    machine = settings.machine
+    fabric = Fabric(
+        accelerator=machine.accelerator,
+        devices=machine.devices,
+        num_nodes=machine.nodes,
+        strategy=machine.strategy,
+        precision=machine.precision,
+    )
+    fabric.launch()
+    encoding = encoding_of(settings.network.variant)
+    views, seed = settings.views, settings.seed
+    learnt = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
+    val = None
+    if settings.val_split != "none":
+        val = SampleDataset(data, settings.val_split, views, encoding, seed=seed)
+    settings = _with_range(settings, learnt)
+    torch.manual_seed(settings.seed)
+    network = build_network(settings.network)
+    if settings.pretrained is not None and isinstance(network, CorrectedNetwork):
+        load_pretrained(network.context, settings.pretrained)
+    options = {"lr": settings.optimiser.rate, "betas": settings.optimiser.betas}
+    kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
+    network.to(fabric.device)
+    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, **options)
+    head = Dataset.open(data).head
+    record = DataRecord(name=head.name, seed=head.seed, sha256=data_digest(data))
+    return Parts(fabric, settings, learnt, val, record, network, optimiser, out)
+
+
+def _with_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:
+    if settings.network.variant == "reference" or settings.network.depth_range is not None:
+        return settings
+    near, far = data.depth_range()
+    limits = ((1.0 - _MARGIN) * near, (1.0 + _MARGIN) * far)
+    return settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": limits})})
+
+
+def _first(parts: Parts) -> Checkpoint:
+    ema = _weights(parts.network) if parts.settings.optimiser.ema else None
+    return _state(parts, 0, ema, math.inf)
+
+
+def _state(parts: Parts, step: int, ema: dict[str, Tensor] | None, best: float) -> Checkpoint:
+    network, optimiser = _weights(parts.network), parts.optimiser.state_dict()
+    return Checkpoint(parts.settings, parts.data, step, network, ema, optimiser, torch.get_rng_state(), best)
+
+
+def _weights(network: Network) -> dict[str, Tensor]:
+    return {name: value.detach().clone() for name, value in network.state_dict().items()}
+
+
+def _steps(parts: Parts, start: Checkpoint, say: Callable[[str], None]) -> None:
+    settings, fabric = parts.settings, parts.fabric
+    model, optimiser = fabric.setup(parts.network, parts.optimiser)
+    todo = range(start.step, settings.steps)
+    order = StepBatches(len(parts.train), settings.batch, todo, settings.seed, fabric.global_rank, fabric.world_size)
+    loader = DataLoader(parts.train, batch_sampler=order, collate_fn=batched, num_workers=settings.machine.workers)
+    ema, best = start.ema, start.best
+    records = Records(parts.out, start.step, settings, fabric, say)
+    for step, batch in zip(todo, loader, strict=True):
+        check_stop()
+        for group in optimiser.param_groups:
+            group["lr"] = rate_at(step, settings.steps, settings.optimiser)
+        moved = batch.to(fabric.device)
+        model.train()
+        outputs = model(moved.images, moved.world_T_camera, moved.K)
+        found = losses(outputs, moved.targets, settings.network, settings.losses.huber)
+        total = total_loss(found, settings.losses)
+        _check_loss(total, found, step, batch)
+        optimiser.zero_grad(set_to_none=True)
+        fabric.backward(total)
+        norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
+        _check_gradient(norm, step, batch)
+        optimiser.step()
+        ema = _averaged(ema, parts.network, settings.optimiser.ema)
+        done = step + 1
+        records.step(done, total, found, optimiser.param_groups[0]["lr"], moved, outputs)
+        if parts.val is not None and (done % settings.validate_every == 0 or done == settings.steps):
+            loss = validated(parts, ema)
+            records.validation(done, loss)
+            if loss < best:
+                best = loss
+                _save(parts, BEST, done, ema, best)
+        if done % settings.save_every == 0 or done == settings.steps:
+            _save(parts, LAST, done, ema, best)
+    records.close()
+
+
+def _save(parts: Parts, name: str, step: int, ema: dict[str, Tensor] | None, best: float) -> None:
+    if parts.fabric.is_global_zero:
+        save_checkpoint(parts.out / name, _state(parts, step, ema, best))
+
+
+def _averaged(ema: dict[str, Tensor] | None, network: Network, decay: float) -> dict[str, Tensor] | None:
+    """Return the mean of the weights after a step; counters and statistics of batches are the newest."""
+    if ema is None:
+        return None
+    learnt = {name for name, _ in network.named_parameters()}
+    with torch.no_grad():
+        return {
+            name: torch.lerp(value, ema[name], decay) if name in learnt else value.clone()
+            for name, value in _weights(network).items()
+        }
+
+
+def _check_loss(total: Tensor, found: dict[str, Tensor], step: int, batch: Batch) -> None:
+    if not bool(torch.isfinite(total)):
+        wrong = [f"{name} {float(value.detach()):g}" for name, value in found.items() if not torch.isfinite(value)]
+        where = f"loss of step {step} on {', '.join(batch.names)}"
+        raise InputError(where, "a finite number", f"{float(total.detach()):g} ({', '.join(wrong)})")
+
+
+def _check_gradient(norm: Tensor | None, step: int, batch: Batch) -> None:
+    if norm is not None and not bool(torch.isfinite(norm)):
+        raise InputError(f"gradient of step {step} on {', '.join(batch.names)}", "a finite norm", float(norm))
+
+
+def validated(parts: Parts, ema: dict[str, Tensor] | None) -> float:
+    """Return the mean loss over validation samples, with the weights that would be used and without changing any."""
+    assert parts.val is not None
+    with torch.random.fork_rng(devices=[]):  # its first weights are thrown away
+        network = build_network(parts.settings.network).to(parts.fabric.device)
+    network.load_state_dict(parts.network.state_dict() if ema is None else ema)
+    network.eval()
+    weights = parts.settings.losses
+    count = min(len(parts.val), parts.settings.validate_samples)
+    spread = [index * len(parts.val) // count for index in range(count)]
+    values = []
+    with torch.inference_mode():
+        for index in spread:
+            batch = batched([parts.val[(index, _VALIDATION_DRAW)]]).to(parts.fabric.device)
+            outputs = network(batch.images, batch.world_T_camera, batch.K)
+            found = losses(outputs, batch.targets, parts.settings.network, weights.huber)
+            values.append(float(total_loss(found, weights)))
+    return sum(values) / count

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import torch
+import yaml
+
+from glassware.dataset.commands.glassware import main
+from glassware.dataset.exr import read_exr
+from glassware.dataset.pictures import read_png
+from glassware.dataset.reader import Dataset
+
+
+@pytest.fixture(scope="module")
+def run(rendered, tiny, tmp_path_factory):
+    """A short run by the command: its folder and its settings."""
+    folder = tmp_path_factory.mktemp("run")
+    settings = {
+        "network": tiny.model_dump(mode="json") | {"depth_range": None},
+        "machine": {"accelerator": "cpu", "workers": 0, "threads": 1},
+        "steps": 2,
+        "batch": 1,
+        "validate_samples": 1,
+    }
+    (folder / "run.yaml").write_text(yaml.safe_dump(settings))
+    assert main(["train", str(rendered), "--config", str(folder / "run.yaml"), "--out", str(folder)]) == 0
+    return folder
+
+
+def told(capsys) -> str:
+    return capsys.readouterr().err.strip()
+
+
+def test_train_evaluate_and_predict_follow_one_another(run, rendered, tmp_path, capsys):
+    checkpoint = str(run / "last.ckpt")
+    options = ["--device", "cpu", "--threads", "1", "--out", str(tmp_path)]
+    assert main(["evaluate", checkpoint, str(rendered), "--worst", "2", "--workers", "0", *options]) == 0
+    printed = capsys.readouterr().out
+    assert "5 samples" in printed
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["data"]["split"] == "val"
+    assert report["samples"] == 5
+    assert len(list(tmp_path.glob("worst-0?-scenes-000001-*.png"))) == 2
+
+    view = rendered / "scenes" / "000001" / "003"
+    assert main(["predict", checkpoint, str(view / "left.png"), str(view / "right.png"), *options]) == 0
+    assert read_png(tmp_path / "prediction.png").shape == (96, 256, 3)
+    depth = read_exr(tmp_path / "depth.exr")["Z"]
+    assert depth.shape == (96, 128)
+    assert np.isfinite(depth).all()
+    record = json.loads((tmp_path / "prediction.json").read_text())
+    assert len(record["images"]) == 2
+
+
+def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_path):
+    """A picture and a JSON file of its name, as a user would bring them."""
+    stored, paths = Dataset.open(rendered).scene(1).views[:2], []
+    for number, view in enumerate(stored):
+        camera = view.camera()
+        paths.append(tmp_path / f"{number}.png")
+        paths[-1].write_bytes((view.folder / "left.png").read_bytes())
+        record = {"K": camera.K.tolist(), "world_T_camera": camera.world_T_camera.tolist()}
+        paths[-1].with_suffix(".json").write_text(json.dumps(record))
+    options = ["--device", "cpu", "--threads", "1"]
+    assert main(["predict", str(run / "last.ckpt"), *map(str, paths), "--out", str(tmp_path / "a"), *options]) == 0
+    lefts = [str(view.folder / "left.png") for view in stored]
+    assert main(["predict", str(run / "last.ckpt"), *lefts, "--out", str(tmp_path / "b"), *options]) == 0
+    a, b = (read_exr(tmp_path / name / "depth.exr")["Z"] for name in "ab")
+    np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["train"], "glassware train: expected the folder of a data set, found none"),
+        (["train", "none"], "none: expected the folder of a data set, found none"),
+        (["train", "{data}", "--network.planes", "1"], "network.planes: expected greater than or equal to 2, found 1"),
+        (["train", "{data}", "--train-split", "test"], "splits.json: test: expected scenes that are there, found none"),
+        (["train", "{data}", "--views.count", "9", "--machine.workers", "0"], "expected 8 others by the rule distance"),
+        (["evaluate", "{ckpt}"], "glassware evaluate: expected a checkpoint and the folder of a data set"),
+        (["evaluate", "{data}/dataset.json", "{data}"], "dataset.json: expected an undamaged file of torch"),
+        (["evaluate", "{ckpt}", "{data}", "--device", "moon"], "--device: expected a device of this machine"),
+        (["evaluate", "{ckpt}", "{data}", "--device", "cuda:7"], "--device: expected a device of this machine"),
+        (["predict", "{ckpt}", "{data}/preview.png"], "pictures: expected two or more views of one scene, found 1"),
+        (["predict", "{ckpt}", "{data}/dataset.json", "{data}/dataset.json"], "expected a PNG or JPEG picture"),
+        (["predict", "{ckpt}", "{data}/none.png", "{data}/none.png"], "none.png: expected a readable picture"),
+    ],
+)
+def test_a_wrong_request_is_one_line_and_code_2(run, rendered, tmp_path, capsys, arguments, message):
+    filled = [word.format(data=rendered, ckpt=run / "last.ckpt") for word in arguments]
+    quick = ["--machine.accelerator", "cpu"] if arguments[0] == "train" else []
+    assert main([*filled, *quick, "--out", str(tmp_path / "out")]) == 2
+    line = told(capsys)
+    assert message in line
+    assert "\n" not in line
+
+
+def test_a_hostile_checkpoint_runs_nothing(run, rendered, tmp_path, capsys, monkeypatch):
+    class Attack:
+        def __reduce__(self):
+            import os
+
+            return os.system, ("touch attacked",)
+
+    monkeypatch.chdir(tmp_path)
+    torch.save({"state_dict": Attack()}, tmp_path / "bad.ckpt")
+    assert main(["evaluate", "bad.ckpt", str(rendered)]) == 2
+    assert "bad.ckpt: expected an undamaged file of torch" in told(capsys)
+    assert not (tmp_path / "attacked").exists()
+
+
+def test_a_picture_without_a_camera_is_one_clear_line(run, rendered, tmp_path, capsys):
+    view = rendered / "scenes" / "000001" / "003"
+    alone = tmp_path / "alone.png"
+    alone.write_bytes((view / "left.png").read_bytes())
+    assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+    assert "alone.png: expected its camera in alone.json or camera.json, found neither" in told(capsys)
+    alone.with_suffix(".json").write_text('{"K": [1, 2]}')
+    assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+    assert "alone.json: K: expected a matrix of 3 x 3 numbers" in told(capsys)
+
+
+def test_help_names_the_commands(capsys):
+    assert main(["--help"]) == 0
+    printed = capsys.readouterr().out
+    for name in ("evaluate", "predict", "render", "train"):
+        assert f"  {name} " in printed

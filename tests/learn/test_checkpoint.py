@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+import torch
+
+from glassware.learn.checkpoint import Checkpoint, load_checkpoint, load_network, restore, save_checkpoint
+from glassware.learn.networks.build import build_network
+from glassware.learn.training.settings import TrainSettings
+from glassware.procedural.errors import InputError
+
+
+@pytest.fixture
+def path(tiny, tmp_path):
+    state = build_network(tiny).state_dict()
+    settings = TrainSettings(network=tiny)
+    save_checkpoint(
+        tmp_path / "some.ckpt", Checkpoint(settings, None, 7, state, None, {}, torch.get_rng_state(), math.inf)
+    )
+    return tmp_path / "some.ckpt"
+
+
+class Attack:
+    """Runs a command when it is unpickled."""
+
+    def __reduce__(self):
+        import os
+
+        return os.system, ("touch attacked",)
+
+
+def test_a_checkpoint_comes_back_as_it_was(path, tiny):
+    checkpoint = load_checkpoint(path)
+    assert (checkpoint.step, checkpoint.settings.network, checkpoint.data) == (7, tiny, None)
+    network, _ = load_network(path)
+    assert all(torch.equal(value, checkpoint.network[name]) for name, value in network.state_dict().items())
+
+
+def test_a_file_that_is_cut_short_hostile_or_something_else_is_one_clear_line(path, monkeypatch):
+    monkeypatch.chdir(path.parent)
+    content = torch.load(path, weights_only=True)
+    bad = path.with_name("bad.ckpt")
+    bad.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(InputError, match=r"bad\.ckpt: expected an undamaged file of torch"):
+        load_network(bad)
+    torch.save(content | {"optimiser": Attack()}, bad)
+    with pytest.raises(InputError, match=r"bad\.ckpt: expected an undamaged file of torch"):
+        load_network(bad)
+    assert not (path.parent / "attacked").exists()
+    for change, message in (
+        ({"schema_version": "glassware/checkpoint/9"}, "schema_version: expected glassware/checkpoint/1"),
+        ({"settings": {"network": {"planes": 1}}}, r"settings: network\.planes: expected greater than or equal to 2"),
+    ):
+        torch.save(content | change, bad)
+        with pytest.raises(InputError, match=message):
+            load_network(bad)
+    torch.save({name: value for name, value in content.items() if name != "rng"}, bad)
+    with pytest.raises(InputError, match="the field rng"):
+        load_network(bad)
+    torch.save([1, 2, 3], bad)
+    with pytest.raises(InputError, match="schema_version: expected glassware/checkpoint/1, found list"):
+        load_network(bad)
+    with pytest.raises(InputError, match="a readable file, found none"):
+        load_network(path.with_name("none.ckpt"))
+
+
+def test_weights_of_another_network_are_one_clear_line(path, tiny):
+    other = build_network(tiny.model_copy(update={"volume_channels": 6}))
+    with pytest.raises(InputError, match=r"some\.ckpt: matching\.pair\.first\.0\.bias: expected \(6,\), found \(4,\)"):
+        restore(other, load_checkpoint(path).network, path)
+
+
+def test_a_released_checkpoint_is_known_by_its_names(tmp_path):
+    from glassware.learn import ReferenceNetwork
+
+    state = {f"model.{name}": value for name, value in ReferenceNetwork().state_dict().items()}
+    torch.save({"state_dict": state, "epoch": 100, "global_step": 734169}, tmp_path / "released.ckpt")
+    network, settings = load_network(tmp_path / "released.ckpt")
+    assert isinstance(network, ReferenceNetwork)
+    assert settings.network.variant == "reference"

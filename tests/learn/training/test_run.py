@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+import torch
+
+from glassware.learn.checkpoint import load_checkpoint, load_network, save_checkpoint
+from glassware.learn.networks.build import build_network
+from glassware.learn.training.run import train
+from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
+from glassware.procedural.errors import InputError
+
+
+@pytest.fixture
+def settings(tiny) -> TrainSettings:
+    """A run of some steps on the first scene."""
+    return TrainSettings(
+        network=tiny.model_copy(update={"depth_range": None}),
+        machine=MachineSettings(accelerator="cpu", workers=0, threads=1),
+        optimiser=OptimiserSettings(warmup=2, ema=0.5),
+        steps=6,
+        batch=2,
+        save_every=3,
+        validate_every=3,
+        validate_samples=2,
+        log_every=1,
+        pictures_every=6,
+    )
+
+
+@pytest.fixture
+def lines() -> list[str]:
+    return []
+
+
+def same(first: dict, second: dict) -> bool:
+    return first.keys() == second.keys() and all(torch.equal(first[name], second[name]) for name in first)
+
+
+def test_a_run_that_was_stopped_goes_on_exactly(settings, rendered, tmp_path, lines):
+    train(settings, rendered, tmp_path / "whole", None, lines.append)
+    with pytest.raises(KeyboardInterrupt):
+        train(settings, rendered, tmp_path / "part", None, _stop_after(4))
+    part = load_checkpoint(tmp_path / "part" / "last.ckpt")
+    assert part.step == 3
+    train(settings, rendered, tmp_path / "part", tmp_path / "part" / "last.ckpt", lines.append)
+    whole, part = (load_checkpoint(tmp_path / name / "last.ckpt") for name in ("whole", "part"))
+    assert part.step == whole.step == 6
+    assert same(part.network, whole.network)
+    assert same(part.ema, whole.ema)
+    assert part.best == whole.best
+    for number, state in whole.optimiser["state"].items():
+        assert same(part.optimiser["state"][number], state)
+    assert same(*(load_checkpoint(tmp_path / name / "best.ckpt").network for name in ("whole", "part")))
+
+
+def _stop_after(step: int):
+    def say(line: str) -> None:
+        if line.startswith(f"step {step}/"):
+            raise KeyboardInterrupt
+
+    return say
+
+
+def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path, lines):
+    train(settings, rendered, tmp_path, None, lines.append)
+    checkpoint = load_checkpoint(tmp_path / "last.ckpt")
+    head = json.loads((rendered / "dataset.json").read_text())
+    assert (checkpoint.data.name, checkpoint.data.seed) == (head["name"], head["seed"])
+    near, far = checkpoint.settings.network.depth_range
+    assert 0 < near < far
+    assert checkpoint.settings.model_copy(update={"network": settings.network}) == settings
+    torch.manual_seed(settings.seed)
+    first = build_network(checkpoint.settings.network).state_dict()
+    # Weights and their mean have moved, and differ; the mean is what is used.
+    assert not any(same(checkpoint.network, other) for other in (first, checkpoint.ema))
+    network, _ = load_network(tmp_path / "last.ckpt")
+    assert not network.training
+    assert same(network.state_dict(), checkpoint.ema)
+    assert math.isfinite(checkpoint.best)
+    assert sum(line.startswith("step 6/6: loss") for line in lines) == 1
+    assert list(tmp_path.glob("events.out.tfevents.*"))
+
+
+def test_validation_changes_no_weight_and_no_statistic(settings, rendered, tmp_path, lines):
+    """Other looks at the validation scenes, the same weights."""
+    train(settings, rendered, tmp_path / "with", None, lines.append)
+    without = settings.model_copy(update={"val_split": "none"})
+    train(without, rendered, tmp_path / "without", None, lines.append)
+    one, other = (load_checkpoint(tmp_path / name / "last.ckpt") for name in ("with", "without"))
+    assert same(one.network, other.network)
+
+
+def test_the_mean_of_the_weights_follows_its_formula(settings, rendered, tmp_path, lines):
+    kept = []
+    for steps in (1, 2):
+        options = {"steps": steps, "optimiser": OptimiserSettings(schedule="constant", warmup=0, ema=0.75)}
+        train(settings.model_copy(update=options), rendered, tmp_path / str(steps), None, lines.append)
+        kept.append(load_checkpoint(tmp_path / str(steps) / "last.ckpt"))
+    torch.manual_seed(settings.seed)
+    mean = build_network(kept[0].settings.network).state_dict()
+    for checkpoint in kept:
+        for name in ("pyramid.stem.0.0.weight", "vertex_head.predictor.bias"):
+            mean[name] = 0.75 * mean[name] + 0.25 * checkpoint.network[name]
+            torch.testing.assert_close(checkpoint.ema[name], mean[name])
+
+
+def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, rendered, tmp_path, lines):
+    train(settings, rendered, tmp_path, None, lines.append)
+    spoilt = load_checkpoint(tmp_path / "last.ckpt")
+    spoilt.network["vertex_head.predictor.bias"].fill_(float("nan"))
+    more = spoilt.settings.model_copy(update={"steps": 9})
+    (tmp_path / "nan").mkdir()
+    save_checkpoint(tmp_path / "nan" / "start.ckpt", replace(spoilt, settings=more))
+    with pytest.raises(
+        InputError, match=r"loss of step 6 on scenes/000000/\d+.*: expected a finite number, found nan \(vertex"
+    ):
+        train(more, rendered, tmp_path / "nan", tmp_path / "nan" / "start.ckpt", lines.append)
+    assert not (tmp_path / "nan" / "last.ckpt").exists()
+
+
+def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
+    short = settings.model_copy(update={"steps": 3})
+    train(short, rendered, tmp_path, None, lines.append)
+    last = tmp_path / "last.ckpt"
+    for change, message in (
+        ({"batch": 3}, "batch: expected 3, found 2 in the checkpoint"),
+        ({"steps": 9}, "steps: expected 9, found 3 in the checkpoint"),
+        ({"network": settings.network.model_copy(update={"planes": 9})}, "network: expected"),
+    ):
+        with pytest.raises(InputError, match=message):
+            train(short.model_copy(update=change), rendered, tmp_path, last, lines.append)
+    rows = copied / "scenes" / "000001" / "views.json"
+    rows.write_text(rows.read_text().replace("128", "127"))
+    with pytest.raises(
+        InputError, match=r"data set: expected that of .*, found glassware with seed 3 and other content"
+    ):
+        train(short, copied, tmp_path, last, lines.append)
+    with pytest.raises(InputError, match=r"a folder without last\.ckpt"):
+        train(short, rendered, tmp_path, None, lines.append)
+    # Where and how loudly it runs may change.
+    train(short.model_copy(update={"log_every": 2}), rendered, tmp_path, last, lines.append)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"matching": "group", "fusion": "visibility", "readout": "windowed"}, {"norm": "group"}]
+)
+def test_every_kind_of_network_trains(settings, rendered, tmp_path, lines, changes):
+    network = settings.network.model_copy(update=changes)
+    options = {"network": network, "steps": 2, "optimiser": OptimiserSettings(name="adamw", schedule="cosine")}
+    train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
+    assert load_checkpoint(tmp_path / "last.ckpt").step == 2
+
+
+@pytest.mark.slow
+def test_the_reference_trains_and_its_checkpoint_loads(settings, rendered, tmp_path, lines):
+    options = {"network": settings.network.model_copy(update={"variant": "reference"}), "steps": 1, "batch": 1}
+    train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
+    network, kept = load_network(tmp_path / "last.ckpt")
+    assert kept.network.variant == "reference"
+    assert sum(p.numel() for p in network.parameters()) == 49_749_487
