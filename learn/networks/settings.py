@@ -44,7 +44,7 @@ class NetworkSettings(Model):
     feature_channels: int = Field(default=32, ge=4, le=256, description="Channels of the matched features")
     feature_width: int = Field(default=32, ge=4, le=256, description="Channels of the first matching layers")
     feature_blocks: tuple[_Count, _Count, _Count, _Count] = Field(
-        default=(3, 16, 3, 3), description="Residual blocks of the matching layers"
+        default=(3, 6, 3, 3), description="Residual blocks of the matching layers; PSMNet has 16 in the second"
     )
     volume_channels: int = Field(default=32, ge=2, le=256, description="Channels of the volume that is regularised")
     context: Depth = Field(default="resnet50", description="Network of the reference picture")

@@ -1,0 +1,202 @@
+"""What training and inference cost: the corrected network beside the released one, in turns, and the loader.
+
+python bench/learn.py [--rounds 2] [--threads 1] [--data DIR] [--json FILE]
+
+Each round starts a process for either network, which takes one step that does not count and then `--steps` more, at
+640 x 480 with 2 views and one sample. Memory is the most that the process ever held.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from time import perf_counter
+
+import torch
+from table import Row, report
+from torch.utils.data import DataLoader
+
+from glassware.dataset.commands.render_scene import main as render_scene
+from glassware.learn import NetworkSettings, build_network
+from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.settings import AugmentSettings, ViewSettings
+from glassware.learn.targets.encoding import CORRECTED
+from glassware.learn.training.losses import LossWeights, losses, total_loss
+from glassware.procedural.randomness import stream
+
+HEIGHT, WIDTH, VIEWS = 480, 640, 2
+DEPTH_RANGE = (0.25, 3.0)
+#: At least so many times as fast as the released network, with at most this share of its memory; and the loader at
+#: least so many times as fast as the network.
+FASTER, MEMORY, LOADER = 2.0, 0.6, 5.0
+
+
+def main() -> int:
+    """Measure and print; 1 where a bound is broken."""
+    options = ArgumentParser(description=__doc__)
+    options.add_argument("--rounds", type=int, default=2)
+    options.add_argument("--steps", type=int, default=2)
+    options.add_argument("--threads", type=int, default=torch.get_num_threads())
+    options.add_argument("--data", type=Path, help="a data set at 640 x 480; one is rendered unless given")
+    options.add_argument("--json", type=Path)
+    options.add_argument("--only", help="one job of a child process")
+    given = options.parse_args()
+    if given.only:
+        torch.set_num_threads(given.threads)
+        sys.stdout.write(json.dumps(_job(given)) + "\n")
+        return 0
+    found: dict[str, list[dict[str, float]]] = {}
+    for _ in range(given.rounds):
+        for job in ("reference", "corrected", "float32", "bfloat16", "compiled"):
+            found.setdefault(job, []).append(_child(job, given))
+    best = {job: {key: min(run[key] for run in runs) for key in runs[0]} for job, runs in found.items()}
+    rows = [*_training(best["reference"], best["corrected"]), *_inference(best)]
+    rows += _loading(given, best["corrected"]["seconds"])
+    facts = {"size": f"{WIDTH} x {HEIGHT}, {VIEWS} views, 1 sample", "rounds": given.rounds, "threads": given.threads}
+    return report("training, inference and loading", rows, given.json, **facts, torch=torch.__version__)
+
+
+def _child(job: str, given: Namespace) -> dict[str, float]:
+    command = [sys.executable, __file__, "--only", job, "--steps", str(given.steps), "--threads", str(given.threads)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _training(reference: dict[str, float], corrected: dict[str, float]) -> list[Row]:
+    faster = reference["seconds"] / corrected["seconds"]
+    share = corrected["peak"] / reference["peak"]
+    return [
+        Row("training step, released", reference["seconds"], "s"),
+        Row(
+            "training step, corrected",
+            corrected["seconds"],
+            "s",
+            peer=reference["seconds"],
+            ratio=faster,
+            bound=reference["seconds"] / FASTER,
+            ok=faster >= FASTER,
+        ),
+        Row("peak memory, released", reference["peak"], "GB"),
+        Row(
+            "peak memory, corrected",
+            corrected["peak"],
+            "GB",
+            peer=reference["peak"],
+            ratio=1.0 / share,
+            bound=MEMORY * reference["peak"],
+            ok=share <= MEMORY,
+        ),
+    ]
+
+
+def _inference(best: dict[str, dict[str, float]]) -> list[Row]:
+    plain = best["float32"]["seconds"]
+    rows = [Row("inference, float32", plain, "s")]
+    for job, name in (("bfloat16", "bfloat16"), ("compiled", "torch.compile")):
+        seconds = best[job]["seconds"]
+        if seconds < 0.0:
+            rows.append(Row(f"inference, {name}", None, "s", note="this machine has no compiler"))
+        else:
+            rows.append(Row(f"inference, {name}", seconds, "s", peer=plain, ratio=plain / seconds))
+    return rows
+
+
+def _loading(given: Namespace, step: float) -> list[Row]:
+    with tempfile.TemporaryDirectory() as folder:
+        data = given.data or _rendered(Path(folder))
+        samples = SampleDataset(data, "all", ViewSettings(count=VIEWS), CORRECTED, augment=AugmentSettings())
+        order = [[(index % len(samples), index // len(samples))] for index in range(24)]
+        loader = DataLoader(samples, batch_sampler=order, collate_fn=batched, num_workers=2)
+        batches = iter(loader)
+        next(batches)
+        start = perf_counter()
+        count = sum(1 for _ in batches)
+        seconds = (perf_counter() - start) / count
+    return [
+        Row(
+            "a sample from the loader, 2 workers",
+            seconds,
+            "s",
+            bound=step / LOADER,
+            ratio=step / seconds,
+            ok=step / seconds >= LOADER,
+            note="ratio: to a training step",
+        )
+    ]
+
+
+def _rendered(folder: Path) -> Path:
+    config = folder / "config.yaml"
+    config.write_text("cameras: {views: 3}\npicture: {spp: 1, layers: 0, refraction: no, light: path}\n")
+    assert (
+        render_scene(
+            ["--seed", "7", "--out", str(folder / "data"), "--config", str(config), "--width", "640", "--height", "480"]
+        )
+        == 0
+    )
+    return folder / "data"
+
+
+def _job(given: Namespace) -> dict[str, float]:
+    torch.manual_seed(0)
+    if given.only in ("reference", "corrected"):
+        seconds = _steps(NetworkSettings(variant=given.only, depth_range=DEPTH_RANGE), given.steps)
+    else:
+        seconds = _forward(given.only, given.steps)
+    # Linux counts in kilobytes.
+    return {"seconds": seconds, "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9}
+
+
+def _inputs() -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    images = torch.from_numpy(stream(0, 0, "bench/learn").uniform(0.0, 1.0, (1, VIEWS, 3, HEIGHT, WIDTH))).float()
+    poses = torch.eye(4).repeat(1, VIEWS, 1, 1)
+    poses[0, 1, 0, 3] = 0.1
+    K = torch.tensor([[614.0, 0.0, 319.5], [0.0, 614.0, 239.5], [0.0, 0.0, 1.0]]).repeat(1, VIEWS, 1, 1)
+    return images, poses, K
+
+
+def _targets() -> dict[str, torch.Tensor]:
+    cells, size = (1, HEIGHT // 8, WIDTH // 8), (1, HEIGHT, WIDTH)
+    fields = {"vertex": torch.zeros(1, 16, *cells[1:]), "covariance": torch.zeros(1, 6, *cells[1:])}
+    whole = {"depth": torch.ones(size), "heatmap": torch.zeros(size), "seg": torch.zeros(size, dtype=torch.int64)}
+    masks = {"owned": torch.ones(size, dtype=torch.bool), "counts": torch.ones(cells, dtype=torch.bool)}
+    return {**fields, **whole, **masks, "offset": torch.zeros(1, 2, HEIGHT, WIDTH), "z_centroid": torch.zeros(cells)}
+
+
+def _steps(settings: NetworkSettings, count: int) -> float:
+    net, inputs, targets, weights = build_network(settings), _inputs(), _targets(), LossWeights()
+    optimiser = torch.optim.Adam(net.parameters(), lr=1e-6)
+    start = 0.0
+    for step in range(count + 1):
+        if step == 1:
+            start = perf_counter()
+        loss = total_loss(losses(net(*inputs), targets, settings), weights)
+        optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        optimiser.step()
+        del loss
+    return (perf_counter() - start) / count
+
+
+def _forward(job: str, count: int) -> float:
+    net = build_network(NetworkSettings(depth_range=DEPTH_RANGE)).eval()
+    run = torch.compile(net) if job == "compiled" else net
+    inputs, start = _inputs(), 0.0
+    with torch.inference_mode(), torch.autocast("cpu", torch.bfloat16, enabled=job == "bfloat16"):
+        for step in range(count + 1):
+            if step == 1:
+                start = perf_counter()
+            try:
+                run(*inputs)
+            except torch._inductor.exc.InductorError:  # pyright: ignore - raised where there is no C++ compiler
+                return -1.0
+    return (perf_counter() - start) / count
+
+
+if __name__ == "__main__":
+    sys.exit(main())
