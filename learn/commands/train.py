@@ -49,7 +49,6 @@ def _train(arguments: Sequence[str]) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     train(settings, request.data, request.out, request.resume, say)
-    say(f"{request.out}: trained for {settings.steps} steps")
 
 
 if __name__ == "__main__":

@@ -18,12 +18,17 @@ from ..metrics.instances import PictureMasks, picture_masks
 from ..metrics.pose import PoseErrors, pose_errors
 from ..objects import ViewObject
 from ..targets.encoding import Encoding
-from ..targets.view import OPAQUE, TRANSPARENT, findable, semantic
+from ..targets.view import NOTHING, OPAQUE, TABLE, TRANSPARENT, findable, semantic
 
 #: Overlap of the boxes from which an object counts as found (the released code's value).
 FOUND = 0.25
 #: Pixels over which depth is compared: the classes of their first surface.
-PIXELS = {"transparent": (TRANSPARENT,), "opaque": (OPAQUE,), "objects": (TRANSPARENT, OPAQUE)}
+PIXELS = {
+    "transparent": (TRANSPARENT,),
+    "opaque": (OPAQUE,),
+    "objects": (TRANSPARENT, OPAQUE),
+    "all": (NOTHING, TABLE, TRANSPARENT, OPAQUE),
+}
 
 
 @dataclass(frozen=True, eq=False)

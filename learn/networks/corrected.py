@@ -14,7 +14,7 @@ from ...procedural.errors import InputError
 from .context import ContextDecoder
 from .heads import DenseHead, FieldHead, Pyramid
 from .inputs import check_inputs
-from .layers import enlarged, initialise, soft_argmin
+from .layers import convex_enlarged, enlarged, initialise, soft_argmin
 from .matching import MatchingVolume
 from .matching_features import MatchingFeatures
 from .pyramid import FeaturePyramid
@@ -63,14 +63,14 @@ class CorrectedNetwork(nn.Module):
         )
         sizes = {"inputs": settings.pyramid_channels, "width": settings.head_channels, "kind": settings.head_norm}
         detail = _QUARTER**2
-        self.seg_head, self.depth_head = DenseHead(CLASSES * detail, **sizes), DenseHead(detail, **sizes)
+        self.seg_head, self.depth_head = DenseHead(CLASSES * detail, **sizes), DenseHead(10 * detail, **sizes)
         self.offset_head, self.heatmap_head = DenseHead(2, **sizes), DenseHead(1, **sizes)
         self.vertex_head, self.covariance_head = FieldHead(16, **sizes), FieldHead(6, **sizes)
         self.z_centroid_head = FieldHead(1, **sizes)
         self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(_DEVIATION)[:, None, None], persistent=False)
         initialise(self)
-        # The rough depth is the start of the fine one; the field starts where its values lie.
+        # The fine depth starts as a mean of the rough one; the field starts where its values lie.
         nn.init.zeros_(self.depth_head.predictor.weight)
         self.vertex_head.start(_VERTEX_CENTRE)
 
@@ -123,10 +123,11 @@ class CorrectedNetwork(nn.Module):
         return windowed_expectation(logits, planes, self.settings.window)
 
     def _heads(self, pyramid: Pyramid, small: Tensor) -> dict[str, Tensor]:
-        finer = functional.pixel_shuffle(self.depth_head.quarter(pyramid), _QUARTER)
+        weights, finer = self.depth_head.quarter(pyramid).float().split((9 * _QUARTER**2, _QUARTER**2), dim=1)
+        depth = convex_enlarged(small[:, None], weights, _QUARTER) + functional.pixel_shuffle(finer, _QUARTER)
         return {
             "seg": functional.pixel_shuffle(self.seg_head.quarter(pyramid), _QUARTER).float(),
-            "depth": (enlarged(small[:, None], _QUARTER) + finer.float())[:, 0],
+            "depth": depth[:, 0],
             "heatmap": enlarged(self.heatmap_head.quarter(pyramid).float(), _QUARTER)[:, 0],
             "offset": enlarged(self.offset_head.quarter(pyramid).float(), _QUARTER),
             "vertex": self.vertex_head(pyramid).float(),

@@ -74,6 +74,30 @@ def enlarged(values: Tensor, factor: int) -> Tensor:
     return functional.interpolate(padded, size, mode="bilinear", align_corners=True)[..., :-1, :-1]
 
 
+def convex_enlarged(values: Tensor, logits: Tensor, factor: int) -> Tensor:
+    """Return a picture at ``factor`` times the size, each pixel a mean of nine old ones with weights of its own.
+
+    So an edge may stay sharp: a pixel takes the value of the side that it lies on. (Teed & Deng, "RAFT: Recurrent
+    All-Pairs Field Transforms for Optical Flow", ECCV 2020, section 3.3.)
+
+    Parameters
+    ----------
+    values : (B, 1, H, W) Tensor
+        The picture; beyond its edge the last value stays.
+    logits : (B, 9 factor^2, H, W) Tensor
+        Of the weights: for each of the nine in the order of rows, one for each new pixel of an old one.
+
+    Returns
+    -------
+    (B, 1, factor H, factor W) Tensor
+    """
+    height, width = values.shape[-2:]
+    padded = functional.pad(values, (1, 1, 1, 1), mode="replicate")
+    near = functional.unfold(padded, 3).reshape(len(values), 9, 1, height, width)
+    weights = logits.unflatten(1, (9, factor * factor)).softmax(dim=1)
+    return functional.pixel_shuffle((weights * near).sum(1), factor)
+
+
 def soft_argmin(logits: Tensor, planes: Tensor) -> Tensor:
     """Return the expected depth, (B, H, W), of logits, (B, D, H, W), over planes, (B, D).
 

@@ -118,6 +118,8 @@ def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
         precision=machine.precision,
     )
     fabric.launch()
+    if settings.batch % fabric.world_size:
+        raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
     encoding = encoding_of(settings.network.variant)
     views, seed = settings.views, settings.seed
     learnt = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
@@ -195,6 +197,8 @@ def _steps(parts: Parts, start: Checkpoint, say: Callable[[str], None]) -> None:
         if done % settings.save_every == 0 or done == settings.steps:
             _save(parts, LAST, done, ema, best)
     records.close()
+    if fabric.is_global_zero:
+        say(f"{parts.out}: trained for {settings.steps} steps")
 
 
 def _save(parts: Parts, name: str, step: int, ema: dict[str, Tensor] | None, best: float) -> None:

@@ -42,7 +42,7 @@ def test_perfect_outputs_have_perfect_figures(scores, samples):
     found = figures(scores)
     assert found["samples"] == 10
     for size in ("full", "cleargrasp"):
-        for kind in ("transparent", "opaque", "objects"):
+        for kind in ("transparent", "opaque", "objects", "all"):
             errors = found["depth"][size][kind]
             assert (errors["rmse"], errors["mae"], errors["rel"]) == (0.0, 0.0, 0.0)
             assert (errors["delta_105"], errors["delta_110"], errors["delta_125"]) == (1.0, 1.0, 1.0)

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from glassware.annotate.projection import inverse_pose, project
-from glassware.learn.networks.layers import enlarged
+from glassware.learn.networks.layers import convex_enlarged, enlarged
 from glassware.learn.networks.matching import MatchingVolume
 from glassware.learn.networks.sweep import (
     plane_depths,
@@ -141,3 +141,15 @@ def test_a_view_that_sees_nothing_changes_nothing(tiny, rng, matching, fusion):
         two = volume(features[:, :2], *(t[:, :2] for t in tensors), planes)
     torch.testing.assert_close(three, two)
     assert two.abs().max() > 0
+
+
+def test_convex_enlarging_is_a_mean_of_nine_with_the_weights_of_each_pixel(rng):
+    values = torch.from_numpy(rng.standard_normal((1, 1, 3, 4)))
+    logits = torch.from_numpy(rng.standard_normal((1, 9 * 4, 3, 4)))
+    wide = convex_enlarged(values, logits, 2)
+    for y, x in np.ndindex(6, 8):
+        row, column, place = y // 2, x // 2, 2 * (y % 2) + x % 2
+        rows, columns = (np.clip(np.arange(k - 1, k + 2), 0, n - 1) for k, n in ((row, 3), (column, 4)))
+        near = values[0, 0].numpy()[np.ix_(rows, columns)].reshape(-1)
+        weight = np.exp(logits[0].numpy().reshape(9, 4, 3, 4)[:, place, row, column])
+        assert float(wide[0, 0, y, x]) == pytest.approx((weight * near).sum() / weight.sum())
