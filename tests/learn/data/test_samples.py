@@ -212,3 +212,21 @@ def _lowered(root) -> bool:
     for path in root.glob("scenes/*/*/camera.json"):
         edited(path, lambda d: d.update(grid_index=50))
     return True
+
+
+def test_on_the_grid_other_views_are_next_to_the_reference(copied):
+    """Views at the places 1, 2, 15, 30 and 50 of the grid: 2 and 15 are next to 1, 30 to neither, 50 looks along."""
+    places = (1, 2, 15, 30, 50)
+    for place, path in zip(places, sorted((copied / SCENE).glob("*/camera.json")), strict=True):
+        edited(path, lambda d, place=place: d.update(grid_index=place))
+    (copied / "splits.json").write_text('{"schema_version": "glassware/splits/1", "train": [0]}')
+    data = samples(copied, "train", views={"rule": "grid"})
+    assert len(data) == 4
+    cameras = np.array([view.camera().world_T_camera[:3, 3] for view in Dataset.open(copied).scene(0).views])
+    drawn = set()
+    for draw in range(20):
+        place = data[(0, draw)].world_T_camera[1, :3, 3].numpy()
+        drawn.add(places[int(np.linalg.norm(cameras - place, axis=1).argmin())])
+    assert drawn == {2, 15}
+    with pytest.raises(InputError, match="expected 2 others by the rule grid, found 1 of the 5 views"):
+        samples(copied, "train", views={"rule": "grid", "count": 3})[(3, 0)]
