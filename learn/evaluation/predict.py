@@ -24,7 +24,7 @@ from ..data.views import CameraView, check_camera, check_picture, check_sizes
 from ..decoding.decode import Detections, decode
 from ..pictures import coloured_depth, depth_limits, rgb, with_boxes
 from ..targets.encoding import encoding_of
-from .score import frozen
+from .score import check_finite, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +68,7 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
     with torch.inference_mode():
         outputs = frozen(network.to(device))(pictures.to(device), poses.to(device), K.to(device))
     fields = {name: value.float().cpu() for name, value in outputs.items()}
+    check_finite(fields, str(images[0]))
     (found,) = decode(fields, K[:, 0].double(), encoding_of(settings.network.variant))
     prediction = Prediction(fields["depth"][0].numpy(), found)
     _write(prediction, rgb(pictures[0, 0]), views[0].K, images, out)

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ...procedural.errors import InputError
 from ..data.truth import Truth
 from ..decoding.decode import Detections, decode
 from ..metrics.box_iou import box_iou, symmetric_box_iou
@@ -71,6 +72,7 @@ def score_sample(name: str, outputs: Mapping[str, Tensor], K: Tensor, truth: Tru
         Of the network's fields.
     """
     fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits")}
+    check_finite(fields, name)
     (found,) = decode(fields, K[None].double(), encoding)
     depth = outputs["depth"][0].cpu().numpy()
     classes = semantic(truth.instances, truth.objects)
@@ -85,6 +87,13 @@ def score_sample(name: str, outputs: Mapping[str, Tensor], K: Tensor, truth: Tru
         masks=_masks(found, truth, wanted),
         objects=_objects(found, boxes, truth, depth),
     )
+
+
+def check_finite(outputs: Mapping[str, Tensor], where: str) -> None:
+    """Raise InputError where a network gives what is no number: its weights are spoilt."""
+    for name, value in outputs.items():
+        if not bool(torch.isfinite(value).all()):
+            raise InputError(f"{where}: {name}", "finite numbers from the network", "others; its weights are spoilt")
 
 
 def _box_overlaps(found: Detections, truth: Truth, wanted: set[int]) -> PictureOverlaps:

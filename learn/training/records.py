@@ -22,7 +22,9 @@ class Records:
         self, out: Path, start: int, settings: TrainSettings, fabric: Fabric, say: Callable[[str], None]
     ) -> None:
         self._settings, self._say = settings, say
-        self._writer = SummaryWriter(str(out)) if fabric.is_global_zero else None
+        # What an earlier process noted of steps that are taken again is dropped.
+        again = start + 1 if start else None
+        self._writer = SummaryWriter(str(out), purge_step=again) if fabric.is_global_zero else None
         self._since, self._step = perf_counter(), start
 
     def step(

@@ -16,6 +16,7 @@ from glassware.learn.evaluation.score import ObjectScore, score_sample
 from glassware.learn.objects import ViewObject
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.targets.view import OPAQUE, findable
+from glassware.procedural.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,13 @@ def test_a_network_that_sees_nothing_misses_everything(samples):
     assert found["boxes"] == {"ap25": 0.0, "ap50": 0.0, "ap75": 0.0, "iou_found": None, "iou_all": 0.0}
     assert (found["pose"]["found"], found["pose"]["auc"], found["pose"]["mae"]) == (0.0, 0.0, None)
     assert found["masks"]["ap"] == 0.0
+
+
+def test_spoilt_weights_are_one_clear_line(samples, tiny):
+    net = build_network(tiny)
+    torch.nn.init.constant_(net.vertex_head.predictor.bias, float("nan"))
+    with pytest.raises(InputError, match=r"scenes/000000/000: vertex: expected finite numbers from the network"):
+        score_all(net, samples, "corrected", lambda _line: None)
 
 
 def test_depth_errors_are_over_the_pixels_of_their_kind(samples):

@@ -146,11 +146,21 @@ def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"matching": "group", "fusion": "visibility", "readout": "windowed"}, {"norm": "group"}]
+    ("changes", "precision"),
+    [
+        ({"matching": "group", "fusion": "visibility", "readout": "windowed"}, "32-true"),
+        ({"norm": "group"}, "bf16-mixed"),
+    ],
 )
-def test_every_kind_of_network_trains(settings, rendered, tmp_path, lines, changes):
+def test_every_kind_of_network_trains(settings, rendered, tmp_path, lines, changes, precision):
     network = settings.network.model_copy(update=changes)
-    options = {"network": network, "steps": 2, "optimiser": OptimiserSettings(name="adamw", schedule="cosine")}
+    machine = settings.machine.model_copy(update={"precision": precision})
+    options = {
+        "network": network,
+        "machine": machine,
+        "steps": 2,
+        "optimiser": OptimiserSettings(name="adamw", schedule="cosine"),
+    }
     train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
     assert load_checkpoint(tmp_path / "last.ckpt").step == 2
 
