@@ -59,13 +59,13 @@ def test_a_small_network_learns_one_sample_by_heart(pair, tmp_path, switches):
         losses=LossWeights(huber=0.01, depth=10.0, small_depth=3.0, vertex=0.5, z_centroid=0.5, covariance=0.5),
         optimiser=OptimiserSettings(rate=3e-3, warmup=10),
         machine=MachineSettings(accelerator="cpu", workers=0, threads=1),
-        steps=600,
+        steps=450,
         batch=1,
         train_split="all",
         val_split="none",
         log_every=100,
-        pictures_every=600,
-        save_every=600,
+        pictures_every=450,
+        save_every=450,
     )
     train(settings, pair, tmp_path, None, lambda _line: None)
     network, kept = load_network(tmp_path / "last.ckpt")
