@@ -18,6 +18,7 @@ from .layers import convex_enlarged, enlarged, initialise, soft_argmin
 from .matching import MatchingVolume
 from .matching_features import MatchingFeatures
 from .pyramid import FeaturePyramid
+from .recompute import recomputed
 from .regularisation import Regularisation, windowed_expectation
 from .resnet import ResNet
 from .settings import NetworkSettings
@@ -100,7 +101,7 @@ class CorrectedNetwork(nn.Module):
         """
         check_inputs(images, world_T_camera, K)
         pictures = (images - self.mean) / self.deviation
-        features = self.features(pictures.flatten(0, 1)).unflatten(0, images.shape[:2])
+        features = self._features(pictures.flatten(0, 1)).unflatten(0, images.shape[:2])
         planes = self._planes(images, depth_range)
         with torch.autocast(images.device.type, enabled=False):  # geometry keeps 32 bits
             volume = self.matching(features.float(), world_T_camera.float(), K.float(), planes)
@@ -111,6 +112,9 @@ class CorrectedNetwork(nn.Module):
         rough = (small[:, None] - middle) / half
         pyramid = self.pyramid(torch.cat([features[:, 0], rough.to(features)], dim=1))
         return {"small_depth": small, "plane_logits": logits, "planes": planes, **self._heads(pyramid, small)}
+
+    def _features(self, pictures: Tensor) -> Tensor:
+        return recomputed(self.features, pictures) if self.settings.recompute else self.features(pictures)
 
     def _planes(self, images: Tensor, depth_range: Tensor | None) -> Tensor:
         if depth_range is None:

@@ -83,6 +83,20 @@ def test_every_weight_learns(tiny, rng):
         assert not dead
 
 
+def test_computing_features_again_changes_neither_gradients_nor_statistics(tiny, rng):
+    plain = build_network(tiny)
+    again = build_network(tiny.model_copy(update={"recompute": True}))
+    again.load_state_dict(plain.state_dict())
+    inputs = batch(rng, 2, 3, 64, 96)
+    for net in (plain, again):
+        outputs = net(*inputs)
+        sum((outputs[name] ** 2).mean() for name in OUTPUTS).backward()
+    for (name, one), other in zip(plain.named_parameters(), again.parameters(), strict=True):
+        assert torch.equal(one.grad, other.grad), name
+    for name, value in plain.state_dict().items():
+        assert torch.equal(value, again.state_dict()[name]), name
+
+
 def test_a_samples_own_range_of_depth_wins(tiny, rng):
     net = build_network(tiny).eval()
     with torch.inference_mode():
