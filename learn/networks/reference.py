@@ -35,6 +35,8 @@ PLANES, NEAREST, FARTHEST = 64, 0.01, 10.0
 CHANNELS = 32
 #: What Lightning puts before every name of a released checkpoint.
 _PREFIX = "model."
+#: Smallest longer side at which its widest pool has two values a picture, which a batch norm needs in training [px].
+_TRAINABLE = 256
 #: Keeps the division by depth finite [m].
 _DIVISION = 1e-8
 
@@ -126,6 +128,9 @@ class ReferenceNetwork(nn.Module):
             (B, 16, H/8, W/8), ``z_centroid`` (B, H/8, W/8), ``covariance`` (B, 6, H/8, W/8).
         """
         check_inputs(images, world_T_camera, K)
+        if self.training and len(images) == 1 and max(images.shape[-2:]) < _TRAINABLE:
+            found = f"one of {images.shape[-2]} x {images.shape[-1]} px"
+            raise InputError("images", f"two samples, or pictures of {_TRAINABLE} px, to train the released net", found)
         pictures = 2.0 * (images / 255.0) - 1.0  # fault 2
         features = [self.matchingFeature(picture) for picture in pictures.unbind(1)]
         projection = _projections(world_T_camera, K[0, 0])

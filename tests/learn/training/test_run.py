@@ -167,7 +167,9 @@ def test_every_kind_of_network_trains(settings, rendered, tmp_path, lines, chang
 
 @pytest.mark.slow
 def test_the_reference_trains_and_its_checkpoint_loads(settings, rendered, tmp_path, lines):
-    options = {"network": settings.network.model_copy(update={"variant": "reference"}), "steps": 1, "batch": 1}
+    options = {"network": settings.network.model_copy(update={"variant": "reference"}), "steps": 1}
+    with pytest.raises(InputError, match="to train the released net, found one of 96 x 128 px"):
+        train(settings.model_copy(update=options | {"batch": 1}), rendered, tmp_path / "one", None, lines.append)
     train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
     network, kept = load_network(tmp_path / "last.ckpt")
     assert kept.network.variant == "reference"
