@@ -30,7 +30,7 @@ from .outcome import outcome
 from .progress import Stages
 
 if TYPE_CHECKING:
-    from ...render.pictures.integrator import OpaqueLight
+    from ...render.pictures.picture import Tracer
     from ...render.scene.kernel import Kernel
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.
@@ -94,11 +94,11 @@ def _say_what_is_done(request: RenderScene, stages: Stages) -> None:
 def _written(out: Path, scene: Scene, stages: Stages) -> list[PreviewRow]:
     """Render, label and write the scene view by view; return the views of the preview."""
     points = scene_keypoints(scene)
-    kernel, opaque_light, check = _lit(scene, stages)
+    kernel, tracer, check = _lit(scene, stages)
     shown, rows = set(chosen_views(len(scene.cameras))), []
 
     def views() -> Iterator[View]:
-        for view in _views(kernel, opaque_light, points, stages):
+        for view in _views(kernel, tracer, points, stages):
             if view.number in shown:
                 rows.append(_preview_row(scene, view))
             with stages.timed("writing"):
@@ -115,34 +115,35 @@ def _preview_row(scene: Scene, view: View) -> PreviewRow:
     return PreviewRow(layout.view_name(view.number), picture, camera, view.frame.geometry, view.labels)
 
 
-def _lit(scene: Scene, stages: Stages) -> tuple[Kernel, OpaqueLight | None, LightCheck | None]:
+def _lit(scene: Scene, stages: Stages) -> tuple[Kernel, Tracer, LightCheck | None]:
     """Load the scene, and store its light where that is asked for or pays."""
     # Only here: these bring Mitsuba, whose variant must be set first.
     from ...render.light.scene_light import is_shared, shared_light
+    from ...render.pictures.picture import PATHS
     from ...render.scene.kernel import load
 
     shared = is_shared(scene)
     with stages.timed("loading"):
         kernel = load(scene, cut=shared)
     if not shared:
-        return kernel, None, None
+        return kernel, PATHS, None
     with stages.timed("light"):
-        opaque_light, check = shared_light(kernel)
+        tracer, check = shared_light(kernel)
     stages.say(
         f"light of the scene stored at {check.nodes} places; pictures from it differ from path-traced ones by "
         f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
         + ("" if check.mode == "shared" else f", more than {check.bound:.0%}: paths are traced instead")
     )
-    return kernel, opaque_light, check
+    return kernel, tracer, check
 
 
-def _views(kernel: Kernel, opaque_light: OpaqueLight | None, points: SceneKeypoints, stages: Stages) -> Iterator[View]:
+def _views(kernel: Kernel, tracer: Tracer, points: SceneKeypoints, stages: Stages) -> Iterator[View]:
     from ...render.labels.sight import line_of_sight
     from ...render.view import render_view
 
     scene = kernel.description
     for number, camera in enumerate(scene.cameras):
-        frame = render_view(kernel, number, opaque_light)
+        frame = render_view(kernel, number, tracer)
         stages.add(frame.seconds)
         with stages.timed("labels"):
             sight = line_of_sight(kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
