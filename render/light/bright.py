@@ -31,6 +31,9 @@ _LOW, _HIGH = (-0.2, -0.2, 0.0), (0.2, 0.2, 0.15)
 _GROUND, _LEAST = 0.3, 0.1
 #: Weight of the map against Fresnel's own shares. A half keeps the weight of either outcome at 2 or less.
 _TRUST = 0.5
+#: Paths that count more than this many times are not steered on: coins that fell against the odds again and again would
+#: make a firefly of the path that was unlucky.
+_HEAVY = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +99,16 @@ def light_from(bright: Bright, direction: mi.Vector3f) -> mi.Float:
     return dr.gather(mi.Float, bright.cells, row * CELLS + column)
 
 
-def steered(bright: Bright, index: mi.Float) -> Callable[[mi.Vector3f, mi.Normal3f, mi.Float], mi.Float]:
-    """Return how often to mirror rays in a medium of an index (`dielectric.Odds`)."""
-    return lambda wi, facet, reflectance: mirrored_share(bright, wi, facet, index, reflectance)
+def steered(
+    bright: Bright, index: mi.Float, counts: mi.Float
+) -> Callable[[mi.Vector3f, mi.Normal3f, mi.Float], mi.Float]:
+    """Return how often to mirror rays (`dielectric.Odds`) in a medium of an index that count so many times."""
+
+    def odds(wi: mi.Vector3f, facet: mi.Normal3f, reflectance: mi.Float) -> mi.Float:
+        share = mirrored_share(bright, wi, facet, index, reflectance)
+        return dr.select(counts > _HEAVY, reflectance, share)
+
+    return odds
 
 
 def mirrored_share(

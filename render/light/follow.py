@@ -163,7 +163,7 @@ def _advanced(
         if dr.hint(active & ~opaque, exclude=[table, scene, points, bright]):
             eta = relative_index(table, facing, beyond, si.wavelengths)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
-            odds = steered(bright, dr.gather(mi.Float, table.eta, facing))
+            odds = steered(bright, dr.gather(mi.Float, table.eta, facing), dr.max(beta) * eta_scale)
             event = scatter(-ray.d, n, ns, eta, alpha, chance, bits, odds)
             direction, factor = event.direction, mi.Color3f(event.weight)
             eta_scale *= event.eta_squared

@@ -88,9 +88,22 @@ def test_steering_leaves_the_mean_of_an_interface_as_it_is(bright) -> None:
     up, seed = mi.Normal3f(0.0, 0.0, 1.0), dr.arange(mi.UInt32, count)
     coin = (mi.Float(seed) + 0.5) / count  # every coin once: sums over them are integrals, exact to one coin
     for eta in (1.5, 1.0 / 1.2):
-        event = scatter(wi, up, up, mi.Float(eta), mi.Float(0.0), coin, seed, steered(bright, mi.Float(1.0)))
+        event = scatter(
+            wi, up, up, mi.Float(eta), mi.Float(0.0), coin, seed, steered(bright, mi.Float(1.0), mi.Float(1.0))
+        )
         plain = scatter(wi, up, up, mi.Float(eta), mi.Float(0.0), coin, seed)
         for mirrored in (True, False):
             sums = [np.array(x.weight)[np.array(x.transmitted) != mirrored].sum() / count for x in (event, plain)]
             # One coin at the border of the outcomes, of a weight of at most 2 / eta^2, and float32.
             assert sums[0] == pytest.approx(sums[1], abs=4.0 * max(1.0, eta**-2) / count + 1e-5)
+
+
+def test_what_counts_much_already_is_tossed_as_fresnel_says(bright) -> None:
+    import mitsuba as mi
+
+    from glassware.render.light.bright import steered
+
+    R = np.linspace(0.01, 1.0, 100, dtype=np.float32)
+    wi, up = mi.Vector3f(0.6, 0.0, 0.8), mi.Normal3f(0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(np.array(steered(bright, mi.Float(1.0), mi.Float(2.1))(wi, up, mi.Float(R))), R)
+    assert (np.array(steered(bright, mi.Float(1.0), mi.Float(1.9))(wi, up, mi.Float(R)))[:-1] != R[:-1]).any()
