@@ -21,7 +21,7 @@ from .stored import StoredLight
 
 #: Samples of all pictures of a scene from which on its light is stored, unless asked otherwise. Below, storing it costs
 #: more than it saves (docs/performance.md).
-WORTH_IT = 2e8
+WORTH_IT = 1e8
 #: Paths that store the light, over the camera's; and the fewest and most of a node on the average.
 _SHARE, _FEWEST, _MOST = 0.1, 32, 64
 #: The check: pixels, spread over at most so many views, and samples of each by both ways.
