@@ -35,7 +35,7 @@ def test_the_files_are_those_of_the_contract(stored):
     assert _names(stored) == ["dataset.json", "scenes", "views.parquet"]
     assert _names(stored / "scenes") == ["000000"]
     scene = stored / "scenes" / "000000"
-    assert _names(scene) == ["000", "001", "meshes", "objects.json", "scene.json", "views.json"]
+    assert _names(scene) == ["000", "001", "checksums.json", "meshes", "objects.json", "scene.json", "views.json"]
     assert _names(scene / "001") == sorted([*view, "right.png"])
 
 
@@ -79,7 +79,6 @@ def test_the_index_has_a_row_for_each_view(made, stored):
     assert all((stored / row["left"]).is_file() and (stored / row["right"]).is_file() for row in rows)
     assert rows[0]["object_ids"] == [2, 3, 4]
     assert rows[1]["visible_fractions"] == [label.fractions.visible for label in views[1].labels.objects]
-    assert rows[0]["seconds_picture"] == 2.0
     assert rows[0]["noise_left"] is None
 
 
