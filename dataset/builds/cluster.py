@@ -7,6 +7,7 @@ process and not Ray's, and a worker dies with its task. Ray itself runs tasks of
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
@@ -19,6 +20,8 @@ from .pool import Pool, check_alike
 _RERUNS = 5
 #: How often signals to stop are looked for while tasks run [s].
 _PULSE = 1.0
+#: Longest that a cluster may take to answer a first knock [s].
+_CONNECT = 20.0
 _GIBIBYTE = 1 << 30
 
 
@@ -32,6 +35,8 @@ class Cluster:
         self._machine: Machine | None = None
 
     def __enter__(self) -> Cluster:
+        if self._address is not None:
+            _check_answers(self._address)
         try:
             self._ray.init(address=self._address, log_to_driver=False, logging_level="ERROR")
         except (ConnectionError, ValueError, RuntimeError) as error:
@@ -98,6 +103,17 @@ def _alone(order: dict, scene: int | None, patience: float) -> tuple[dict, dict 
         pool.submit(scene)
         outcomes = [event for event in pool.events() if isinstance(event, Attempt)]
     return machine, outcomes[0].model_dump(mode="json")
+
+
+def _check_answers(address: str) -> None:
+    """Raise InputError where nothing listens at ``host:port``: Ray itself would try for minutes."""
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if not (host and port.isdigit()):  # such as "auto", which Ray looks up
+        return
+    try:
+        socket.create_connection((host, int(port)), _CONNECT).close()
+    except (OSError, OverflowError) as error:
+        raise InputError("--address", "a Ray cluster that runs", f"{address}: {error}") from error
 
 
 def _ray() -> ModuleType:
