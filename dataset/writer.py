@@ -146,11 +146,20 @@ def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
             yield record
 
     count = write_views_table(root, records())
-    head, there = head or read_head(root), layout.scene_ids(root)
     assets = tuple(found[digest] for digest in sorted(found))
-    scenes = format_scenes({*parse_scenes(head.scenes, layout.DATASET), *there})
-    write_head(root, head.model_copy(update={"assets": assets, "scenes": scenes}))
+    head = _grown(read_head(root), head, layout.scene_ids(root))
+    write_head(root, head.model_copy(update={"assets": assets}))
     return count
+
+
+def _grown(kept: DatasetFile, head: DatasetFile | None, there: Collection[int]) -> DatasetFile:
+    """Return the new head with the scenes that are there and, if it is of the same make, all that the kept one says."""
+    if head is None or (kept.seed, kept.config) == (head.seed, head.config):
+        promised, hashes = parse_scenes(kept.scenes, layout.DATASET), kept.hashes
+    else:
+        promised, hashes = [], {}
+    head = head or kept
+    return head.model_copy(update={"scenes": format_scenes({*promised, *there}), "hashes": hashes | head.hashes})
 
 
 def read_head(root: Path) -> DatasetFile:

@@ -42,6 +42,7 @@ class Cluster:
         except (ConnectionError, ValueError, RuntimeError) as error:
             found = " ".join(str(error).split())[:200] or type(error).__name__
             raise InputError("--address", "a Ray cluster that runs", found) from error
+        self._check_nodes()
         options: dict[str, Any] = {"num_cpus": self._order.threads, "num_gpus": self._gpus, "max_retries": _RERUNS}
         if self._order.memory is not None:
             options["memory"] = int(self._order.memory * _GIBIBYTE)
@@ -52,6 +53,14 @@ class Cluster:
         for task in self._running:
             self._ray.cancel(task, force=True)
         self._ray.shutdown()
+
+    def _check_nodes(self) -> None:
+        """Raise InputError where no node has what a task asks for: it would wait for ever."""
+        nodes = [node["Resources"] for node in self._ray.nodes() if node["Alive"]]
+        for option, kind, asked in (("--threads", "CPU", self._order.threads), ("--gpus", "GPU", self._gpus)):
+            most = max((node.get(kind, 0.0) for node in nodes), default=0.0)
+            if asked > most:
+                raise InputError(option, f"at most the {most:g} {kind}s of a node", asked)
 
     def machine(self) -> Machine:
         """Return what a worker somewhere in the cluster says of itself."""

@@ -99,6 +99,17 @@ def test_a_data_set_grows_by_another_scene(made, head, stored):
     assert [found.scene_id for found in Dataset.open(stored).scenes] == [0, 12]
 
 
+def test_a_scene_added_to_a_build_keeps_what_the_head_says_of_the_build(made, head, tmp_path):
+    scene, points, views = made
+    root = tmp_path / "data"
+    start_dataset(root, head.model_copy(update={"scenes": "0:5", "hashes": {"assets": "0" * 64}}), [0])
+    write_scene(root, scene.model_copy(update={"scene_id": 7}), points, views[:1])
+    finish_dataset(root, head)
+    found = Dataset.open(root).head
+    assert found.scenes == "0:5,7"
+    assert found.hashes == {"assets": "0" * 64}
+
+
 def test_scenes_of_another_seed_or_setting_are_not_mixed_in(made, head, stored):
     before = _files(stored)
     for change, words in (({"seed": 8}, "seed"), ({"config": {"spp": 16}}, "setting spp")):
