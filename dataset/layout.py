@@ -22,6 +22,8 @@ DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
+#: Held by the build that works in the folder; one that was killed leaves it behind, and it means nothing then.
+LOCK = ".build.lock"
 ASSETS, SCENES = "assets", "scenes"
 SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.json", "checksums.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"

@@ -178,7 +178,7 @@ def check_folder(root: Path) -> None:
     """Raise InputError where a folder holds anything but a data set that this version reads."""
     if not root.is_dir():
         raise InputError(root, "a folder to write to", "a file")
-    names = {entry.name for entry in root.iterdir() if not is_leftover(entry.name)}
+    names = {entry.name for entry in root.iterdir() if entry.name != layout.LOCK and not is_leftover(entry.name)}
     if names and layout.DATASET not in names:
         raise InputError(root, "an empty folder or a glassware data set", f"something else ({min(names)}, ...)")
     if names:

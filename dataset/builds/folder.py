@@ -17,8 +17,6 @@ from ..durable import discard, remove_leftovers
 from ..scene_ranges import format_scenes, parse_scenes
 from ..writer import check_folder, differences, read_head, write_head
 
-#: Held by the build that works in a folder; gone after it.
-_LOCK = ".build.lock"
 #: What a file system says that has no locks.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS)
 #: What one can do about scenes that were made from something else.
@@ -39,14 +37,14 @@ def taken(root: Path, say: Callable[[str], None]) -> Iterator[None]:
     if root.exists():
         check_folder(root)
     try:
-        (root / layout.SCENES).mkdir(parents=True, exist_ok=True)
-        handle = _locked(root / _LOCK, root, say)
+        root.mkdir(parents=True, exist_ok=True)
+        handle = _locked(root / layout.LOCK, root, say)
     except OSError as error:
         raise InputError(root, "a folder that can be made and written to", error.strerror) from error
     try:
         yield
     finally:
-        (root / _LOCK).unlink(missing_ok=True)
+        (root / layout.LOCK).unlink(missing_ok=True)
         os.close(handle)
 
 
@@ -93,7 +91,8 @@ def opened(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bo
     whole = {*before, *scenes, *layout.scene_ids(root)}
     head = head.model_copy(update={"scenes": format_scenes(whole), "assets": () if kept is None else kept.assets})
     if head != kept:
-        write_head(root, head)
+        write_head(root, head)  # before the first folder: without it the data set is nobody's
+    (root / layout.SCENES).mkdir(exist_ok=True)
     return head
 
 

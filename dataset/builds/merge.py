@@ -49,6 +49,7 @@ def merge(sources: Sequence[Path], root: Path) -> int:
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
     write_head(root, head)
+    (root / layout.SCENES).mkdir(exist_ok=True)
     if manifest is not None:
         write_manifest(root, manifest)
     for source in sources:

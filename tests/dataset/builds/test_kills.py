@@ -41,6 +41,8 @@ def _killed_build(builds, out, family, gone, rng, kills, longest) -> int:
     finally:
         child.kill()
         child.communicate()
+    # Killed, done, or done but for a scene whose two tries were both killed.
+    assert child.returncode in (-signal.SIGKILL, 0, 1)
     gone(child.pid)
     return kills
 
@@ -63,6 +65,21 @@ def test_after_kills_a_build_goes_on_to_the_same_bytes(
     assert content(out) == content(undisturbed)
     assert hidden(out) == []
     assert verify([str(out)]) == 0
+
+
+def test_a_build_that_is_killed_before_it_has_a_head_begins_anew(builds, tmp_path, gone, cleared):
+    out = tmp_path / "data"
+    child = builds.started(out)
+    cleared(child)
+    while not out.exists() or not list(out.iterdir()):
+        assert child.poll() is None
+    child.kill()
+    child.communicate()
+    gone(child.pid)
+    assert not (out / "dataset.json").exists()  # it was early enough
+    ended = builds.run(out, scenes="0")
+    assert ended.returncode == 0, ended.stderr
+    assert not (out / ".build.lock").exists()
 
 
 def _whole(out) -> bool:
