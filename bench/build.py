@@ -25,6 +25,8 @@ from statistics import mean, median
 from time import perf_counter, sleep
 from typing import Annotated, Literal
 
+import cv2
+import numpy as np
 import tyro
 from rich.console import Console
 from table import Row, report
@@ -41,12 +43,13 @@ _WARM, _WINDOW = 20, 30
 #: How often the memory of a build is read [s].
 _PULSE = 0.2
 _BUILD = [sys.executable, "-P", "-m", "glassware.dataset.commands.build_dataset"]
-#: Settings of scenes that take half a second.
+#: Settings of scenes that take half a second: a small environment map is neither baked nor slow to read.
 _TINY = """vessel_count: [1, 1]
 prop_count: [0, 1]
-vessels: {chord_error: 1.0e-4, fill_probability: 0.5}
-cameras: {width: 16, height: 12, views: 1}
-picture: {spp: 1}
+vessels: {{chord_error: 1.0e-4, fill_probability: 0.5}}
+environment: {{hdri_dir: {folder}, hdri_share: 1.0}}
+cameras: {{width: 16, height: 12, views: 1}}
+picture: {{spp: 1}}
 """
 #: Opens and lists a data set in a process of its own, and prints the seconds.
 _LIST = """
@@ -164,9 +167,7 @@ def _memory(options: Options) -> list[Row]:
     """Build many tiny scenes; compare what build and workers hold at the start and in the end."""
     parent: list[tuple[float, float]] = []
     with tempfile.TemporaryDirectory() as folder:
-        settings = Path(folder, "tiny.yaml")
-        settings.write_text(_TINY, encoding="utf-8")
-        given = ["--config", str(settings), "--workers", "2"]
+        given = ["--config", str(_tiny_settings(Path(folder))), "--workers", "2"]
         seconds, log = _built(options, Path(folder, "data"), options.many, given, watched=parent)
     early = [line["resident"] for line in log[_WARM : _WARM + _WINDOW]]
     late = [line["resident"] for line in log[-_WINDOW:]]
@@ -190,6 +191,16 @@ def _memory(options: Options) -> list[Row]:
     ]
 
 
+def _tiny_settings(folder: Path) -> Path:
+    """Write the settings of tiny scenes, and the environment map that lights them."""
+    pixels = np.random.default_rng(1).uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
+    (folder / "hdri").mkdir()
+    cv2.imwrite(str(folder / "hdri" / "plain.hdr"), pixels)
+    path = folder / "tiny.yaml"
+    path.write_text(_TINY.format(folder=folder / "hdri"), encoding="utf-8")
+    return path
+
+
 def _slope(log: Sequence[dict]) -> float:
     """Return the growth of a worker's memory per scene, after the first few."""
     points = [(line["served"], line["resident"]) for line in log if line["served"] > _WARM // 2]
@@ -202,9 +213,8 @@ def _index(options: Options) -> list[Row]:
     from glassware.dataset.writer import finish_dataset
 
     with tempfile.TemporaryDirectory() as folder:
-        root, settings = Path(folder, "data"), Path(folder, "tiny.yaml")
-        settings.write_text(_TINY, encoding="utf-8")
-        _built(options, root, 1, ["--config", str(settings)])
+        root = Path(folder, "data")
+        _built(options, root, 1, ["--config", str(_tiny_settings(Path(folder)))])
         _multiplied(root, scenes=2000, views=57)
         start = perf_counter()
         views = finish_dataset(root)
