@@ -34,7 +34,8 @@ def taken(root: Path, say: Callable[[str], None]) -> Iterator[None]:
     InputError
         Where it cannot be made or written to, holds anything but a data set, or another build works there.
     """
-    if root.exists():
+    new = not root.exists()
+    if not new:
         check_folder(root)
     try:
         root.mkdir(parents=True, exist_ok=True)
@@ -46,6 +47,8 @@ def taken(root: Path, say: Callable[[str], None]) -> Iterator[None]:
     finally:
         (root / layout.LOCK).unlink(missing_ok=True)
         os.close(handle)
+        if new and not any(root.iterdir()):  # what was asked for could not be begun
+            root.rmdir()
 
 
 def _locked(path: Path, root: Path, say: Callable[[str], None]) -> int:
