@@ -16,8 +16,7 @@ from scenes import digest
 from glassware.procedural.description import Scene
 from glassware.procedural.materials.description import OpaqueMaterial
 from glassware.render.machine.backend import activate
-from glassware.render.pictures.integrator import OpaqueLight
-from glassware.render.pictures.picture import trace_picture
+from glassware.render.pictures.picture import PATHS, Tracer, trace_picture
 from glassware.render.scene import kernel as render_kernel
 from glassware.render.scene.kernel import Kernel, load
 from glassware.render.view import clean as clean_picture
@@ -68,13 +67,13 @@ def loaded(scene: Scene, plain: bool = False, cut: bool = False) -> Ours:
     return replace(ours, compile_seconds=perf_counter() - start)
 
 
-def render(ours: Ours, spp: int, seed: int, clean: bool = True, opaque_light: OpaqueLight | None = None) -> Rendered:
-    """Render the left eye of the first camera with `spp` samples, from stored light where that is given."""
+def render(ours: Ours, spp: int, seed: int, clean: bool = True, tracer: Tracer = PATHS) -> Rendered:
+    """Render the left eye of the first camera with `spp` samples."""
     scene = ours.kernel.description
     picture = scene.picture.model_copy(update={"spp": spp, "noise": None})
     kernel = replace(ours.kernel, description=scene.model_copy(update={"picture": picture}))
     start = perf_counter()
-    noisy = trace_picture(kernel, scene.cameras[0], "left", seed, opaque_light)
+    noisy = trace_picture(kernel, scene.cameras[0], "left", seed, tracer)
     traced = perf_counter()
     denoised = clean_picture(noisy) if clean else None
     return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)

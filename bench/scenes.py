@@ -1,4 +1,4 @@
-"""The five scenes that pictures are measured on, as our own descriptions.
+"""The scenes that pictures are measured on, as our own descriptions.
 
 All media are clear, so that a renderer without absorption draws the same physics.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from glassware.procedural.assets import asset
-from glassware.procedural.description import Interface, Scene, Vessel
+from glassware.procedural.description import Interface, Prop, Scene, Vessel
 from glassware.procedural.draw import draw_scene
 from glassware.procedural.errors import InputError
 from glassware.procedural.mesh import Mesh
@@ -24,7 +24,7 @@ from glassware.procedural.vessels.settings import VesselSettings
 
 #: Real environment maps, beside the checkout and never committed.
 HDRI_DIR = Path(__file__).resolve().parents[2] / "shared" / "assets" / "hdri"
-#: Seed of all five.
+#: Seed of all.
 SEED = 20230213
 
 
@@ -40,6 +40,7 @@ class _Recipe:
     lights: int  #: most area lights
     grid_index: int  #: which view of the 57-view grid
     hdri: str | None = None
+    shiny: bool = False  #: whether its props are polished, every other one of metal
 
 
 _RECIPES = {
@@ -48,17 +49,22 @@ _RECIPES = {
     "rough": _Recipe(3, vessels=3, props=1, fill=0.5, rough=1.0, lights=3, grid_index=35),
     "clutter": _Recipe(4, vessels=6, props=6, fill=0.6, rough=0.1, lights=3, grid_index=20),
     "hdri": _Recipe(5, vessels=4, props=1, fill=0.6, rough=0.0, lights=0, grid_index=38, hdri="lobby.exr"),
+    "shiny": _Recipe(6, vessels=3, props=8, fill=0.6, rough=0.0, lights=3, grid_index=25, shiny=True),
 }
-NAMES = tuple(_RECIPES)
+#: The five that other renderers draw too; the sixth is for stored light, which has to mirror what it stored.
+NAMES = ("empty", "filled", "rough", "clutter", "hdri")
+ALL_NAMES = tuple(_RECIPES)
+#: Roughness of polished props, in turn: GGX alpha from 0.01 to 0.09.
+_POLISHED = (0.1, 0.2, 0.3)
 
 
 def bench_scene(name: str, width: int, height: int) -> Scene:
-    """Return one of the five scenes with one camera.
+    """Return one of the scenes with one camera.
 
     Parameters
     ----------
     name : str
-        One of `NAMES`.
+        One of `ALL_NAMES`.
     width, height : int
         Size of the picture [px].
 
@@ -68,7 +74,7 @@ def bench_scene(name: str, width: int, height: int) -> Scene:
         For another name, or where the environment map of ``"hdri"`` is not there.
     """
     if name not in _RECIPES:
-        raise InputError("scene", "one of " + ", ".join(NAMES), name)
+        raise InputError("scene", "one of " + ", ".join(ALL_NAMES), name)
     recipe = _RECIPES[name]
     settings = SceneSettings(
         vessel_count=(recipe.vessels, recipe.vessels),
@@ -81,7 +87,8 @@ def bench_scene(name: str, width: int, height: int) -> Scene:
     scene = draw_scene(settings, SEED, recipe.scene_id)
     camera = next(view for view in scene.cameras if view.grid_index == recipe.grid_index)
     vessels = tuple(_clear_vessel(vessel) for vessel in scene.vessels)
-    scene = scene.model_copy(update={"cameras": (camera,), "vessels": vessels})
+    props = tuple(_polished(prop, i) for i, prop in enumerate(scene.props)) if recipe.shiny else scene.props
+    scene = scene.model_copy(update={"cameras": (camera,), "vessels": vessels, "props": props})
     return scene if recipe.hdri is None else _lit_by(scene, HDRI_DIR / recipe.hdri)
 
 
@@ -107,6 +114,11 @@ def _lit_by(scene: Scene, path: Path) -> Scene:
     exposed = exposure(irradiance(bake_environment(environment), environment.strength, scene.lights))
     cameras = tuple(camera.model_copy(update={"exposure": exposed}) for camera in scene.cameras)
     return scene.model_copy(update={"environment": environment, "cameras": cameras})
+
+
+def _polished(prop: Prop, number: int) -> Prop:
+    look = {"roughness": _POLISHED[number % len(_POLISHED)], "metallic": float(number % 2)}
+    return prop.model_copy(update={"material": prop.material.model_copy(update=look)})
 
 
 def _clear_vessel(vessel: Vessel) -> Vessel:

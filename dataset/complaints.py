@@ -66,6 +66,9 @@ def unparsed(where: str, message: str, options: Sequence[str]) -> InputError:
     missing = re.search(r"Missing value for argument \S+ Expected (\S+ values?|\S.*?)\.$", message)
     if missing:
         return InputError(place, missing.group(1), "fewer")
+    lacking = re.search(r"Missing from .*?: (.+)$", message)
+    if lacking:
+        return InputError(where, lacking.group(1).strip(), "nothing")
     choice = re.search(r"invalid choice (.*?) for argument \S+ Expected one of \((.*)\)", message)
     if choice:
         return InputError(place, f"one of {choice.group(2)}", choice.group(1))

@@ -102,13 +102,15 @@ def _check_not_empty(arguments: Sequence[str]) -> None:
             raise InputError(name, "a value", "''")
 
 
-def parsed(model: type[T], default: T, arguments: Sequence[str], prog: str, description: str) -> T:
-    """Return `default` with the command line's overrides; InputError in one line for a wrong one."""
+def parsed(model: type[T], default: T | None, arguments: Sequence[str], prog: str, description: str) -> T:
+    """Return `default` (None: the model's own) with the command line's overrides; InputError in one line otherwise."""
+    _check_not_empty(arguments)
     told = StringIO()
     arguments = [_full(argument) for argument in arguments]
     try:
         with redirect_stderr(told):
-            return tyro.cli(model, default=default, args=arguments, prog=prog, description=description)
+            known: dict[str, Any] = {} if default is None else {"default": default}
+            return tyro.cli(model, **known, args=arguments, prog=prog, description=description)
     except SystemExit as stop:
         if stop.code in (0, None):  # --help was asked for and printed
             raise

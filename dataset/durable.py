@@ -14,12 +14,17 @@ _PARTIAL = re.compile(r"\.(?P<name>.+)\.(?P<kind>partial|old)-(?P<process>[0-9]+
 
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file beside its place, sync it, and rename it there."""
+    with whole_file(path) as partial:
+        partial.write_bytes(data)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """Give the name of a hidden file to write; put it at ``path`` in the end, or remove it where it went wrong."""
     partial = _hidden(path, "partial")
     try:
-        with partial.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        yield partial
+        _sync(partial)
         partial.replace(path)
     except BaseException:
         partial.unlink(missing_ok=True)
@@ -50,6 +55,13 @@ def whole_folder(path: Path) -> Iterator[Path]:
         raise
     _sync(path.parent)
     shutil.rmtree(old, ignore_errors=True)
+
+
+def discard(folder: Path) -> None:
+    """Remove a folder: gone in one step for readers. A process that is killed meanwhile leaves a hidden leftover."""
+    hidden = _hidden(folder, "partial")
+    folder.rename(hidden)
+    shutil.rmtree(hidden)
 
 
 def remove_leftovers(folder: Path) -> None:

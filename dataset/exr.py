@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,8 @@ from ..procedural.quiet import quiet
 
 #: Ids are stored as floats as well, which more programs read. Float32 holds every whole number below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
+#: Why a system may refuse to write.
+_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
 def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
@@ -25,7 +29,13 @@ def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
         raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
-    OpenEXR.File(header, stored).write(str(path))
+    try:
+        OpenEXR.File(header, stored).write(str(path))
+    except RuntimeError as error:  # the library keeps the system's reason in words alone
+        number = next((number for number in _REFUSED if os.strerror(number) in str(error)), None)
+        if number is None:
+            raise
+        raise OSError(number, os.strerror(number), str(path)) from error
 
 
 def read_exr(path: Path) -> dict[str, np.ndarray]:

@@ -3,9 +3,10 @@
 ::
 
     dataset.json  views.parquet  preview.png
+    manifest.json  splits.json  build.jsonl           (of builds alone)
     assets/<sha16>-<name>
     scenes/000007/
-        scene.json  meshes/*.ply  objects.json  views.json
+        scene.json  meshes/*.ply  objects.json  views.json  checksums.json
         000/
             camera.json  labels.json  instances.png
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
@@ -13,14 +14,18 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
+MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
+#: Held by the build that works in the folder; one that was killed leaves it behind, and it means nothing then.
+LOCK = ".build.lock"
 ASSETS, SCENES = "assets", "scenes"
-SCENE, OBJECTS, SCENE_VIEWS = "scene.json", "objects.json", "views.json"
+SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.json", "checksums.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
 LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 EYES = ("left", "right")
@@ -57,4 +62,6 @@ def view_numbers(scene: Path) -> list[int]:
 def _numbers(folder: Path, pattern: re.Pattern[str]) -> list[int]:
     if not folder.is_dir():
         return []
-    return sorted(int(entry.name) for entry in folder.iterdir() if entry.is_dir() and pattern.fullmatch(entry.name))
+    # A scan knows which entries are folders without asking the disk for each: there may be a hundred thousand.
+    with os.scandir(folder) as entries:
+        return sorted(int(entry.name) for entry in entries if pattern.fullmatch(entry.name) and entry.is_dir())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeVar
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
@@ -15,6 +17,7 @@ from ..procedural.description import Scene
 from ..procedural.errors import InputError
 from ..procedural.model import Model
 from ..procedural.scene_file import check_schema, load_scene, parsed, read_json
+from ..procedural.splits import Split
 from ..procedural.surroundings.description import Camera
 from ..render.frame import Geometry, Layers, Refraction
 from . import layout
@@ -24,6 +27,7 @@ from .exr import channel, read_exr, stacked
 from .objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .pictures import read_png
 from .ray_files import read_layers, read_refraction
+from .split_file import read_splits
 from .writer import read_head
 
 M = TypeVar("M", bound=Model)
@@ -147,6 +151,20 @@ class Dataset:
         """Go through the views of all scenes."""
         for scene in self.scenes:
             yield from scene.views
+
+    def index(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """Return the index, one row a view, or some of its columns: no scene's folder is looked into."""
+        path = self.root / layout.VIEWS
+        try:
+            return pq.read_table(path, columns=None if columns is None else list(columns))
+        except (OSError, pa.ArrowException) as error:
+            raise InputError(path, "an index of views", " ".join(str(error).split())[:200]) from error
+
+    def split(self, name: Split) -> tuple[StoredScene, ...]:
+        """Return the scenes of a split, in the order of their ids; InputError where no build has made splits."""
+        there = set(layout.scene_ids(self.root))
+        scenes = getattr(read_splits(self.root), name)
+        return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in there)
 
 
 def _read(model: type[M], path: Path, schema: str) -> M:

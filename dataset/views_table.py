@@ -6,6 +6,8 @@ really there, and never names a scene that is not.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from itertools import islice
 from math import isnan
 from pathlib import Path
 from typing import Any
@@ -20,7 +22,10 @@ from ..procedural.model import Model
 from ..procedural.scene_file import parsed, read_json
 from ..render.frame import Frame, LightCheck
 from . import layout
-from .durable import write_atomically
+from .durable import whole_file
+
+#: Scenes in one row group of the index: with Syn-TODD's 57 views about 4,000 rows.
+SCENES_A_GROUP = 64
 
 #: One row per view. Lists run over the scene's objects by ascending id.
 SCHEMA = pa.schema(
@@ -45,9 +50,6 @@ SCHEMA = pa.schema(
         ("spp_right", pa.int32()),
         ("noise_left", pa.float64()),
         ("noise_right", pa.float64()),
-        ("seconds_picture", pa.float64()),
-        ("seconds_geometry", pa.float64()),
-        ("seconds_denoise", pa.float64()),
     ],
     metadata={"schema_version": "glassware/views/1"},
 )
@@ -76,9 +78,6 @@ class ViewRow(Model):
     spp_right: int | None
     noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
     noise_right: float | None
-    seconds_picture: float | None
-    seconds_geometry: float | None
-    seconds_denoise: float | None
 
 
 class SceneViews(Model):
@@ -112,9 +111,6 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
         visible_fractions=tuple(None if share is None else share.visible for share in shares),
         seen_through_fractions=tuple(None if share is None else share.seen_through for share in shares),
         **_sampling(frame),
-        seconds_picture=frame.seconds.get("picture"),
-        seconds_geometry=frame.seconds.get("geometry"),
-        seconds_denoise=frame.seconds.get("denoise"),
     )
 
 
@@ -127,16 +123,27 @@ def _sampling(frame: Frame) -> dict[str, Any]:
     return columns
 
 
-def read_scene_views(root: Path) -> list[SceneViews]:
-    """Return the records of all scenes that are there, in the order of their ids."""
-    paths = [layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS for scene_id in layout.scene_ids(root)]
-    return [parsed(SceneViews, read_json(path), path) for path in paths]
+def scene_views(root: Path, scene_id: int) -> SceneViews:
+    """Return the record of one scene; InputError where it is missing or damaged."""
+    path = layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS
+    return parsed(SceneViews, read_json(path), path)
 
 
-def write_views_table(root: Path, rows: list[ViewRow]) -> int:
-    """Write ``views.parquet``; return the number of views."""
-    table = pa.Table.from_pylist([row.model_dump() for row in rows], schema=SCHEMA)
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink)
-    write_atomically(root / layout.VIEWS, sink.getvalue().to_pybytes())
-    return len(rows)
+def read_scene_views(root: Path) -> Iterator[SceneViews]:
+    """Go through the records of all scenes that are there, in the order of their ids."""
+    return (scene_views(root, scene_id) for scene_id in layout.scene_ids(root))
+
+
+def write_views_table(root: Path, scenes: Iterable[SceneViews]) -> int:
+    """Write ``views.parquet`` from the records of all scenes, a few at a time; return the number of views.
+
+    What is held at once is a row group, however many scenes there are. Groups are counted in scenes, so the same scenes
+    give the same bytes.
+    """
+    views, waiting = 0, iter(scenes)
+    with whole_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
+        while group := list(islice(waiting, SCENES_A_GROUP)):
+            rows = [row.model_dump() for scene in group for row in scene.views]
+            writer.write_table(pa.Table.from_pylist(rows, schema=SCHEMA))
+            views += len(rows)
+    return views

@@ -22,12 +22,14 @@ from ..procedural.surroundings.description import Camera
 from ..render.frame import Frame, Geometry, LightCheck
 from . import layout
 from .camera_file import camera_file
+from .checksums import write_checksums
 from .dataset_file import DatasetFile
 from .durable import another_writes, is_leftover, remove_leftovers, whole_folder, write_atomically
 from .exr import unstacked, write_exr
 from .objects_file import objects_file
 from .pictures import srgb8, write_png
 from .ray_files import write_layers, write_refraction
+from .scene_ranges import format_scenes, parse_scenes
 from .views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 
 
@@ -64,7 +66,7 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
     try:
         root.mkdir(parents=True, exist_ok=True)
         if not (root / layout.DATASET).exists():  # first of all: without it the folder is nobody's
-            _write_head(root, head)
+            write_head(root, head)
         (root / layout.SCENES).mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(root, "a folder that can be made and written to", error.strerror) from error
@@ -75,7 +77,7 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
 def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
     """Raise InputError where `start_dataset` would, without touching anything; the parameters are the same."""
     if root.exists():
-        _check_folder(root)
+        check_folder(root)
     others = set(layout.scene_ids(root)) - set(scenes) or another_writes(root / layout.SCENES)
     if (root / layout.DATASET).exists() and others:
         _check_same(root / layout.DATASET, read_head(root), head)
@@ -109,18 +111,20 @@ def write_scene(
     rows = []
     with whole_folder(layout.scene_folder(root, scene.scene_id)) as folder:
         scene.save(folder / layout.SCENE, root / layout.ASSETS)
-        _write_json(folder / layout.OBJECTS, objects_file(scene, points))
+        write_json(folder / layout.OBJECTS, objects_file(scene, points))
         for view in views:
-            _write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
+            write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
             rows.append(view_row(scene, view.number, view.frame, view.labels))
-        _write_json(
-            folder / layout.SCENE_VIEWS, SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=light)
-        )
+        record = SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=light)
+        write_json(folder / layout.SCENE_VIEWS, record)
+        write_checksums(folder)
     return rows
 
 
 def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
-    """Write the head, the index and the list of assets from the scenes that are there.
+    """Write the index, and the head with its lists of scenes and assets, from the scenes that are there.
+
+    What is held in memory at once does not grow with the number of scenes.
 
     Parameters
     ----------
@@ -134,12 +138,28 @@ def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
     int
         Number of views.
     """
-    scenes = read_scene_views(root)
-    found = {item.sha256: item for scene in scenes for item in scene.assets}
-    light = tuple(scene.light for scene in scenes if scene.light is not None)
+    found: dict[str, Asset] = {}
+
+    def records() -> Iterator[SceneViews]:
+        for record in read_scene_views(root):
+            found.update({item.sha256: item for item in record.assets})
+            yield record
+
+    count = write_views_table(root, records())
     assets = tuple(found[digest] for digest in sorted(found))
-    _write_head(root, (head or read_head(root)).model_copy(update={"assets": assets, "light": light}))
-    return write_views_table(root, [row for scene in scenes for row in scene.views])
+    head = _grown(read_head(root), head, layout.scene_ids(root))
+    write_head(root, head.model_copy(update={"assets": assets}))
+    return count
+
+
+def _grown(kept: DatasetFile, head: DatasetFile | None, there: Collection[int]) -> DatasetFile:
+    """Return the new head with the scenes that are there and, if it is of the same make, all that the kept one says."""
+    if head is None or (kept.seed, kept.config) == (head.seed, head.config):
+        promised, hashes = parse_scenes(kept.scenes, layout.DATASET), kept.hashes
+    else:
+        promised, hashes = [], {}
+    head = head or kept
+    return head.model_copy(update={"scenes": format_scenes({*promised, *there}), "hashes": hashes | head.hashes})
 
 
 def read_head(root: Path) -> DatasetFile:
@@ -154,10 +174,11 @@ def _stored_assets(scene: Scene) -> tuple[Asset, ...]:
     return tuple(item.model_copy(update={"path": Path(layout.ASSETS, stored_name(item))}) for item in assets_of(scene))
 
 
-def _check_folder(root: Path) -> None:
+def check_folder(root: Path) -> None:
+    """Raise InputError where a folder holds anything but a data set that this version reads."""
     if not root.is_dir():
         raise InputError(root, "a folder to write to", "a file")
-    names = {entry.name for entry in root.iterdir() if not is_leftover(entry.name)}
+    names = {entry.name for entry in root.iterdir() if entry.name != layout.LOCK and not is_leftover(entry.name)}
     if names and layout.DATASET not in names:
         raise InputError(root, "an empty folder or a glassware data set", f"something else ({min(names)}, ...)")
     if names:
@@ -168,32 +189,35 @@ def _check_same(path: Path, kept: DatasetFile, head: DatasetFile) -> None:
     where = f"{path}: a scene that this run does not replace was made with another"
     if kept.seed != head.seed:
         raise InputError(f"{where} seed", str(head.seed), kept.seed)
-    for name, asked, found in _differences(head.config, kept.config):
+    for name, asked, found in differences(head.config, kept.config):
         raise InputError(f"{where} setting {name}", str(asked), found)
 
 
-def _differences(asked: Any, found: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Yield the dotted name and both values of each setting that differs."""
+def differences(asked: Any, found: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Go through the dotted name and both values of each setting that differs."""
     if isinstance(asked, dict) and isinstance(found, dict):
         for key in sorted({*asked, *found}):
-            yield from _differences(asked.get(key), found.get(key), f"{name}.{key}" if name else key)
+            yield from differences(asked.get(key), found.get(key), f"{name}.{key}" if name else key)
     elif asked != found:
         yield name, asked, found
 
 
-def _write_head(root: Path, head: DatasetFile) -> None:
+def write_head(root: Path, head: DatasetFile) -> None:
+    """Write ``dataset.json``."""
     write_atomically(root / layout.DATASET, json_text(head.model_dump(mode="json")).encode())
 
 
-def _write_json(path: Path, record: Model) -> None:
+def write_json(path: Path, record: Model) -> None:
+    """Write a record as a JSON file."""
     path.write_text(json_text(record.model_dump(mode="json")), encoding="utf-8")
 
 
-def _write_view(folder: Path, camera: Camera, view: View) -> None:
+def write_view(folder: Path, camera: Camera, view: View) -> None:
+    """Write all files of a view into a folder that is not there yet."""
     folder.mkdir()
     frame = view.frame
-    _write_json(folder / layout.CAMERA, camera_file(camera))
-    _write_json(folder / layout.LABELS, view.labels)
+    write_json(folder / layout.CAMERA, camera_file(camera))
+    write_json(folder / layout.LABELS, view.labels)
     for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
         channels = unstacked(picture, "RGB") | ({} if noisy is None else unstacked(noisy, "noisy.RGB"))
         write_exr(folder / f"{eye}.exr", channels)

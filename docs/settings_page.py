@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from glassware.dataset.commands.build_dataset import BuildDataset
 from glassware.dataset.commands.render_scene import RenderScene
 from glassware.dataset.config import preset, preset_names
 from glassware.procedural.settings import SceneSettings
@@ -26,6 +27,11 @@ _REQUEST = """
 ## The request
 
 These are options of `render-scene` and no part of the data set's settings.
+"""
+_BUILD = """
+## The request of a build
+
+These are options of `build-dataset`; [builds](building.md) has how to use them.
 """
 _SCENE = """
 ## What is drawn and how
@@ -49,7 +55,8 @@ def page() -> str:
     request_rows = [_row(name, field) for name, field in request.items()]
     scene_rows = [_row(name, field) for name, field in scene.items()]
     presets = _PRESETS.format(default=RenderScene.model_fields["preset"].default)
-    lines = [_HEAD, _REQUEST.lstrip("\n"), *_table(_COLUMNS, request_rows)]
+    build_rows = [_row(name, field) for name, field in _fields(BuildDataset) if name not in SceneSettings.model_fields]
+    lines = [_HEAD, _REQUEST.lstrip("\n"), *_table(_COLUMNS, request_rows), _BUILD, *_table(_COLUMNS, build_rows)]
     lines += [_SCENE, *_table(_COLUMNS, scene_rows), presets, *_preset_table(), ""]
     return "\n".join(lines)
 
@@ -74,6 +81,8 @@ def _leaves(schema: dict, definitions: dict | None = None, prefix: str = "") -> 
 
 
 def _row(name: str, field: dict) -> tuple[str, ...]:
+    # What may be left out has its own type beside that of nothing.
+    field = {**next((kind for kind in field.get("anyOf", []) if kind.get("type") != "null"), {}), **field}
     meaning = field["description"]
     unit = _UNIT.search(meaning)
     return (
@@ -86,7 +95,7 @@ def _row(name: str, field: dict) -> tuple[str, ...]:
 
 
 def _shown(value: object) -> str:
-    if value is None:
+    if value is None or value == [] or value == "":
         return "none"
     if isinstance(value, list):
         return ", ".join(_shown(item) for item in value)
@@ -107,7 +116,7 @@ def _range(field: dict) -> str:
         return "yes, no"
     if "minimum" in field and "maximum" in field:
         return f"{_shown(field['minimum'])} to {_shown(field['maximum'])}"
-    signs = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<="}
+    signs = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
     return ", ".join(f"{sign} {_shown(field[key])}" for key, sign in signs.items() if key in field) or _kind(field)
 
 

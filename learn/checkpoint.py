@@ -20,7 +20,6 @@ from ..dataset.complaints import complaint
 from ..dataset.durable import write_atomically
 from ..procedural.errors import InputError
 from ..procedural.model import Model
-from .data.splits import SPLITS
 from .networks.build import Network, build_network
 from .networks.reference import load_reference
 from .state_file import read_torch
@@ -123,8 +122,8 @@ def restore(network: torch.nn.Module, weights: dict[str, Tensor], where: Path) -
 def data_digest(root: Path) -> str:
     """Return a digest of a data set: its head, its splits, and each scene's number and rows of the index."""
     digest = hashlib.sha256((root / layout.DATASET).read_bytes())
-    if (root / SPLITS).is_file():
-        digest.update((root / SPLITS).read_bytes())
+    if (root / layout.SPLITS).is_file():
+        digest.update((root / layout.SPLITS).read_bytes())
     for scene_id in layout.scene_ids(root):
         digest.update(layout.scene_name(scene_id).encode())
         digest.update((layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS).read_bytes())

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
+from .asset_files import AssetFiles, asset_files, files_for
 from .description import FIRST_OBJECT_ID, Prop, Scene, Vessel, glass_solid
-from .materials.picture_files import picture_files
 from .mesh import Mesh
 from .optics.draw import draw_glass, draw_liquid
 from .placement import CONTACT_GAP, footprint, spread
 from .props.draw import draw_prop
-from .props.mesh_files import mesh_files
+from .props.settings import PropSettings
 from .randomness import stream
 from .resting import lowered, resting_pose, turn_about_z
 from .settings import SceneSettings
+from .splits import families_of, split_of
 from .surroundings.cameras import draw_cameras, reach
 from .surroundings.colour import luminance
 from .surroundings.environments import bake_environment, draw_environment
@@ -23,9 +22,10 @@ from .surroundings.lights import draw_lights
 from .surroundings.metering import exposure, irradiance
 from .surroundings.table import draw_table, outline
 from .vessels.draw import draw_vessel
+from .vessels.settings import VesselSettings
 
 
-def draw_scene(settings: SceneSettings, seed: int, scene_id: int) -> Scene:
+def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFiles | None = None) -> Scene:
     """Draw a scene.
 
     Parameters
@@ -35,24 +35,28 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int) -> Scene:
     seed : int
         Seed of the data set.
     scene_id : int
-        Number of the scene. Nothing but these three decides the scene.
+        Number of the scene. Nothing but these three, and the files in the settings' folders, decides the scene.
+    files : AssetFiles, optional
+        What `asset_files` found in the settings' folders, for many scenes; they are searched without it.
 
     Raises
     ------
     InputError
         Where a folder of the settings or a file in it cannot be used, or the objects do not fit on the table.
     """
-    textures = picture_files(settings.texture_dir) if settings.texture_dir else ()
+    split = split_of(settings.splits, seed, scene_id)
+    files = files_for(settings, files or asset_files(settings), seed, split)
     counts = stream(seed, scene_id, "counts")
     vessel_count = int(counts.integers(settings.vessel_count[0], settings.vessel_count[1] + 1))
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
-    vessels = _vessels(settings, seed, scene_id, vessel_count)
-    props = _props(settings, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, textures)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, textures)
+    families = families_of(settings.splits, seed, split, settings.vessels.categories)
+    vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
+    props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
 
     centre, radius = _workspace(objects)
-    environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment)
+    environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
     pixels = bake_environment(environment)
     ambient = float(luminance(irradiance(pixels, environment.strength, ())))
     far = reach(settings.cameras, centre, radius)
@@ -72,30 +76,27 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int) -> Scene:
     )
 
 
-def _vessels(settings: SceneSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
     vessels = []
     for i in range(count):
         media = stream(seed, scene_id, f"media/{i}")
         glass, liquid = draw_glass(media), draw_liquid(media)
         rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
-        vessels.append(
-            draw_vessel(rng, settings.vessels, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid)
-        )
+        vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
     return vessels
 
 
 def _props(
-    settings: SceneSettings, seed: int, scene_id: int, count: int, first_id: int, textures: tuple[Path, ...]
+    settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop]:
-    files = mesh_files(settings.mesh_dir) if settings.mesh_dir else ()
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
-            settings.props,
+            settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
-            mesh_files=files,
-            texture_files=textures,
+            mesh_files=files.meshes,
+            texture_files=files.textures,
         )
         for i in range(count)
     ]

@@ -10,6 +10,7 @@ from .description import Picture
 from .model import Model, Ordered
 from .placement import PlacementSettings
 from .props.settings import PropSettings
+from .splits import SplitSettings
 from .surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from .surroundings.table import TableSettings
 from .user_text import UserPath
@@ -37,4 +38,5 @@ class SceneSettings(Model):
     lights: LightSettings = LightSettings()
     cameras: CameraSettings = CameraSettings()
     placement: PlacementSettings = PlacementSettings()
+    splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()

@@ -12,12 +12,11 @@ from .labels.geometry import trace_straight
 from .labels.refraction import trace_refraction
 from .pictures.denoise import denoise
 from .pictures.fireflies import spread_fireflies
-from .pictures.integrator import OpaqueLight
-from .pictures.picture import Noisy, trace_picture
+from .pictures.picture import PATHS, Noisy, Tracer, trace_picture
 from .scene.kernel import Kernel
 
 
-def render_view(kernel: Kernel, view: int, opaque_light: OpaqueLight | None = None) -> Frame:
+def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
     """Render a view of the loaded scene.
 
     Parameters
@@ -26,8 +25,8 @@ def render_view(kernel: Kernel, view: int, opaque_light: OpaqueLight | None = No
         The loaded scene.
     view : int
         Index into the scene's cameras.
-    opaque_light : callable, optional
-        Stored light to read at opaque surfaces (`light.scene_light.shared_light`); paths are traced on without it.
+    tracer : Tracer
+        How light is found: by paths, or as stored (`light.scene_light.shared_light`).
 
     Returns
     -------
@@ -38,7 +37,7 @@ def render_view(kernel: Kernel, view: int, opaque_light: OpaqueLight | None = No
     camera, seconds = scene.cameras[view], {}
     start = perf_counter()
     seeds = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in ("left", "right")}
-    left, right = (trace_picture(kernel, camera, eye, seed, opaque_light) for eye, seed in seeds.items())
+    left, right = (trace_picture(kernel, camera, eye, seed, tracer) for eye, seed in seeds.items())
     seconds["picture"] = perf_counter() - start
 
     start = perf_counter()

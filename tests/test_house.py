@@ -30,7 +30,7 @@ MAY_IMPORT_IN_RENDER = {
     "interfaces": set(),
     "labels": {"frame", "rays", "scene", "interfaces"},
     "pictures": {"rays", "scene", "interfaces"},
-    "light": {"frame", "rays", "scene", "pictures"},
+    "light": {"frame", "rays", "scene", "interfaces", "pictures"},
     "derivatives": {"rays", "scene", "interfaces", "pictures"},
     "view": {"frame", "scene", "labels", "pictures"},
 }

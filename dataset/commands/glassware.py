@@ -9,12 +9,15 @@ from importlib.metadata import EntryPoint, entry_points
 from rich.console import Console
 
 from ...procedural.errors import InputError
-from . import render_scene
+from . import build_dataset, merge, render_scene, verify
 from .outcome import outcome
 
 #: Name of each command, what it does, and its entry point.
 _COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {
+    "build": ("many scenes, by worker processes or a cluster (also: build-dataset)", build_dataset.main),
+    "merge": ("shards of a build become one data set", merge.main),
     "render": ("one labelled scene from a seed (also: render-scene)", render_scene.main),
+    "verify": ("what is wrong with a data set, from its files alone", verify.main),
 }
 #: Group of entry points under which other packages bring commands, which are imported when they are used.
 _GROUP = "glassware.commands"

@@ -12,6 +12,12 @@ from .stopping import exit_code, stoppable, was_stopped
 
 #: Errors of a disk, a quota or a limit on file sizes: the work failed; neither request nor program is wrong.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+#: Errors of a disk that became read-only, or of permissions that were taken away, while the work went on.
+_REFUSED = (errno.EROFS, errno.EACCES, errno.EPERM)
+
+
+class WorkFailed(Exception):
+    """Work that could not be done for a reason that is told already: one line, exit code 1, no traceback."""
 
 
 def outcome(command: Callable[[], None]) -> int:
@@ -23,6 +29,9 @@ def outcome(command: Callable[[], None]) -> int:
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
         return 2
+    except WorkFailed as error:
+        console.print(str(error), markup=False, highlight=False, soft_wrap=True)
+        return 1
     except BaseException as error:
         # Dr.Jit and the import system wrap what a signal raises inside them.
         if _stopped(error):
@@ -30,6 +39,9 @@ def outcome(command: Callable[[], None]) -> int:
             return exit_code()
         if isinstance(error, OSError) and error.errno in _FULL:
             console.print(f"no room to write: {error}", markup=False, highlight=False, soft_wrap=True)
+            return 1
+        if isinstance(error, OSError) and error.errno in _REFUSED:
+            console.print(f"cannot be written any more: {error}", markup=False, highlight=False, soft_wrap=True)
             return 1
         raise
     return 0

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pydantic import Field
 from rich.console import Console
 
-from ...annotate.keypoints import SceneKeypoints, scene_keypoints
-from ...annotate.labels import annotate, with_noise
-from ...procedural.description import Scene
 from ...procedural.draw import draw_scene
 from ...procedural.inputs import check_inputs
 from ...procedural.sanity import check_scene
 from ...procedural.settings import SceneSettings
 from ...procedural.user_text import UserPath, UserText
-from ...render.frame import LightCheck
 from ...render.machine.backend import activate
 from .. import layout
 from ..config import layered, parsed
-from ..dataset_file import DatasetFile, installed_versions
-from ..pictures import srgb8, write_png
-from ..preview import PreviewRow, chosen_views, contact_sheet
-from ..writer import View, check_output, finish_dataset, read_head, start_dataset, write_scene
+from ..dataset_file import installed_versions, new_head
+from ..making import make_scene
+from ..pictures import write_png
+from ..preview import chosen_views, contact_sheet
+from ..writer import check_output, finish_dataset, read_head, start_dataset
 from .outcome import outcome
 from .progress import Stages
-
-if TYPE_CHECKING:
-    from ...render.pictures.integrator import OpaqueLight
-    from ...render.scene.kernel import Kernel
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.
 
@@ -62,13 +54,8 @@ def _render_scene(arguments: Sequence[str]) -> None:
     stages = Stages(Console())
     with stages.timed("backend"):
         backend = activate(spectral=settings.picture.spectral)
-    head = DatasetFile(
-        name=request.name,
-        seed=request.seed,
-        config=settings.model_dump(mode="json"),
-        versions=installed_versions(),
-        backend=backend,
-    )
+    config = settings.model_dump(mode="json")
+    head = new_head(request.name, request.seed, config, installed_versions(), backend)
     check_output(request.out, head, [request.scene])
     with stages.timed("inputs"):
         check_inputs(settings)
@@ -77,10 +64,11 @@ def _render_scene(arguments: Sequence[str]) -> None:
         scene = draw_scene(settings, request.seed, request.scene)
         check_scene(scene)
     start_dataset(request.out, head, [request.scene])
-    previews = _written(request.out, scene, stages)
+    with stages.progress(len(scene.cameras)):
+        made = make_scene(request.out, scene, stages, chosen_views(len(scene.cameras)))
     with stages.timed("preview"):
         finish_dataset(request.out, head)
-        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", previews)
+        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", made.previews)
         write_png(request.out / layout.PREVIEW, sheet)
     stages.report(f"{request.out}: scene {request.scene} of seed {request.seed}", len(scene.cameras))
 
@@ -89,66 +77,6 @@ def _say_what_is_done(request: RenderScene, stages: Stages) -> None:
     if request.scene in layout.scene_ids(request.out):
         stages.say(f"{request.out}: scene {request.scene} of seed {read_head(request.out).seed} will be replaced")
     stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {request.cameras.views} views")
-
-
-def _written(out: Path, scene: Scene, stages: Stages) -> list[PreviewRow]:
-    """Render, label and write the scene view by view; return the views of the preview."""
-    points = scene_keypoints(scene)
-    kernel, opaque_light, check = _lit(scene, stages)
-    shown, rows = set(chosen_views(len(scene.cameras))), []
-
-    def views() -> Iterator[View]:
-        for view in _views(kernel, opaque_light, points, stages):
-            if view.number in shown:
-                rows.append(_preview_row(scene, view))
-            with stages.timed("writing"):
-                yield view
-
-    with stages.progress(len(scene.cameras)):
-        write_scene(out, scene, points, views(), check)
-    return rows
-
-
-def _preview_row(scene: Scene, view: View) -> PreviewRow:
-    camera = scene.cameras[view.number]
-    picture = srgb8(view.frame.left, camera.exposure)
-    return PreviewRow(layout.view_name(view.number), picture, camera, view.frame.geometry, view.labels)
-
-
-def _lit(scene: Scene, stages: Stages) -> tuple[Kernel, OpaqueLight | None, LightCheck | None]:
-    """Load the scene, and store its light where that is asked for or pays."""
-    # Only here: these bring Mitsuba, whose variant must be set first.
-    from ...render.light.scene_light import is_shared, shared_light
-    from ...render.scene.kernel import load
-
-    shared = is_shared(scene)
-    with stages.timed("loading"):
-        kernel = load(scene, cut=shared)
-    if not shared:
-        return kernel, None, None
-    with stages.timed("light"):
-        opaque_light, check = shared_light(kernel)
-    stages.say(
-        f"light of the scene stored at {check.nodes} places; pictures from it differ from path-traced ones by "
-        f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
-        + ("" if check.mode == "shared" else f", more than {check.bound:.0%}: paths are traced instead")
-    )
-    return kernel, opaque_light, check
-
-
-def _views(kernel: Kernel, opaque_light: OpaqueLight | None, points: SceneKeypoints, stages: Stages) -> Iterator[View]:
-    from ...render.labels.sight import line_of_sight
-    from ...render.view import render_view
-
-    scene = kernel.description
-    for number, camera in enumerate(scene.cameras):
-        frame = render_view(kernel, number, opaque_light)
-        stages.add(frame.seconds)
-        with stages.timed("labels"):
-            sight = line_of_sight(kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
-            labels = with_noise(annotate(scene, camera, frame.geometry, points, sight), frame.sampling)
-        stages.advance()
-        yield View(number, frame, labels)
 
 
 if __name__ == "__main__":

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 from ...dataset.reader import Dataset, StoredScene
 from ...procedural.errors import InputError
-from ...procedural.scene_file import check_schema, read_json
+from ...procedural.splits import Split
 
-SPLITS, SPLITS_SCHEMA = "splits.json", "glassware/splits/1"
 #: Every scene, for data sets that have no splits.
 ALL = "all"
 
 
 def scenes_of(data: Dataset, split: str) -> tuple[StoredScene, ...]:
-    """Return the scenes of a split (``train``, ``val``, ``test``, as ``splits.json`` has them) or all of them.
+    """Return the scenes of a split (``train``, ``val``, ``test``, as the build made them) or all of them.
 
     Raises
     ------
@@ -21,16 +22,10 @@ def scenes_of(data: Dataset, split: str) -> tuple[StoredScene, ...]:
     """
     if split == ALL:
         return data.scenes
-    path = data.root / SPLITS
-    if not path.is_file():
-        raise InputError(path, f"the scenes of split {split} (or ask for split {ALL})", "no such file")
-    record = read_json(path)
-    check_schema(path, record, SPLITS_SCHEMA)
-    numbers = record.get(split)
-    if not isinstance(numbers, list) or not all(isinstance(number, int) for number in numbers):
-        raise InputError(f"{path}: {split}", "the numbers of its scenes", numbers)
-    there = {scene.scene_id: scene for scene in data.scenes}
-    found = tuple(there[number] for number in numbers if number in there)
+    names = get_args(Split)
+    if split not in names:
+        raise InputError("split", f"one of {', '.join((*names, ALL))}", split)
+    found = data.split(split)  # pyright: ignore[reportArgumentType]  # it is one of them
     if not found:
-        raise InputError(f"{path}: {split}", "scenes that are there", "none")
+        raise InputError(f"{data.root}: split {split}", "scenes that are there", "none")
     return found

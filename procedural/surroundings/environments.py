@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -18,15 +20,27 @@ from .skies import bake_sky, draw_sky
 _SOFTNESS = 1.0
 
 
-def draw_environment(rng: np.random.Generator, settings: EnvironmentSettings) -> Environment:
-    """Draw the surroundings of a scene: a file of ``settings.hdri_dir``, a room or a sky.
+def draw_environment(
+    rng: np.random.Generator, settings: EnvironmentSettings, files: Sequence[Path] | None = None
+) -> Environment:
+    """Draw the surroundings of a scene: a file, a room or a sky.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of all draws.
+    settings : EnvironmentSettings
+        Shares.
+    files : sequence of Path, optional
+        The environment maps to draw from; by default those in ``settings.hdri_dir``.
 
     Raises
     ------
     InputError
         Where the folder is missing or has no environment map.
     """
-    files = () if settings.hdri_dir is None else hdri_files(settings.hdri_dir)
+    if files is None:
+        files = () if settings.hdri_dir is None else hdri_files(settings.hdri_dir)
     from_file, indoors = rng.uniform() < settings.hdri_share, rng.uniform() < settings.room_share
     if files and from_file:
         chosen = asset(files[int(rng.integers(len(files)))])

@@ -55,7 +55,7 @@ def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, int
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, into]):
-            light, direction, weight, pdf, delta = opaque_event(scene, si, si.uv, ray, offset, light_at, coin, lobe_at)
+            light, direction, weight, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
             add_chosen(into, scene.sample_emitter(light_at.x)[0], beta * light)
 

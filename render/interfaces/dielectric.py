@@ -5,12 +5,17 @@ All vectors are in the world frame; `wi` points back along the arriving ray.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
 from .microsurface import walk
+
+#: How often to mirror, given `wi`, the normal and Fresnel's share: for rays that are to be steered.
+Odds = Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +26,7 @@ class Scattered:
     weight: mi.Float  #: factor on the path's throughput (radiance, so with the ratio of indices squared)
     transmitted: mi.Bool
     eta_squared: mi.Float  #: (eta_t / eta_i)^2 where transmitted, else 1: what roulette must not count as loss
+    share: mi.Float  #: how often the coin falls so; 1 where rough, which tosses no coin
 
 
 @dr.syntax
@@ -32,6 +38,7 @@ def scatter(
     alpha: mi.Float,
     coin: mi.Float,
     seed: mi.UInt32,
+    odds: Odds | None = None,
 ) -> Scattered:
     """Scatter at an interface.
 
@@ -49,13 +56,17 @@ def scatter(
         Uniform random number: reflect or refract, where smooth.
     seed : mi.UInt32
         Seed of the walk on the microsurface, where rough.
+    odds : callable, optional
+        How often to mirror; by default as often as Fresnel's share says. The weight makes up for it.
     """
     facet = upright_normal(wi, n, ns, eta)
     cos_i = dr.dot(wi, facet)
     reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)
-    transmitted = coin >= reflectance
+    mirrored = reflectance if odds is None else odds(wi, facet, reflectance)
+    transmitted = coin >= mirrored
     direction = dr.select(transmitted, refracted(wi, facet, cos_i, cos_t, eta_ti), mi.reflect(wi, facet))
-    weight = mi.Float(1.0)
+    share = dr.select(transmitted, 1.0 - mirrored, mirrored)
+    weight = mi.Float(1.0) if odds is None else dr.select(transmitted, 1.0 - reflectance, reflectance) / share
 
     if alpha > 0.0:
         frame = mi.Frame3f(facet)
@@ -65,11 +76,11 @@ def scatter(
         # side that it chose, which keeps its light.
         wrong = (dr.dot(direction, n) < 0.0) != transmitted
         direction = dr.select(wrong, direction - 2.0 * dr.dot(direction, n) * n, direction)
-        weight = dr.select(alive, mi.Float(1.0), 0.0)
+        weight, share = dr.select(alive, mi.Float(1.0), 0.0), mi.Float(1.0)
 
     # Radiance is squeezed by eta^2 on entering a denser medium (Veach 1997, eq. 5.6).
     eta_squared = dr.select(transmitted, dr.square(eta), 1.0)
-    return Scattered(dr.normalize(direction), weight * dr.rcp(eta_squared), transmitted, eta_squared)
+    return Scattered(dr.normalize(direction), weight * dr.rcp(eta_squared), transmitted, eta_squared, share)
 
 
 def upright_normal(wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float) -> mi.Normal3f:

@@ -59,7 +59,7 @@ def scatter_polarised(
     M = turned(M, axis, mi.mueller.stokes_basis(-direction), -direction)
     eta_squared = dr.select(transmitted, dr.square(eta), 1.0)
     weight = dr.select(alive, dr.rcp(eta_squared), 0.0)
-    return Scattered(direction, as_matrix(M) * mi.Matrix4f(weight), transmitted, eta_squared)
+    return Scattered(direction, as_matrix(M) * mi.Matrix4f(weight), transmitted, eta_squared, mi.Float(1.0))
 
 
 @dr.syntax

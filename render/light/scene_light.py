@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -13,19 +11,19 @@ from ...procedural.errors import InputError
 from ...procedural.randomness import stream, stream_seed
 from ...procedural.surroundings.colour import luminance
 from ..frame import LightCheck
-from ..pictures.integrator import trace
-from ..pictures.picture import camera_paths
+from ..pictures.picture import PATHS, Tracer, camera_paths
 from ..rays import pinhole
 from ..scene.kernel import Kernel
+from .follow import reading
 from .gather import gather_light
 from .nodes import place_nodes
-from .stored import StoredLight, opaque_light
+from .stored import StoredLight
 
 #: Samples of all pictures of a scene from which on its light is stored, unless asked otherwise. Below, storing it costs
 #: more than it saves (docs/performance.md).
-WORTH_IT = 2e8
+WORTH_IT = 1e8
 #: Paths that store the light, over the camera's; and the fewest and most of a node on the average.
-_SHARE, _FEWEST, _MOST = 0.1, 32, 128
+_SHARE, _FEWEST, _MOST = 0.1, 32, 64
 #: The check: pixels, spread over at most so many views, and samples of each by both ways.
 _PIXELS, _VIEWS, _SAMPLES = 1024, 8, 128
 #: Most that the mean over these pixels may differ [share of it], beyond `_DOUBT` standard errors.
@@ -52,7 +50,7 @@ def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def shared_light(kernel: Kernel) -> tuple[Callable[..., tuple] | None, LightCheck]:
+def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
@@ -62,15 +60,15 @@ def shared_light(kernel: Kernel) -> tuple[Callable[..., tuple] | None, LightChec
 
     Returns
     -------
-    opaque_light : callable or None
-        What `trace_picture` is given; None where the check failed, so that pictures are traced by paths.
+    tracer : Tracer
+        What `trace_picture` is to be given: paths where the check failed.
     check : LightCheck
         What the comparison found.
     """
     scene = kernel.description
     stored = stored_light(kernel)
-    reads = opaque_light(kernel, stored)
-    difference, error = compared(kernel, reads)
+    tracer = reading(kernel, stored)
+    difference, error = compared(kernel, tracer)
     fine = abs(difference) <= BOUND + _DOUBT * error
     check = LightCheck(
         scene_id=scene.scene_id,
@@ -82,7 +80,7 @@ def shared_light(kernel: Kernel) -> tuple[Callable[..., tuple] | None, LightChec
         nodes=stored.nodes.count,
         paths=int(stored.samples.sum()),
     )
-    return (reads if fine else None), check
+    return (tracer if fine else PATHS), check
 
 
 def stored_light(kernel: Kernel) -> StoredLight:
@@ -92,7 +90,7 @@ def stored_light(kernel: Kernel) -> StoredLight:
     return gather_light(kernel, nodes, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
 
 
-def compared(kernel: Kernel, reads: Callable[..., tuple]) -> tuple[float, float]:
+def compared(kernel: Kernel, tracer: Tracer) -> tuple[float, float]:
     """Return how much brighter pictures from stored light are than path-traced ones, and the standard error.
 
     Both are shares of the mean light of random pixels of the left pictures. The error is that of both ways' samples
@@ -101,7 +99,7 @@ def compared(kernel: Kernel, reads: Callable[..., tuple]) -> tuple[float, float]
     scene = kernel.description
     rng = stream(scene.seed, scene.scene_id, "render/light/check")
     views = rng.permutation(len(scene.cameras))[:_VIEWS]
-    pairs = [_pairs(kernel, reads, int(view), rng, _PIXELS // len(views)) for view in views]
+    pairs = [_pairs(kernel, tracer, int(view), rng, _PIXELS // len(views)) for view in views]
     paths, stored = (np.concatenate(values) for values in zip(*pairs, strict=True))
     level, difference = float(paths.mean()), stored - paths
     if level <= 0.0:
@@ -110,15 +108,15 @@ def compared(kernel: Kernel, reads: Callable[..., tuple]) -> tuple[float, float]
 
 
 def _pairs(
-    kernel: Kernel, reads: Callable[..., tuple], view: int, rng: np.random.Generator, pixels: int
+    kernel: Kernel, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the luminance of random pixels by paths and from stored light."""
     camera, seeds = kernel.description.cameras[view], rng.integers(0, 1 << 32, 2)
     pixel = rng.integers(0, camera.width * camera.height, pixels).astype(np.uint32)
     values = []
-    for seed, event in zip(seeds, (None, reads), strict=True):
+    for seed, way in zip(seeds, (PATHS, tracer), strict=True):
         ray, weight, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), _SAMPLES, _SAMPLES, int(seed))
-        radiance = trace(kernel, ray, weight, points, kernel.description.picture, event).radiance
+        radiance = way.trace(kernel, ray, weight, points, kernel.description.picture).radiance
         dr.eval(radiance)
         means = [np.array(dr.block_sum(channel, _SAMPLES), np.float64) / _SAMPLES for channel in radiance]
         values.append(luminance(np.stack(means, axis=1)))

@@ -19,7 +19,8 @@ import mitsuba as mi
 import numpy as np
 
 from ...procedural.description import TABLE_ID
-from ..pictures.integrator import unshadowed
+from ..pictures.integrator import numbers_of, unshadowed
+from ..pictures.sampler import Samples
 from ..scene.kernel import Kernel
 from ..scene.surfaces import registry_id
 from .lobes import Gloss, glossy, sampled_gloss, schlick
@@ -30,6 +31,8 @@ MOMENTS = 12
 #: Roulette follows a glossy bounce with this many times its weight. The mean stays; what it carries is then at most
 #: a third of the light that it finds.
 _FOLLOW = 3.0
+#: Lamps in the gloss that add less than this share of the diffuse part are looked at by roulette.
+_FAINT = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ class StoredLight:
 
 
 def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
-    """Return what `integrator.trace` is to do at opaque surfaces: read the light that is stored there."""
+    """Return what opaque surfaces do: the radiance towards the eye, and a glossy bounce with its weight and density."""
     table, lookup = kernel.surfaces, lookup_of(stored.nodes)
     values = mi.Float(np.ascontiguousarray(stored.moments, np.float32).ravel())
     look = np.zeros((dr.width(table.instance), 2), np.float32)
@@ -57,10 +60,10 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         corner: mi.Point2f,
         ray: mi.Ray3f,
         offset: mi.Float,
-        light: mi.Point2f,
-        lobe: mi.Float,
-        bounce: mi.Point2f,
-    ) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
+        points: Samples,
+        depth: mi.UInt32,
+    ) -> tuple[mi.Color3f, mi.Vector3f, mi.Color3f, mi.Float]:
+        light, bounce, lobe, gamble = numbers_of(points, depth)
         row, eye = registry_id(si.shape), -ray.d
         instance = dr.gather(mi.UInt32, table.instance, row)
         on_table, lamp = instance == TABLE_ID, instance == 0  # a lamp shines and is black
@@ -73,7 +76,7 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         wi = frame.to_local(eye)
         index, weight = nodes_round(lookup, si, corner, eye, on_table)
         radiance = diffuse(gloss, wi, eye, _moments(values, index, weight))
-        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light)
+        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light, gamble, _FAINT * dr.max(radiance))
 
         wo = sampled_gloss(gloss, wi, bounce)
         value, pdf = glossy(gloss, wi, wo)
@@ -81,7 +84,7 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         follow = dr.clip(_FOLLOW * dr.max(factor), 1e-3, 1.0)
         factor = dr.select(lobe < follow, factor / follow, 0.0)
         radiance, factor = (dr.select(lamp, 0.0, x) for x in (radiance, factor))
-        return radiance, frame.to_world(wo), mi.Spectrum(factor), pdf, mi.Bool(False)
+        return radiance, frame.to_world(wo), factor, pdf
 
     return event
 
@@ -116,11 +119,18 @@ def _lamp_in_gloss(
     wi: mi.Vector3f,
     offset: mi.Float,
     sample: mi.Point2f,
+    gamble: mi.Float,
+    faint: mi.Float,
 ) -> mi.Color3f:
-    """Return the light of a sampled lamp or piece of sky that the surface mirrors."""
+    """Return the light of a sampled lamp or piece of sky that the surface mirrors.
+
+    Below the radiance `faint` roulette decides whether it is worth a shadow ray.
+    """
     ds, arriving = scene.sample_emitter_direction(si, sample, False)
     value, pdf = glossy(gloss, wi, frame.to_local(ds.d))
-    lit = (ds.pdf > 0.0) & dr.any(value > 0.0)
-    lit = unshadowed(scene, si, ds, offset, lit)
     share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
-    return dr.select(lit, share * value * arriving, 0.0)
+    radiance = share * value * arriving
+    survive = dr.minimum(dr.max(radiance) / faint, 1.0)
+    lit = (ds.pdf > 0.0) & (gamble < survive)
+    lit = unshadowed(scene, si, ds, offset, lit)
+    return dr.select(lit, radiance / survive, 0.0)

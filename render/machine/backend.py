@@ -22,7 +22,7 @@ CUDA = "cuda_ad_rgb"
 _LEAST_THREADS = 2
 
 
-def activate(variant: str | None = None, spectral: bool | None = None) -> str:
+def activate(variant: str | None = None, spectral: bool | None = None, threads: int | None = None) -> str:
     """Set a Mitsuba variant that has been proven to work here; safe to call again.
 
     Parameters
@@ -32,6 +32,8 @@ def activate(variant: str | None = None, spectral: bool | None = None) -> str:
         else `LLVM`.
     spectral : bool, optional
         Whether the default is to have wavelengths instead of red, green and blue; None does not mind.
+    threads : int, optional
+        Threads that the processor's kernels may use; by default one a core. Pictures do not depend on it.
 
     Returns
     -------
@@ -66,7 +68,7 @@ def activate(variant: str | None = None, spectral: bool | None = None) -> str:
         )
         raise InputError("backend", f"glassware.render imported first, or {LLVM_PATH} set", found)
     mi.set_variant(chosen)
-    dr.set_thread_count(max(dr.thread_count(), _LEAST_THREADS))
+    dr.set_thread_count(max(threads or dr.thread_count(), _LEAST_THREADS))
     return chosen
 
 

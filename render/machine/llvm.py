@@ -92,6 +92,14 @@ def _works(library: Path) -> bool:
     return library_passes(LLVM, library, {LLVM_PATH: str(library)})
 
 
+def compiler_version() -> str:
+    """Return the version of the LLVM that Dr.Jit has loaded, such as 19.1.7, or "none"."""
+    import drjit as dr
+
+    version = dr.detail.llvm_version()
+    return ".".join(map(str, version)) if version[0] > 0 else "none"
+
+
 def major_version(library: Path) -> int | None:
     """Return the major version that a library's file name states, or None where it states none."""
     match = _VERSIONED.fullmatch(library.name)

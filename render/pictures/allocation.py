@@ -11,13 +11,11 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-#: Samples of a pixel that shows glass over those of one that does not, ...
-RATIO = 4.0
-#: ... or less, where the others would else get fewer groups than tell their noise.
+#: Groups that every pixel gets at least, to tell its noise.
 _FEWEST = 2
 
 
-def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
+def group_counts(glass: np.ndarray, spp: int, size: int, ratio: float) -> np.ndarray:
     """Share out groups of samples.
 
     Parameters
@@ -28,6 +26,9 @@ def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
         Samples of a pixel, on the average.
     size : int
         Samples of a group.
+    ratio : float
+        Samples of a pixel that shows glass over those of one that does not; less where the others would else get too
+        few groups.
 
     Returns
     -------
@@ -37,8 +38,8 @@ def group_counts(glass: np.ndarray, spp: int, size: int) -> np.ndarray:
     # A pixel at the outline may show glass between the rays that looked for it.
     near = cv2.dilate(glass.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()
     groups, share = spp / size, near.mean()
-    most = 1.0 + max(groups / _FEWEST - 1.0, 0.0) / share if share > 0.0 else RATIO
-    weights = np.where(near > 0, min(RATIO, most), 1.0)
+    most = 1.0 + max(groups / _FEWEST - 1.0, 0.0) / share if share > 0.0 else ratio
+    weights = np.where(near > 0, min(ratio, most), 1.0)
     return _rounded(weights / weights.mean() * groups)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +17,6 @@ from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolari
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
 from .sampler import Samples, four, hashed
 
-#: What opaque surfaces do to a path: as `opaque_event`, which `trace` takes unless it is given another.
-OpaqueLight = Callable[..., tuple]
 #: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
 _SHADOW_EPSILON = 1e-4
 #: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
@@ -53,7 +50,6 @@ def trace(
     weight: mi.Spectrum,
     points: Samples,
     picture: Picture,
-    opaque_light: OpaqueLight | None = None,
     start: Start | None = None,
 ) -> Radiance:
     """Trace one path for every camera ray.
@@ -63,7 +59,6 @@ def trace(
     from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here. In polarised
     variants all spectra are Mueller matrices (`mueller`), and lamps and sky are unpolarised.
     """
-    surface = opaque_light or opaque_event
     scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
@@ -77,8 +72,7 @@ def trace(
     violations, segments, alone, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, points, carried]):
-        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
-        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
+        si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         segments += 1
@@ -92,7 +86,7 @@ def trace(
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, factor, pdf, delta = surface(scene, si, pi.prim_uv, ray, offset, light_at, coin, lobe_at)
+            light, direction, factor, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
             L += beta * light
 
         if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
@@ -195,7 +189,6 @@ def unshadowed(
 def opaque_event(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
-    corner: mi.Point2f,
     ray: mi.Ray3f,
     offset: mi.Float,
     light: mi.Point2f,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import drjit as dr
@@ -13,9 +14,9 @@ from ...procedural.surroundings.description import Camera
 from ..rays import Pinhole, pinhole, pixel_rays
 from ..scene.kernel import Kernel
 from ..scene.spectrum import draw_wavelengths
-from .allocation import RATIO, group_counts
+from .allocation import group_counts
 from .guides import trace_guides
-from .integrator import OpaqueLight, Radiance, trace
+from .integrator import Radiance, trace
 from .sampler import Samples, four, samples
 from .tally import Tally
 
@@ -30,6 +31,8 @@ FEW_VIOLATIONS = 10
 #: noise. A variance from sixteen groups is off by 37 % in one pixel (chi-square with fifteen degrees of freedom), by
 #: 0.1 % over the pixels of a small picture.
 _GROUPS = 16
+#: Samples of a pixel that shows glass over those of one that does not, where paths are traced (docs/performance.md).
+PATHS_RATIO = 4.0
 #: Samples a pixel below which all pixels get as many.
 LEAST_ADAPTIVE = 4
 
@@ -47,13 +50,24 @@ class Noisy:
     violations: float  #: share of segments whose medium was not the one that the next surface faced them with
 
 
+@dataclass(frozen=True, eq=False)
+class Tracer:
+    """How the light that camera rays bring is found, and where samples pay then."""
+
+    #: Given a kernel, rays, their weight, sample points and `Picture`; as `integrator.trace`.
+    trace: Callable[[Kernel, mi.Ray3f, mi.UnpolarizedSpectrum, Samples, Picture], Radiance]
+    ratio: float  #: samples of a pixel that shows glass over those of one that does not
+
+
+#: The path tracer, which is what all else is compared with.
+PATHS = Tracer(trace, PATHS_RATIO)
+
+
 class MediumError(RuntimeError):
     """The scene's interfaces contradict each other: a segment arrives in another medium than it started in."""
 
 
-def trace_picture(
-    kernel: Kernel, camera: Camera, eye: str, seed: int, opaque_light: OpaqueLight | None = None
-) -> Noisy:
+def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: Tracer = PATHS) -> Noisy:
     """Render one eye of a camera.
 
     Parameters
@@ -66,8 +80,8 @@ def trace_picture(
         Which of the two.
     seed : int
         Seed of this picture, different for every eye of every view.
-    opaque_light : callable, optional
-        What opaque surfaces do, such as answering with stored light; by default paths go on from them.
+    tracer : Tracer
+        How light is found: by paths, or as stored (`light.scene_light.shared_light`).
 
     Raises
     ------
@@ -76,7 +90,7 @@ def trace_picture(
     """
     picture, pixels = kernel.description.picture, camera.width * camera.height
     albedo, normal, glass = trace_guides(kernel, camera, eye)
-    source = _Source(kernel, pinhole(camera, eye), seed, opaque_light)
+    source = _Source(kernel, pinhole(camera, eye), seed, tracer)
     tally, counts, spp = Tally(pixels), np.zeros(2, np.int64), 0
     most = _most(picture)
     while spp < most:
@@ -107,14 +121,14 @@ class _Source:
     kernel: Kernel
     view: Pinhole
     seed: int
-    opaque_light: OpaqueLight | None
+    tracer: Tracer
 
 
 def _one_batch(source: _Source, tally: Tally, glass: np.ndarray, batch: int) -> np.ndarray:
     """Take a batch of samples a pixel on the average; return the violations and the segments."""
     size, every = max(1, batch // _GROUPS), np.ones(glass.size, np.int64)
     if _is_adaptive(source.kernel.description.picture, batch):
-        return _some_groups(source, tally, group_counts(glass, batch, size), size)
+        return _some_groups(source, tally, group_counts(glass, batch, size, source.tracer.ratio), size)
     whole = _some_groups(source, tally, batch // size * every, size)
     return whole + _some_groups(source, tally, every, batch % size)
 
@@ -140,9 +154,9 @@ def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -
 def _one_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, size: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = source.kernel.description.picture
-    longest = _most(picture) * (int(RATIO) if _is_adaptive(picture, picture.spp) else 1)
+    longest = _most(picture) * (int(source.tracer.ratio) if _is_adaptive(picture, picture.spp) else 1)
     ray, weight, points = camera_paths(source.view, pixel, index, size, longest, source.seed)
-    result = trace(source.kernel, ray, weight, points, picture, source.opaque_light)
+    result = source.tracer.trace(source.kernel, ray, weight, points, picture)
     # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.
     dr.eval(result.radiance, result.violations, result.segments)
     return result

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from glassware.dataset.durable import remove_leftovers, whole_folder, write_atomically
+from glassware.dataset.durable import discard, remove_leftovers, whole_file, whole_folder, write_atomically
 
 
 def _names(folder):
@@ -71,3 +71,25 @@ def test_a_file_is_replaced_whole(tmp_path):
     write_atomically(tmp_path / "a", b"second")
     assert (tmp_path / "a").read_bytes() == b"second"
     assert _names(tmp_path) == ["a"]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
+def test_a_file_that_goes_wrong_leaves_the_one_before(tmp_path, error):
+    (tmp_path / "a").write_text("first")
+
+    def failing():
+        with whole_file(tmp_path / "a") as partial:
+            partial.write_text("sec")
+            raise error
+
+    with pytest.raises(error):
+        failing()
+    assert (tmp_path / "a").read_text() == "first"
+    assert _names(tmp_path) == ["a"]
+
+
+def test_a_discarded_folder_is_gone_with_all_in_it(tmp_path):
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    (tmp_path / "a" / "b" / "file").write_text("x")
+    discard(tmp_path / "a")
+    assert _names(tmp_path) == []

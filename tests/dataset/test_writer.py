@@ -35,7 +35,7 @@ def test_the_files_are_those_of_the_contract(stored):
     assert _names(stored) == ["dataset.json", "scenes", "views.parquet"]
     assert _names(stored / "scenes") == ["000000"]
     scene = stored / "scenes" / "000000"
-    assert _names(scene) == ["000", "001", "meshes", "objects.json", "scene.json", "views.json"]
+    assert _names(scene) == ["000", "001", "checksums.json", "meshes", "objects.json", "scene.json", "views.json"]
     assert _names(scene / "001") == sorted([*view, "right.png"])
 
 
@@ -79,7 +79,6 @@ def test_the_index_has_a_row_for_each_view(made, stored):
     assert all((stored / row["left"]).is_file() and (stored / row["right"]).is_file() for row in rows)
     assert rows[0]["object_ids"] == [2, 3, 4]
     assert rows[1]["visible_fractions"] == [label.fractions.visible for label in views[1].labels.objects]
-    assert rows[0]["seconds_picture"] == 2.0
     assert rows[0]["noise_left"] is None
 
 
@@ -98,6 +97,17 @@ def test_a_data_set_grows_by_another_scene(made, head, stored):
     write_scene(stored, scene.model_copy(update={"scene_id": 12}), points, views[:1])
     assert finish_dataset(stored) == 3
     assert [found.scene_id for found in Dataset.open(stored).scenes] == [0, 12]
+
+
+def test_a_scene_added_to_a_build_keeps_what_the_head_says_of_the_build(made, head, tmp_path):
+    scene, points, views = made
+    root = tmp_path / "data"
+    start_dataset(root, head.model_copy(update={"scenes": "0:5", "hashes": {"assets": "0" * 64}}), [0])
+    write_scene(root, scene.model_copy(update={"scene_id": 7}), points, views[:1])
+    finish_dataset(root, head)
+    found = Dataset.open(root).head
+    assert found.scenes == "0:5,7"
+    assert found.hashes == {"assets": "0" * 64}
 
 
 def test_scenes_of_another_seed_or_setting_are_not_mixed_in(made, head, stored):

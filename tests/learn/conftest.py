@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import shutil
 import sys
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 import torch
 
 from glassware.dataset.commands.render_scene import main as render_scene
+from glassware.dataset.split_file import SplitsFile, write_splits
 from glassware.learn import NetworkSettings
 
 
@@ -71,9 +71,18 @@ def rendered(backend, tmp_path_factory) -> Path:
     for scene in (0, 1):
         arguments = ["--seed", "3", "--scene", str(scene), "--out", str(folder / "data"), "--config", str(config)]
         assert render_scene([*arguments]) == 0
-    splits = {"schema_version": "glassware/splits/1", "train": [0], "val": [1], "test": []}
-    (folder / "data" / "splits.json").write_text(json.dumps(splits))
+    _split(folder / "data", train=(0,), val=(1,))
     return folder / "data"
+
+
+def _split(root: Path, train: tuple[int, ...], val: tuple[int, ...] = ()) -> None:
+    write_splits(root, SplitsFile(train=train, val=val, test=(), unseen_families=(), unseen_assets={}))
+
+
+@pytest.fixture
+def split():
+    """Share out the scenes of a data set."""
+    return _split
 
 
 @pytest.fixture

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import errno
+
 import pytest
 
-from glassware.dataset.commands.outcome import outcome
+from glassware.dataset.commands.outcome import WorkFailed, outcome
 from glassware.procedural.errors import InputError
 
 
@@ -44,3 +46,20 @@ def test_a_loop_that_is_stopped_while_it_is_recorded_tells_of_ctrl_c(backend):
         dr.while_loop((dr.arange(mi.UInt32, 4),), lambda i: i < 9, body)
 
     assert outcome(record) == 130
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (WorkFailed("2 scenes failed"), "2 scenes failed\n"),
+        (OSError(errno.ENOSPC, "No space left on device"), "no room to write: [Errno 28] No space left on device\n"),
+        (
+            OSError(errno.EROFS, "Read-only file system"),
+            "cannot be written any more: [Errno 30] Read-only file system\n",
+        ),
+    ],
+    ids=["work", "full", "read-only"],
+)
+def test_work_that_failed_for_a_known_reason_is_1_and_one_line(capsys, error, says):
+    assert outcome(lambda: _raise(error)) == 1
+    assert capsys.readouterr().err == says

@@ -106,7 +106,7 @@ def test_workers_give_the_same_batches(rendered):
 def test_splits_are_those_of_the_data_set(rendered):
     assert {samples(rendered, "train")[(i, 0)].name[:13] for i in range(5)} == {"scenes/000000"}
     assert len(samples(rendered, "val")) == 5
-    with pytest.raises(InputError, match=r"splits\.json: test: expected scenes that are there, found none"):
+    with pytest.raises(InputError, match="split test: expected scenes that are there, found none"):
         samples(rendered, "test")
     with pytest.raises(InputError, match=r"splits\.json: other: expected the numbers of its scenes"):
         samples(rendered, "other")
@@ -214,12 +214,12 @@ def _lowered(root) -> bool:
     return True
 
 
-def test_on_the_grid_other_views_are_next_to_the_reference(copied):
+def test_on_the_grid_other_views_are_next_to_the_reference(copied, split):
     """Views at the places 1, 2, 15, 30 and 50 of the grid: 2 and 15 are next to 1, 30 to neither, 50 looks along."""
     places = (1, 2, 15, 30, 50)
     for place, path in zip(places, sorted((copied / SCENE).glob("*/camera.json")), strict=True):
         edited(path, lambda d, place=place: d.update(grid_index=place))
-    (copied / "splits.json").write_text('{"schema_version": "glassware/splits/1", "train": [0]}')
+    split(copied, train=(0,))
     data = samples(copied, "train", views={"rule": "grid"})
     assert len(data) == 4
     cameras = np.array([view.camera().world_T_camera[:3, 3] for view in Dataset.open(copied).scene(0).views])

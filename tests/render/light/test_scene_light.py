@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from glassware.procedural.description import Picture
+from glassware.procedural.description import Picture, Prop
+from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
 PASSES, SPP, PATHS = 8, 32, 64
@@ -31,10 +32,24 @@ def scenes(drawn, optical_bench):
     )
     return {
         "the caustic of a glass ball": ball,
+        "a prop under a slab of water": _under_water(optical_bench),
         "colours between props": drawn(12, vessel_count=(0, 0), prop_count=(4, 4), cameras=one, lights=lamp),
         "glasses with liquid over a table": drawn(31, vessel_count=(3, 3), prop_count=(1, 1), cameras=one, lights=lamp),
         "a glossy table": _glossy(drawn(14, vessel_count=(1, 1), prop_count=(2, 2), cameras=one, lights=lamp)),
     }
+
+
+def _under_water(bench):
+    """A slab of water, 4 cm thick, over an opaque box: light reaches the box through it, and so does the eye."""
+    camera = bench.camera((0.2, 0.0, 0.3), width=48, height=32)
+    scene = bench.scene(bench.box((0.3, 0.3, 0.04), (0.0, 0.0, 0.07)), bench.medium(1.333, name="water"), camera)
+    red = OpaqueMaterial(name="red", base_colour=UniformTexture(colour=(0.7, 0.1, 0.1)), roughness=0.4)
+    size, world_T_object = (0.06, 0.04, 0.03), np.eye(4)
+    world_T_object[2, 3] = 0.015
+    prop = Prop(
+        id=3, name="box", category="box", mesh=bench.box(size), material=red, size=size, world_T_object=world_T_object
+    )
+    return scene.model_copy(update={"props": (prop,)})
 
 
 def _glossy(scene):
@@ -47,7 +62,12 @@ NAMES = [
     "the caustic of a glass ball",
     *(
         pytest.param(name, marks=pytest.mark.slow)
-        for name in ("colours between props", "glasses with liquid over a table", "a glossy table")
+        for name in (
+            "a prop under a slab of water",
+            "colours between props",
+            "glasses with liquid over a table",
+            "a glossy table",
+        )
     ),
 ]
 
@@ -59,9 +79,10 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
+    from glassware.render.light.follow import reading
     from glassware.render.light.gather import gather_light
     from glassware.render.light.nodes import place_nodes
-    from glassware.render.light.stored import opaque_light
+    from glassware.render.pictures.picture import PATHS as BY_PATHS
     from glassware.render.pictures.picture import trace_picture
     from glassware.render.scene.kernel import load
 
@@ -70,8 +91,8 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
     nodes, camera = place_nodes(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        event = opaque_light(kernel, gather_light(kernel, nodes, PATHS, 100 + seed))
-        pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((None, event)))
+        tracer = reading(kernel, gather_light(kernel, nodes, PATHS, 100 + seed))
+        pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((BY_PATHS, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
     difference = stored.mean(0) - paths.mean(0)
@@ -115,18 +136,19 @@ def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
 
 def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
     from glassware.render.light import scene_light
+    from glassware.render.pictures.picture import PATHS as BY_PATHS
 
     right = scene_light.stored_light(furnace)
-    event, check = scene_light.shared_light(furnace)
-    assert event is not None
+    tracer, check = scene_light.shared_light(furnace)
+    assert tracer is not BY_PATHS
     assert check.mode == "shared"
     assert abs(check.difference) < 0.01 + 3 * check.standard_error
 
     brighter = right.moments.copy()
     brighter[:, :6] *= 1.2
     monkeypatch.setattr(scene_light, "stored_light", lambda kernel: replace(right, moments=brighter))
-    event, check = scene_light.shared_light(furnace)
-    assert event is None
+    tracer, check = scene_light.shared_light(furnace)
+    assert tracer is BY_PATHS
     assert check.mode == "path"
     assert check.difference > 0.01
 

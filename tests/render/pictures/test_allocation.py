@@ -18,7 +18,7 @@ SIGNIFICANCE = 1e-3
 def counts():
     from glassware.render.pictures.allocation import group_counts
 
-    return group_counts
+    return lambda glass, spp, size, ratio=4.0: group_counts(glass, spp, size, ratio)
 
 
 def _spot(height: int = 20, width: int = 30) -> np.ndarray:

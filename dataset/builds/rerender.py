@@ -1,0 +1,95 @@
+"""Views made a second time, from the seed to the last file, and compared bit for bit with those that are stored."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from ...annotate.keypoints import scene_keypoints
+from ...procedural.draw import draw_scene
+from ...procedural.errors import InputError
+from ...procedural.scene_file import load_scene
+from ...procedural.settings import SceneSettings
+from ...render.machine.backend import activate
+from .. import layout
+from ..dataset_file import DatasetFile, installed_versions
+from ..making import light_scene, make_view
+from ..writer import write_view
+
+
+class Silent:
+    """Watches a scene that is made again, and tells nobody."""
+
+    def say(self, line: str) -> None:
+        """Nothing is told."""
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Nothing is counted."""
+        yield
+
+    def add(self, seconds: Mapping[str, float]) -> None:
+        """Nothing is counted."""
+
+    def advance(self) -> None:
+        """Nothing is told."""
+
+
+def ready(root: Path, head: DatasetFile) -> None:
+    """Set the data set's backend; InputError where bits cannot be compared, because something else made them."""
+    activate(head.backend)
+    here = installed_versions()
+    for name, version in head.versions.items():
+        if here.get(name) != version:
+            where = f"{root / layout.DATASET}: versions.{name}"
+            raise InputError(where, f"{here.get(name)}, which is here, to compare bits", version)
+
+
+def chosen(root: Path, count: int, rng: np.random.Generator) -> dict[int, list[int]]:
+    """Return that many random views, by scene; all where there are fewer."""
+    views = [
+        (scene, view)
+        for scene in layout.scene_ids(root)
+        for view in layout.view_numbers(layout.scene_folder(root, scene))
+    ]
+    picked = sorted(views[i] for i in rng.permutation(len(views))[:count])
+    return {scene: [view for owner, view in picked if owner == scene] for scene, _ in picked}
+
+
+def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -> Iterator[str]:
+    """Go through the files of a scene, and of some of its views, that are not the same when they are made again.
+
+    The description is drawn from the seed where the folders of its assets are there; views are rendered from the
+    description that is stored.
+    """
+    folder = layout.scene_folder(root, scene_id)
+    with tempfile.TemporaryDirectory(prefix="glassware-verify-") as name:
+        again = layout.scene_folder(Path(name), scene_id)
+        again.mkdir(parents=True)
+        settings = SceneSettings.model_validate(head.config)
+        if _folders_are_there(settings):
+            drawn = draw_scene(settings, head.seed, scene_id)
+            drawn.save(again / layout.SCENE, Path(name, layout.ASSETS))
+            yield from _unlike(again, folder)
+        scene = load_scene(folder / layout.SCENE)
+        lit, points = light_scene(scene, Silent()), scene_keypoints(scene)
+        for view in views:
+            place = again / layout.view_name(view)
+            write_view(place, scene.cameras[view], make_view(lit, points, view, Silent()))
+            yield from _unlike(place, folder / layout.view_name(view))
+
+
+def _folders_are_there(settings: SceneSettings) -> bool:
+    folders = (settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir)
+    return all(folder is None or folder.is_dir() for folder in folders)
+
+
+def _unlike(again: Path, stored: Path) -> Iterator[str]:
+    for path in sorted(again.rglob("*")):
+        twin = stored / path.relative_to(again)
+        if path.is_file() and not (twin.is_file() and twin.read_bytes() == path.read_bytes()):
+            yield f"{twin}: expected the bytes that are made here and now, found others"

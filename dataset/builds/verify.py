@@ -1,0 +1,155 @@
+"""What is wrong with a data set, from its files alone: schema, completeness, checksums, index."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+from pyarrow import ArrowException
+from pydantic import ValidationError
+
+from ...procedural.assets import checked_path
+from ...procedural.description import Scene
+from ...procedural.errors import InputError
+from ...procedural.settings import SceneSettings
+from ...procedural.splits import split_of
+from .. import layout
+from ..checksums import faults_of
+from ..dataset_file import DatasetFile, digest_of
+from ..reader import StoredScene, StoredView
+from ..scene_ranges import format_scenes, parse_scenes
+from ..split_file import read_splits
+from ..views_table import SCHEMA, read_scene_views, scene_views
+from .manifest import read_manifest
+
+#: Files that each view has.
+_VIEW_FILES = (
+    layout.CAMERA,
+    layout.LABELS,
+    layout.INSTANCES,
+    layout.GEOMETRY,
+    *(f"{eye}.{kind}" for eye in layout.EYES for kind in ("png", "exr")),
+)
+
+
+def head_faults(root: Path, head: DatasetFile) -> Iterator[str]:
+    """Go through what is wrong beside the scenes: hashes, scenes that lack, assets, splits."""
+    path = root / layout.DATASET
+    told = {"config": head.config, "backend": {"backend": head.backend, "versions": head.versions}}
+    for name, data in told.items():
+        if name in head.hashes and head.hashes[name] != digest_of(data):
+            yield f"{path}: expected the {name} that its hash was made of, found another"
+    yield from _manifest_faults(root, head)
+    promised, there = set(parse_scenes(head.scenes, str(path))), set(layout.scene_ids(root))
+    if promised - there:
+        yield f"{root / layout.SCENES}: expected scenes {head.scenes}, found {format_scenes(promised - there)} missing"
+    if there - promised:
+        yield f"{path}: expected all scenes in its list, found {format_scenes(there - promised)} beside it"
+    for item in head.assets:
+        try:
+            checked_path(item.model_copy(update={"path": root / item.path}))
+        except InputError as error:
+            yield str(error)
+    if (root / layout.SPLITS).exists() or (root / layout.LOG).exists():
+        yield from _told(lambda: _split_faults(root, head, there))
+
+
+def scene_faults(root: Path, head: DatasetFile, scene_id: int) -> Iterator[str]:
+    """Go through what is wrong with one scene: its files against their checksums, and each against its schema."""
+    folder = layout.scene_folder(root, scene_id)
+    damaged = list(faults_of(folder))
+    yield from damaged
+    if not damaged:  # a file that is not the one that was written need not be read as if it were
+        yield from _told(lambda: _content_faults(root, head, StoredScene(folder, scene_id)))
+
+
+def index_faults(root: Path) -> Iterator[str]:
+    """Go through what is wrong with ``views.parquet`` against the records of the scenes; rows are read in pieces."""
+    path = root / layout.VIEWS
+    try:
+        with pq.ParquetFile(path) as file:
+            if not file.schema_arrow.equals(SCHEMA):
+                yield f"{path}: expected the columns of this version, found others"
+                return
+            rows = (row for batch in file.iter_batches() for row in batch.to_pylist())
+            records = (row.model_dump() for record in read_scene_views(root) for row in record.views)
+            for found, told in zip_longest(rows, records):
+                if found != _plain(told):
+                    yield f"{path}: expected {_named(told)}, found {_named(found)}"
+                    return
+    except (OSError, ArrowException, InputError) as error:
+        yield f"{path}: expected an index of all views, found {' '.join(str(error).split())}"
+
+
+def _manifest_faults(root: Path, head: DatasetFile) -> Iterator[str]:
+    if "assets" not in head.hashes:  # no build made it
+        return
+    try:
+        manifest = read_manifest(root)
+    except InputError as error:
+        yield str(error)
+        return
+    if manifest is None or digest_of(manifest.model_dump(mode="json")) != head.hashes["assets"]:
+        found = "none" if manifest is None else "another"
+        yield f"{root / layout.MANIFEST}: expected the manifest that {layout.DATASET} has the hash of, found {found}"
+
+
+def _split_faults(root: Path, head: DatasetFile, there: set[int]) -> Iterator[str]:
+    splits, path = read_splits(root), root / layout.SPLITS
+    settings = SceneSettings.model_validate(head.config)
+    told = {scene: name for name in ("train", "val", "test") for scene in getattr(splits, name)}
+    for scene in sorted(there):
+        right = split_of(settings.splits, head.seed, scene)
+        if told.get(scene) != right:
+            yield f"{path}: expected scene {scene} in {right}, found it in {told.get(scene, 'none')}"
+
+
+def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Iterator[str]:
+    scene, where = stored.scene(), stored.folder / layout.SCENE
+    if (scene.seed, scene.scene_id) != (head.seed, stored.scene_id):
+        yield f"{where}: expected scene {stored.scene_id} of seed {head.seed}, found {scene.scene_id} of {scene.seed}"
+    objects = stored.objects()
+    if [item.id for item in objects.objects] != [item.id for item in scene.objects]:
+        yield f"{stored.folder / layout.OBJECTS}: expected the objects of {layout.SCENE}, found others"
+    numbers = [row.view for row in scene_views(root, stored.scene_id).views]
+    if not [view.number for view in stored.views] == numbers == list(range(len(scene.cameras))):
+        yield f"{stored.folder}: expected {len(scene.cameras)} views, found {[view.number for view in stored.views]}"
+        return
+    for view in stored.views:
+        yield from _view_faults(scene, view)
+
+
+def _view_faults(scene: Scene, view: StoredView) -> Iterator[str]:
+    extra = ((layout.LAYERS, scene.picture.layers), (layout.REFRACTION, scene.picture.refraction))
+    for name in (*_VIEW_FILES, *(name for name, asked in extra if asked)):
+        if not (view.folder / name).is_file():
+            yield f"{view.folder / name}: expected a file, found none"
+            return
+    if view.camera().model_dump_json() != scene.cameras[view.number].model_dump_json():
+        yield f"{view.folder / layout.CAMERA}: expected camera {view.number} of {layout.SCENE}, found another"
+    if [label.id for label in view.labels().objects] != [item.id for item in scene.objects]:
+        yield f"{view.folder / layout.LABELS}: expected labels of all objects, found others"
+
+
+def _told(check: Any) -> Iterator[str]:
+    """Go through faults; a file that cannot be read is one."""
+    try:
+        yield from check()
+    except InputError as error:
+        yield str(error)
+    except ValidationError as error:
+        yield f"{layout.DATASET}: config: {' '.join(str(error).split())[:200]}"
+
+
+def _plain(row: dict | None) -> dict | None:
+    """Return a row with lists where records have tuples, as Parquet gives them back."""
+    if row is None:
+        return None
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in row.items()}
+
+
+def _named(row: dict | None) -> str:
+    return "no more views" if row is None else f"view {row['view']} of scene {row['scene_id']} with its values"

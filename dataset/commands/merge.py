@@ -1,0 +1,60 @@
+"""``glassware merge``: the outputs of shards become one data set."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import tyro
+from pydantic import Field
+from rich.console import Console
+
+from ...procedural.errors import InputError
+from ...procedural.model import Model
+from ...procedural.user_text import UserPath
+from .. import layout
+from ..builds.folder import taken
+from ..builds.merge import merge
+from ..config import parsed
+from .outcome import outcome
+
+_DESCRIPTION = """Merge data sets of one seed and one configuration, such as the shards of a build.
+
+Files become hard links where both lie on one file system, else copies. The sources stay as they are."""
+
+
+class Merge(Model):
+    """The request: which data sets, and where to."""
+
+    sources: Annotated[tuple[UserPath, ...], tyro.conf.Positional] = Field(description="Folders of data sets")
+    out: UserPath = Field(description="Folder of the whole: absent, empty, or one that was merged before")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code says how it went."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return outcome(lambda: _merge(given))
+
+
+def _merge(arguments: Sequence[str]) -> None:
+    request = parsed(Merge, None, arguments, "glassware merge", _DESCRIPTION)
+    console = Console()
+
+    def say(line: str) -> None:
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    if not request.sources:
+        raise InputError("glassware merge", "folders of data sets", "none")
+    for source in request.sources:
+        if not (source / layout.DATASET).is_file():
+            raise InputError(source, f"the folder of a data set, with {layout.DATASET}", "none")
+        if source.resolve() == request.out.resolve():
+            raise InputError("--out", "another folder than the sources", source)
+    with taken(request.out, say):
+        views = merge(request.sources, request.out)
+    say(f"{request.out}: {len(layout.scene_ids(request.out))} scenes, {views} views")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

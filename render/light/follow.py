@@ -1,0 +1,201 @@
+"""Camera rays through glass to the light that is stored: the loop behind pictures from stored light.
+
+It finds what `integrator.trace` finds, in three ways faster. Opaque surfaces answer with stored light, so paths end
+early. Fresnel's coin is steered towards bright light (`bright`), and one number per path, spread evenly over the
+samples of a pixel together with the place in the pixel, decides all its coins. And because few rays stay in the glass
+for long, those that do are gathered now and then, so that they do not keep the lanes beside them waiting.
+
+RGB variants only: no polarisation, no dispersion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import drjit as dr
+import mitsuba as mi
+
+from ...procedural.description import Picture
+from ..interfaces.dielectric import scatter
+from ..pictures.integrator import SURVIVE, Radiance, ran_into, relative_index
+from ..pictures.picture import Tracer
+from ..pictures.sampler import Samples, hashed, one
+from ..rays import leave
+from ..scene.kernel import Kernel
+from ..scene.spectrum import absorption_at
+from ..scene.surfaces import AIR_INDEX, met, registry_id
+from .bright import Bright, bright_map, steered
+from .stored import StoredLight, opaque_light
+
+#: Samples of a pixel that shows glass over those of one that does not: elsewhere stored light leaves little noise. (Of
+#: 4, 8, 12 and 24 samples elsewhere beside 96 in glass, 8 to 12 reach an error in the least time, docs/performance.md.)
+RATIO = 8.0
+#: After so many segments the rays that are left are gathered, again and again.
+ROUNDS = (6, 12, 24)
+#: Once a path's coins have used up so much of its number, it gets another: a float32 has 24 bits.
+_USED_UP = 2.0**-12
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Rays on their way: the state of the loop."""
+
+    origin: mi.Point3f
+    direction: mi.Vector3f
+    beta: mi.Color3f  #: throughput
+    L: mi.Color3f  #: radiance so far
+    eta_scale: mi.Float  #: product of eta^2, which roulette must not take for loss
+    pdf: mi.Float  #: density of the last direction, and whether emitter sampling could not have found it
+    delta: mi.Bool
+    medium: mi.UInt32  #: the segment's, by the events so far
+    chance: mi.Float  #: what is left of the path's number, in [0, 1), ...
+    left: mi.Float  #: ... and the share of all numbers that led here
+    depth: mi.UInt32
+    violations: mi.UInt32
+    active: mi.Bool
+    pixel: mi.UInt32  #: which sample of which pixel the path is
+    index: mi.UInt32
+    lane: mi.UInt32  #: where its light goes
+
+
+def reading(kernel: Kernel, stored: StoredLight) -> Tracer:
+    """Return the tracer that reads stored light."""
+    surface, bright = opaque_light(kernel, stored), bright_map(kernel.description)
+
+    def trace(
+        kernel: Kernel, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, points: Samples, picture: Picture
+    ) -> Radiance:
+        return follow(kernel, ray, points, picture, surface, bright)
+
+    return Tracer(trace, RATIO)
+
+
+def follow(
+    kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, surface: Callable[..., tuple], bright: Bright
+) -> Radiance:
+    """Follow camera rays; return what they bring back, evaluated.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The scene.
+    ray, points
+        From `picture.camera_paths`.
+    picture : Picture
+        How long paths may be.
+    surface : callable
+        What opaque surfaces do (`stored.opaque_light`).
+    bright : Bright
+        Where light comes from, roughly.
+    """
+    limits = (*(limit for limit in ROUNDS if limit < picture.max_depth), picture.max_depth)
+    chain = _advanced(kernel, _beginning(ray, points), points, picture, limits[0], surface, bright)
+    found = chain.L, chain.violations, chain.depth
+    for limit in limits[1:]:
+        dr.eval(chain)
+        which = dr.compress(chain.active)
+        if dr.width(which) == 0:
+            break
+        chain = _advanced(kernel, _those(chain, which), points, picture, limit, surface, bright)
+        for into, value in zip(found, (chain.L, chain.violations, chain.depth), strict=True):
+            dr.scatter(into, value, chain.lane, mode=dr.ReduceMode.Permute)
+    dr.eval(found)
+    return Radiance(*found)
+
+
+def _beginning(ray: mi.Ray3f, points: Samples) -> Chain:
+    lanes = dr.width(points.index)
+    none, air, first = mi.Color3f(0.0), mi.UInt32(AIR_INDEX), mi.UInt32(0)
+    number = one(points, mi.UInt32(0), mi.UInt32(3))  # of the camera's set, beside the place in the pixel
+    start = (mi.Color3f(1.0), none, mi.Float(1.0), mi.Float(1.0), mi.Bool(True), air, number, mi.Float(1.0))
+    return Chain(
+        ray.o, ray.d, *start, first, first, mi.Bool(True), points.pixel, points.index, dr.arange(mi.UInt32, lanes)
+    )
+
+
+def _those(chain: Chain, which: mi.UInt32) -> Chain:
+    values = (getattr(chain, field.name) for field in fields(chain))
+    return Chain(*(dr.gather(type(value), value, which) for value in values))
+
+
+@dr.syntax
+def _advanced(
+    kernel: Kernel,
+    chain: Chain,
+    points: Samples,
+    picture: Picture,
+    limit: int,
+    surface: Callable[..., tuple],
+    bright: Bright,
+) -> Chain:
+    """Follow rays until they end or have met `limit` surfaces."""
+    scene, table = kernel.mi_scene, kernel.surfaces
+    points = replace(points, pixel=chain.pixel, index=chain.index)
+    offset, limit = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, limit)
+    rr_depth, last = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
+    ray, beta, L = mi.Ray3f(chain.origin, chain.direction), mi.Color3f(chain.beta), mi.Color3f(chain.L)
+    # (Copies: the loop must not change what the caller holds.)
+    eta_scale, pdf, chance, left = (mi.Float(x) for x in (chain.eta_scale, chain.pdf, chain.chance, chain.left))
+    medium, depth, violations = (mi.UInt32(x) for x in (chain.medium, chain.depth, chain.violations))
+    delta, active = mi.Bool(chain.delta), mi.Bool(chain.active)
+
+    while dr.hint(active & (depth < limit), exclude=[table, scene, points, bright]):
+        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
+        hit = active & si.is_valid()
+        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
+        violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
+        sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
+        beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
+        previous = dr.zeros(mi.Interaction3f)
+        previous.p = ray.o
+        L += beta * ran_into(scene, si, previous, pdf, delta, active)
+        active = mi.Bool(hit)
+        bits = hashed(points, depth)
+        direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
+
+        if dr.hint(active & opaque, exclude=[table, scene, points]):
+            light, direction, factor, pdf = surface(scene, si, pi.prim_uv, ray, offset, points, depth)
+            L += beta * light
+            delta = mi.Bool(False)
+
+        if dr.hint(active & ~opaque, exclude=[table, scene, points, bright]):
+            eta = relative_index(table, facing, beyond, si.wavelengths)
+            alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
+            odds = steered(bright, dr.gather(mi.Float, table.eta, facing), dr.max(beta) * eta_scale)
+            event = scatter(-ray.d, n, ns, eta, alpha, chance, bits, odds)
+            direction, factor = event.direction, mi.Color3f(event.weight)
+            eta_scale *= event.eta_squared
+            facing = dr.select(event.transmitted, beyond, facing)
+            chance, left = _remaining(chance, left, event.share, event.transmitted, bits)
+
+        beta *= factor
+        medium = mi.UInt32(facing)
+        ray = leave(si, direction, offset)
+        depth += 1
+        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
+        active &= dr.any(beta > 0.0) & (depth < last) & (_number(bits, 1) < survive)
+        beta *= dr.rcp(survive)
+
+    state = beta, L, eta_scale, pdf, delta, medium, chance, left, depth, violations, active
+    return Chain(ray.o, ray.d, *state, chain.pixel, chain.index, chain.lane)
+
+
+def _remaining(
+    chance: mi.Float, left: mi.Float, share: mi.Float, transmitted: mi.Bool, bits: mi.UInt32
+) -> tuple[mi.Float, mi.Float]:
+    """Return the number as it lies within the interval of the outcome that it chose: uniform again."""
+    within = dr.select(transmitted, chance - (1.0 - share), chance) / share
+    left = left * share
+    fresh = left < _USED_UP
+    within = dr.select(fresh, _number(bits, 2), dr.clip(within, 0.0, 1.0 - 2.0**-24))
+    return within, dr.select(fresh, 1.0, left)
+
+
+def _number(bits: mi.UInt32, which: int) -> mi.Float:
+    """Return one of the numbers in [0, 1) that follow from a hash (Wellons' triple32 without its last round)."""
+    x = bits + mi.UInt32(which * 0x9E3779B9 & 0xFFFFFFFF)
+    x = (x ^ (x >> 17)) * 0xED5AD4BB
+    x = (x ^ (x >> 11)) * 0xAC4C1B51
+    return mi.Float((x ^ (x >> 15)) >> 8) * 2.0**-24
