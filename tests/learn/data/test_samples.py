@@ -108,7 +108,7 @@ def test_splits_are_those_of_the_data_set(rendered):
     assert len(samples(rendered, "val")) == 5
     with pytest.raises(InputError, match="split test: expected scenes that are there, found none"):
         samples(rendered, "test")
-    with pytest.raises(InputError, match=r"splits\.json: other: expected the numbers of its scenes"):
+    with pytest.raises(InputError, match="split: expected one of train, val, test, all, found other"):
         samples(rendered, "other")
 
 
