@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from ..annotate.labels import Labels
 from ..procedural.assets import Asset
 from ..procedural.description import Scene
+from ..procedural.errors import InputError
 from ..procedural.model import Model
 from ..procedural.scene_file import parsed, read_json
 from ..render.frame import Frame, LightCheck
@@ -124,9 +125,13 @@ def _sampling(frame: Frame) -> dict[str, Any]:
 
 
 def scene_views(root: Path, scene_id: int) -> SceneViews:
-    """Return the record of one scene; InputError where it is missing or damaged."""
+    """Return the record of one scene; InputError where it is missing, damaged or that of another scene."""
     path = layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS
-    return parsed(SceneViews, read_json(path), path)
+    record = parsed(SceneViews, read_json(path), path)
+    others = sorted({row.scene_id for row in record.views} - {scene_id})
+    if others:  # a folder that was renamed would bring its views into the index under paths that do not exist
+        raise InputError(path, f"the views of scene {scene_id}", f"those of scene {others[0]}")
+    return record
 
 
 def read_scene_views(root: Path) -> Iterator[SceneViews]:

@@ -15,12 +15,13 @@ from ..complaints import shortened
 from ..dataset_file import DatasetFile
 from ..durable import discard, remove_leftovers
 from ..scene_ranges import format_scenes, parse_scenes
+from ..views_table import scene_views
 from ..writer import check_folder, differences, read_head, write_head
 
 #: What a file system says that has no locks.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS)
 #: What one can do about scenes that were made from something else.
-_WAY_OUT = "--overwrite, which makes scenes again, or another --out"
+_WAY_OUT = "what is asked for, or --overwrite of all its scenes, or another --out"
 #: Most differences that are told of in one line.
 _MOST_TOLD = 6
 
@@ -78,7 +79,8 @@ def opened(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bo
     Raises
     ------
     InputError
-        Where scenes that stay were made from something else: all that differs is told.
+        Where scenes that stay were made from something else: all that differs is told. Where a scene that was not
+        asked for has no record, or another scene's.
     """
     path = root / layout.DATASET
     kept = read_head(root) if path.exists() else None
@@ -86,6 +88,8 @@ def opened(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bo
     doomed = there & set(scenes) if overwrite else set()
     if kept is not None and not (overwrite and there == doomed):
         check_same(path, kept, head, _WAY_OUT)
+    for scene in sorted(there.difference(scenes)):  # they stay, and are in the index in the end
+        scene_views(root, scene)
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
     for scene in sorted(doomed):
@@ -107,16 +111,16 @@ def check_request(root: Path, seed: int, config: dict) -> None:
         check_same(path, kept, kept.model_copy(update={"seed": seed, "config": config}), _WAY_OUT)
 
 
-def check_same(where: Path, kept: DatasetFile, head: DatasetFile, way_out: str) -> None:
-    """Raise InputError that shows in what a data set's head differs from what is asked, if scenes would differ."""
-    told = [f"{name} {shortened(found)} (asked: {shortened(asked)})" for name, asked, found in _changes(kept, head)]
+def check_same(where: Path, kept: DatasetFile, head: DatasetFile, expected: str, other: str = "asked") -> None:
+    """Raise InputError that shows in what a data set's head differs from another, which is called `other`."""
+    told = [f"{name} {shortened(found)} ({other}: {shortened(wanted)})" for name, wanted, found in _changes(kept, head)]
     if told:
         rest = f" and {len(told) - _MOST_TOLD} more" if len(told) > _MOST_TOLD else ""
-        raise InputError(where, f"what is asked for, or {way_out}", ", ".join(told[:_MOST_TOLD]) + rest)
+        raise InputError(where, expected, ", ".join(told[:_MOST_TOLD]) + rest)
 
 
 def _changes(kept: DatasetFile, head: DatasetFile) -> Iterator[tuple[str, object, object]]:
-    for field in ("seed", "config", "backend", "versions"):
+    for field in ("name", "seed", "config", "backend", "versions"):
         asked, found = getattr(head, field), getattr(kept, field)
         yield from differences(asked, found, "" if field == "config" else field)
     if "assets" in kept.hashes and kept.hashes.get("assets") != head.hashes.get("assets"):

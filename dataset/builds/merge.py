@@ -15,6 +15,7 @@ from ..dataset_file import DatasetFile
 from ..durable import remove_leftovers, whole_file, whole_folder
 from ..scene_ranges import format_scenes, parse_scenes
 from ..split_file import SplitsFile, joined, read_splits
+from ..views_table import scene_views
 from ..writer import read_head, write_head
 from .finishing import finish
 from .folder import check_same
@@ -42,7 +43,7 @@ def merge(sources: Sequence[Path], root: Path) -> int:
     heads = [read_head(source) for source in sources]
     there = [root] if (root / layout.DATASET).exists() else []
     for source, head in zip([*sources[1:], *there], [*heads[1:], *map(read_head, there)], strict=True):
-        check_same(source / layout.DATASET, head, heads[0], f"what {sources[0]} was made from")
+        check_same(source / layout.DATASET, head, heads[0], f"what {sources[0]} was made from", f"in {sources[0]}")
     _check_scenes([*there, *sources])
     manifest, splits = read_manifest(sources[0]), _splits(sources)
     head = _whole_head(heads + [read_head(folder) for folder in there])
@@ -58,10 +59,11 @@ def merge(sources: Sequence[Path], root: Path) -> int:
 
 
 def _check_scenes(folders: Sequence[Path]) -> None:
-    """Raise InputError where a scene is in two data sets with other bytes."""
+    """Raise InputError where a scene is in two data sets with other bytes, or a folder holds another scene."""
     owner: dict[int, Path] = {}
     for folder in folders:
         for scene in layout.scene_ids(folder):
+            scene_views(folder, scene)  # of that scene, and not of another whose folder was renamed
             first = owner.setdefault(scene, folder)
             if first != folder and _sums(first, scene) != _sums(folder, scene):
                 where = layout.scene_folder(folder, scene)

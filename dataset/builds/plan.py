@@ -7,8 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...procedural.errors import InputError
 from .. import layout
 from ..checksums import faults_of
+from ..views_table import scene_views
 from .journal import last_attempts
 
 
@@ -58,4 +60,10 @@ def planned(
 
 def first_fault(root: Path, scene: int, contents: bool) -> str | None:
     """Return the first thing wrong with the files of a scene; None where all is well."""
-    return next(faults_of(layout.scene_folder(root, scene), contents), None)
+    fault = next(faults_of(layout.scene_folder(root, scene), contents), None)
+    if fault is None:
+        try:
+            scene_views(root, scene)
+        except InputError as error:
+            return str(error)
+    return fault

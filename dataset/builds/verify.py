@@ -48,6 +48,7 @@ def head_faults(root: Path, head: DatasetFile) -> Iterator[str]:
         yield f"{root / layout.SCENES}: expected scenes {head.scenes}, found {format_scenes(promised - there)} missing"
     if there - promised:
         yield f"{path}: expected all scenes in its list, found {format_scenes(there - promised)} beside it"
+    yield from _stray(root / layout.SCENES)
     for item in head.assets:
         try:
             checked_path(item.model_copy(update={"path": root / item.path}))
@@ -82,6 +83,14 @@ def index_faults(root: Path) -> Iterator[str]:
                     return
     except (OSError, ArrowException, InputError) as error:
         yield f"{path}: expected an index of all views, found {' '.join(str(error).split())}"
+
+
+def _stray(scenes: Path) -> Iterator[str]:
+    """Go through what lies beside the scenes; hidden folders are scenes that were not finished, and count as absent."""
+    known = {layout.scene_name(scene) for scene in layout.scene_ids(scenes.parent)}
+    for path in sorted(scenes.iterdir()) if scenes.is_dir() else ():
+        if path.name not in known and not path.name.startswith("."):
+            yield f"{path}: expected only folders of scenes, found this one"
 
 
 def _manifest_faults(root: Path, head: DatasetFile) -> Iterator[str]:

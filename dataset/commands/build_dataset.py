@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Annotated, Literal, Protocol
 
 from pydantic import Field
 from rich.console import Console
@@ -39,6 +39,10 @@ _DESCRIPTION = """Build a data set of many scenes. Run the same command again to
 Settings are those of render-scene: a preset, then a YAML file, then the command line."""
 
 
+#: As CUDA_VISIBLE_DEVICES names them: by number, or by the identity of a GPU or of a part of one.
+Device = Annotated[str, Field(pattern="^([0-9]+|(GPU|MIG)-[0-9A-Za-z/-]+)$")]
+
+
 class BuildDataset(SceneSettings):
     """The request: which scenes, from which seed, where to, and by whom."""
 
@@ -59,7 +63,7 @@ class BuildDataset(SceneSettings):
     patience: float = Field(
         default=3600.0, gt=0.0, description="A worker without a sign of life for so long is ended [s]"
     )
-    devices: tuple[str, ...] = Field(
+    devices: tuple[Device, ...] = Field(
         default=(), description="CUDA devices that the workers take in turn, such as 0 1 2"
     )
     shard: str | None = Field(default=None, description="i/n: make the i-th of n equal parts of the scenes")
@@ -88,6 +92,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _build_dataset(arguments: Sequence[str]) -> None:
     request = parsed(BuildDataset, layered(BuildDataset, arguments), arguments, "build-dataset", _DESCRIPTION)
     settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
+    if request.overwrite and request.retry_failed:
+        raise InputError(
+            "--retry-failed", "it without --overwrite, which removes scenes that it would not make", "both"
+        )
     scenes = parse_scenes(request.scenes)
     if not scenes:
         raise InputError("--scenes", "scenes such as 0:2000", "none")

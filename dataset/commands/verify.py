@@ -56,16 +56,21 @@ def _verify(arguments: Sequence[str]) -> None:
     head = _head(root)
     if request.rerender:
         ready(root, head)
+    rng = np.random.Generator(np.random.PCG64(request.draw))
+    picked = chosen(root, request.rerender, rng) if request.rerender else {}
     count = 0
-    for fault in _faults(root, head, request, console):
+    for fault in _faults(root, head, picked, console):
         check_stop()
         count += 1
         if count <= _MOST_TOLD:
             console.print(fault, markup=False, highlight=False, soft_wrap=True)
     if count:
-        raise WorkFailed(f"{root}: {count} faults" + (f", {_MOST_TOLD} of them told" if count > _MOST_TOLD else ""))
+        raise WorkFailed(
+            f"{root}: {count} {'fault' if count == 1 else 'faults'}"
+            + (f", {_MOST_TOLD} of them told" if count > _MOST_TOLD else "")
+        )
     scenes = len(layout.scene_ids(root))
-    again = f", {request.rerender} views made again bit for bit" if request.rerender else ""
+    again = f", {sum(map(len, picked.values()))} views made again bit for bit" if picked else ""
     console.print(f"{root}: {scenes} scenes, all is well{again}", markup=False, highlight=False, soft_wrap=True)
 
 
@@ -76,7 +81,7 @@ def _head(root: Path) -> DatasetFile:
         raise WorkFailed(str(error)) from error
 
 
-def _faults(root: Path, head: DatasetFile, request: Verify, console: Console) -> Iterator[str]:
+def _faults(root: Path, head: DatasetFile, picked: dict[int, list[int]], console: Console) -> Iterator[str]:
     yield from head_faults(root, head)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     scenes = layout.scene_ids(root)
@@ -85,11 +90,8 @@ def _faults(root: Path, head: DatasetFile, request: Verify, console: Console) ->
         for faults in _tracked(found, "checking scenes", len(scenes), console):
             yield from faults
     yield from index_faults(root)
-    if request.rerender:
-        rng = np.random.Generator(np.random.PCG64(request.draw))
-        picked = chosen(root, request.rerender, rng)
-        for scene, views in _tracked(picked.items(), "making views again", len(picked), console):
-            yield from rerendered(root, head, scene, views)
+    for scene, views in _tracked(picked.items(), "making views again", len(picked), console):
+        yield from rerendered(root, head, scene, views)
 
 
 def _tracked(items: Iterable, what: str, total: int, console: Console) -> Iterator:

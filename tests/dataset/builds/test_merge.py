@@ -23,9 +23,9 @@ def test_data_sets_that_share_scenes_merge_where_these_are_the_same(twins, undis
 @pytest.mark.parametrize(
     ("file", "change", "says"),
     [
-        ("dataset.json", {"seed": 4}, "seed 4 (asked: 3)"),
-        ("dataset.json", {"config": {}}, "cameras None (asked: "),
-        ("dataset.json", {"backend": "cuda_ad_rgb"}, "'cuda_ad_rgb' (asked: 'llvm_ad_rgb')"),
+        ("dataset.json", {"seed": 4}, "seed 4 (in "),
+        ("dataset.json", {"config": {}}, "cameras None (in "),
+        ("dataset.json", {"backend": "cuda_ad_rgb"}, "backend 'cuda_ad_rgb' (in "),
         ("scenes/000003/checksums.json", {"files": {}}, "scenes/000003: expected the same bytes"),
     ],
     ids=["seed", "settings", "backend", "bytes"],
@@ -37,6 +37,13 @@ def test_data_sets_of_other_makes_are_refused_with_what_differs(twins, capsys, t
     (line,) = capsys.readouterr().err.splitlines()
     assert says in line
     assert not (tmp_path / "whole" / "dataset.json").exists()
+
+
+def test_a_folder_that_holds_another_scene_is_refused(twins, capsys, tmp_path):
+    (twins[1] / "scenes/000002").rename(twins[1] / "scenes/000007")
+    assert main([str(twins[1]), "--out", str(tmp_path / "whole")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("scenes/000007/views.json: expected the views of scene 7, found those of scene 2")
 
 
 @pytest.mark.parametrize(

@@ -122,3 +122,42 @@ def test_a_wrong_request_is_one_line_and_writes_nothing(capsys, tmp_path, argume
     (line,) = capsys.readouterr().err.splitlines()
     assert says in line
     assert not (tmp_path / "data").exists()
+
+
+def test_a_folder_that_holds_another_scene_is_no_scene(builds, undisturbed, content, tmp_path):
+    data = shutil.copytree(undisturbed, tmp_path / "data")
+    (data / "scenes/000002").rename(data / "scenes/000007")
+    refused = builds.run(data)
+    assert refused.returncode == 2
+    assert "scenes/000007/views.json: expected the views of scene 7, found those of scene 2" in refused.stderr
+    (data / "scenes/000007").rename(data / "scenes/000001.away")
+    shutil.rmtree(data / "scenes/000001")
+    (data / "scenes/000001.away").rename(data / "scenes/000001")
+    mended = builds.run(data)
+    assert mended.returncode == 0, mended.stderr
+    assert "scene 1 is made again" in mended.stdout
+    assert content(data) == content(undisturbed)
+
+
+def test_overwriting_and_retrying_are_not_asked_for_at_once(builds, undisturbed, content, tmp_path):
+    data = shutil.copytree(undisturbed, tmp_path / "data")
+    refused = builds.run(data, "--overwrite", "--retry-failed")
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("--retry-failed: expected it without --overwrite")
+    assert content(data) == content(undisturbed)
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        (("--name", "other"), "name 'glassware' (asked: 'other')"),
+        (("--devices", "banana"), "devices"),
+    ],
+)
+def test_what_would_change_the_data_set_or_means_nothing_is_refused(builds, undisturbed, content, option, says):
+    before = content(undisturbed)
+    refused = builds.run(undisturbed, *option)
+    assert refused.returncode == 2
+    (line,) = refused.stderr.splitlines()
+    assert says in line
+    assert content(undisturbed) == before

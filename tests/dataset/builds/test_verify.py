@@ -106,7 +106,7 @@ def test_views_made_again_are_the_stored_ones_and_others_are_named(backend, data
     assert main([str(data), "--rerender", "1"]) == 1
     told = capsys.readouterr()
     assert "left.exr: expected the bytes that are made here and now" in told.out
-    assert "1 faults" in told.err
+    assert "1 fault\n" in told.err
 
 
 def test_a_scene_that_its_seed_does_not_give_is_named(backend, data, capsys):
