@@ -67,6 +67,15 @@ def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.
     return mi.Ray3f(mi.Point3f(view.origin), view.world_R_camera @ local), local.z
 
 
+def clearance(si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float) -> mi.Float:
+    """Return how far off the surface that it met a ray must start again so as not to meet it once more [m].
+
+    That is `offset`, but in slivers of triangles, whose barycentric coordinates are ill-conditioned: there the point on
+    the surface may lie farther than that from the point on the ray. Twice the distance between the two is clear of it.
+    """
+    return dr.maximum(offset, 2.0 * dr.norm(si.p - ray(si.t)))
+
+
 def leave(si: mi.SurfaceInteraction3f, direction: mi.Vector3f, offset: float) -> mi.Ray3f:
     """Return a ray from the surface along `direction`, started `offset` [m] off it on the side that it goes to."""
     side = dr.select(dr.dot(si.n, direction) > 0.0, mi.Float(offset), -mi.Float(offset))

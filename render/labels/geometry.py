@@ -13,7 +13,7 @@ import numpy as np
 
 from ...procedural.surroundings.description import Camera
 from ..frame import Geometry, Layers
-from ..rays import leave, pinhole, pixel_rays
+from ..rays import clearance, leave, pinhole, pixel_rays
 from ..scene.kernel import Kernel
 from ..scene.surfaces import registry_id
 from .layers import Recorder, layers_of, record, recorder
@@ -138,7 +138,7 @@ def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Str
         reached |= dr.select(before | (blocker == thing), bit, mi.UInt64(0))
         blocker = dr.select(stops, thing, blocker)
 
-        ray = leave(si, ray.d, offset)
+        ray = leave(si, ray.d, clearance(si, ray, offset))
         surfaces += 1
         active &= surfaces < MAX_SURFACES
 
