@@ -17,6 +17,8 @@ from .orders import Order
 _FAREWELL = 10.0
 #: End of what a worker printed that goes into the reason of its death [bytes].
 _TAIL = 2000
+#: Exit codes of native code whose allocation failed: it uses the null pointer, or gives up.
+_OUT_OF_MEMORY = (-signal.SIGSEGV, -signal.SIGBUS, -signal.SIGABRT)
 
 
 class Worker:
@@ -38,6 +40,7 @@ class Worker:
         assert self._process.stdout is not None
         self._input, self._output = self._process.stdin, self._process.stdout
         self._unread = b""
+        self._memory = order.memory
         self.scene: int | None = None  #: what it works on
         self.served = 0  #: scenes that it was given
         self.ready = False  #: it has said which machine it is
@@ -94,6 +97,8 @@ class Worker:
             how = f"was killed by signal {-code} ({signal.Signals(-code).name})"
         if code == -signal.SIGKILL:
             how += ", as the system does when memory runs out"
+        elif code in _OUT_OF_MEMORY and self._memory is not None:
+            how += f", as libraries do that may allocate no more memory (--memory {self._memory:g})"
         return f"the worker {how}" + (f": {printed}" if printed else "")
 
     def _say(self, message: dict) -> None:

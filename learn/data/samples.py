@@ -12,17 +12,18 @@ from torch import Tensor
 from torch.utils.data import Dataset as TorchDataset
 
 from ...dataset.objects_file import ObjectsFile
-from ...dataset.reader import Dataset, StoredScene, StoredView
+from ...dataset.reader import Dataset, Eye, StoredScene, StoredView
 from ...procedural.errors import InputError
 from ...procedural.randomness import stream
 from ..targets.encoding import Encoding
 from ..targets.view import view_targets
 from .augment import augmented
 from .neighbours import LAST_REFERENCE, grid_neighbours, nearest_cameras
+from .scaling import scaled_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import scenes_of
 from .truth import Truth, read_truth
-from .views import CameraView, check_sizes, read_camera, read_view
+from .views import CameraView, check_picture, check_sizes, read_camera, read_view
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,13 +97,12 @@ class SampleDataset(TorchDataset):
         index, draw = item
         scene, reference = self._references[index]
         rng = stream(self._seed, index, f"learn/samples/{draw}")
-        views = self._seen_together(scene, reference, rng)
+        views = [self._view(view, eye) for view, eye in self._seen_together(scene, reference, rng)]
         check_sizes(views, reference.folder)
         pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
             pictures = augmented(pictures, self._augment, rng)
-        size = (pictures.shape[1], pictures.shape[2])
-        truth = read_truth(reference, self._objects(scene), size)
+        truth = scaled_truth(self._truth_of(scene, reference), self._views.size)
         targets = view_targets(truth.instances, truth.Z, truth.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
@@ -124,8 +124,7 @@ class SampleDataset(TorchDataset):
         step = max(len(self) // most, 1)
         limits = []
         for scene, view in self._references[::step]:
-            record = read_camera(view)
-            truth = read_truth(view, self._objects(scene), (record.height, record.width))
+            truth = self._truth_of(scene, view)
             seen = truth.Z[(truth.instances > 0) & np.isfinite(truth.Z)]
             if seen.size:
                 limits.append((float(seen.min()), float(seen.max())))
@@ -136,9 +135,20 @@ class SampleDataset(TorchDataset):
     def _may_be(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or read_camera(view).grid_index <= LAST_REFERENCE
 
-    def _seen_together(self, scene: StoredScene, reference: StoredView, rng: np.random.Generator) -> list[CameraView]:
+    def _view(self, view: StoredView, eye: Eye) -> CameraView:
+        scaled = scaled_view(read_view(view, eye), self._views.size)
+        check_picture(scaled.picture, view.folder / f"{eye}.png")
+        return scaled
+
+    def _truth_of(self, scene: StoredScene, view: StoredView) -> Truth:
+        record = read_camera(view)
+        return read_truth(view, self._objects(scene), (record.height, record.width))
+
+    def _seen_together(
+        self, scene: StoredScene, reference: StoredView, rng: np.random.Generator
+    ) -> list[tuple[StoredView, Eye]]:
         if self._views.rule == "stereo":
-            return [read_view(reference), read_view(reference, "right")]
+            return [(reference, "left"), (reference, "right")]
         others = self._candidates(scene, reference)
         wanted = self._views.count - 1
         if len(others) < wanted:
@@ -148,7 +158,7 @@ class SampleDataset(TorchDataset):
                 f"{len(others)} of the {len(scene.views)} views of the scene",
             )
         drawn = rng.permutation(len(others))[:wanted]
-        return [read_view(reference), *(read_view(others[index]) for index in drawn)]
+        return [(reference, "left"), *((others[index], "left") for index in drawn)]
 
     def _candidates(self, scene: StoredScene, reference: StoredView) -> Sequence[StoredView]:
         views = scene.views

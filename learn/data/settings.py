@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...procedural.model import Model, Ordered
+from ..networks.inputs import MULTIPLE
 
+_Side = Annotated[int, Field(ge=MULTIPLE, le=8192, multiple_of=MULTIPLE)]
 _Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -22,6 +24,9 @@ class ViewSettings(Model):
     )
     pool: int = Field(
         default=8, ge=1, le=56, description="With distance, how many of the nearest cameras the others are drawn from"
+    )
+    size: tuple[_Side, _Side] | None = Field(
+        default=None, description="Height and width that pictures are scaled to, multiples of 32 [px]; null: as stored"
     )
 
 

@@ -47,7 +47,6 @@ def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
     picture = view.picture(eye)
     if picture.shape != (record.height, record.width, 3):
         raise InputError(path, f"a picture of {record.height} x {record.width} px in colour", picture.shape)
-    check_picture(picture, path)
     pose = record.world_T_camera if eye == "left" else record.world_T_right
     check_camera(np.array(record.K), pose, view.folder / layout.CAMERA)
     return CameraView(picture, pose, np.array(record.K))

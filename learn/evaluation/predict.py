@@ -20,6 +20,7 @@ from ...procedural.errors import InputError
 from ...procedural.quiet import quiet
 from ...procedural.scene_file import check_schema, json_text, parsed, read_json
 from ..checkpoint import load_network
+from ..data.scaling import scaled_view
 from ..data.views import CameraView, check_camera, check_picture, check_sizes
 from ..decoding.decode import Detections, decode
 from ..pictures import coloured_depth, depth_limits, rgb, with_boxes
@@ -59,9 +60,11 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
     """
     if len(images) < 2:
         raise InputError("pictures", "two or more views of one scene", len(images))
-    views = [picture_and_camera(path) for path in images]
-    check_sizes(views, images[0])
     network, settings = load_network(checkpoint)
+    views = [scaled_view(picture_and_camera(path), settings.views.size) for path in images]
+    check_sizes(views, images[0])
+    for view, path in zip(views, images, strict=True):
+        check_picture(view.picture, path)
     pictures = torch.from_numpy(np.stack([view.picture for view in views])).movedim(-1, 1).float()[None] / 255.0
     poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
     K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]
@@ -90,7 +93,6 @@ def picture_and_camera(path: Path) -> CameraView:
     if picture is None:
         raise InputError(path, "a PNG or JPEG picture", "something else")
     picture = np.ascontiguousarray(picture[..., ::-1])
-    check_picture(picture, path)
     own = path.with_suffix(".json")
     return _with_own(picture, own) if own.is_file() else _with_folders(picture, path)
 
