@@ -1,0 +1,166 @@
+"""Networks that differ in one thing, trained and evaluated by the commands: the runs behind docs/results.md.
+
+python bench/experiments.py DATA OUT [--only base linear ...] [--seeds 0 1 2] [--steps 600]
+python bench/experiments.py DATA OUT --table
+
+A run goes to OUT/NAME-SEED and is left alone where it is there already, or is being made by another process, so several
+of these share the work. Each uses one thread. All train on the data set's split `train` and are evaluated on `test`.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping
+from pathlib import Path
+from statistics import mean, stdev
+from typing import Any
+
+#: Height and width of the pictures [px]: half of the preset `fast`, rounded to multiples of 32.
+SIZE = (128, 160)
+#: A network that a processor trains at 8 samples a second, and how it is trained.
+SMALL = {
+    "planes": 24,
+    "spacing": "inverse",
+    "matching": "group",
+    "feature_width": 16,
+    "feature_blocks": [2, 3, 2, 2],
+    "volume_channels": 8,
+    "context": "resnet18",
+    "context_width": 32,
+    "decoder_width": 32,
+    "backbone_width": 32,
+}
+#: Weights of the losses for depth in metres: with the released ones depth hardly learns in a short run.
+LOSSES = {"huber": 0.01, "depth": 10.0, "small_depth": 3.0}
+#: Each experiment: settings of the network, views, share of the steps, and weights of the losses.
+EXPERIMENTS: dict[str, tuple[Mapping[str, Any], int, float, Mapping[str, float]]] = {
+    "base": (SMALL, 2, 1.0, LOSSES),
+    "linear": (SMALL | {"spacing": "linear"}, 2, 1.0, LOSSES),
+    "concat": (SMALL | {"matching": "concat"}, 2, 1.0, LOSSES),
+    "windowed": (SMALL | {"readout": "windowed"}, 2, 1.0, LOSSES),
+    "three": (SMALL, 3, 1.0, LOSSES),
+    "visibility": (SMALL | {"fusion": "visibility"}, 3, 1.0, LOSSES),
+    "five": (SMALL, 5, 1.0, LOSSES),
+    # The networks as large as the paper's take 5 to 9 times as long a step.
+    "corrected": ({}, 2, 0.4, {}),
+    "released": ({"variant": "reference"}, 2, 0.4, {}),
+}
+#: Figures of a report that are shown: heading, and where it stands.
+FIGURES = {
+    "MAE [mm]": ("depth", "full", "objects", "mae"),
+    "transparent": ("depth", "full", "transparent", "mae"),
+    "opaque": ("depth", "full", "opaque", "mae"),
+    "all pixels": ("depth", "full", "all", "mae"),
+    "1.10": ("depth", "full", "objects", "delta_110"),
+    "3D AP25": ("boxes", "ap25"),
+    "3D IoU all": ("boxes", "iou_all"),
+    "mask IoU": ("masks", "iou_all"),
+    "found": ("pose", "found"),
+}
+
+
+def main() -> int:
+    """Make runs, or print what they gave."""
+    options = ArgumentParser(description=__doc__)
+    options.add_argument("data", type=Path)
+    options.add_argument("out", type=Path)
+    options.add_argument("--only", nargs="+", choices=EXPERIMENTS, default=list(EXPERIMENTS))
+    options.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
+    options.add_argument("--steps", type=int, default=600)
+    options.add_argument("--table", action="store_true")
+    given = options.parse_args()
+    if given.table:
+        sys.stdout.write(table(given))
+        return 0
+    for seed in given.seeds:
+        for name in given.only:
+            _run(name, seed, given)
+    return 0
+
+
+def settings_of(name: str, seed: int, steps: int) -> dict[str, Any]:
+    """Return the settings of a run, as the command takes them."""
+    network, views, share, weights = EXPERIMENTS[name]
+    return {
+        "network": dict(network),
+        "views": {"count": views, "size": list(SIZE)},
+        "losses": dict(weights),
+        "machine": {"accelerator": "cpu", "threads": 1, "workers": 1, "precision": "bf16-mixed"},
+        "optimiser": {"warmup": 50},
+        "seed": seed,
+        "steps": round(steps * share),
+        "batch": 4,
+        "val_split": "none",
+        "log_every": 50,
+        "pictures_every": 10_000,
+        "save_every": 10_000,
+    }
+
+
+def _run(name: str, seed: int, given: Namespace) -> None:
+    folder = given.out / f"{name}-{seed}"
+    given.out.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        return
+    config = folder / "run.yaml"
+    config.write_text(json.dumps(settings_of(name, seed, given.steps), indent=1))  # JSON is YAML
+    train = ["train", given.data, "--config", config, "--out", folder / "run"]
+    score = ["evaluate", folder / "run" / "last.ckpt", given.data, "--split", "test", "--out", folder]
+    spent = {
+        "train": _seconds(train, folder / "train.txt"),
+        "evaluate": _seconds([*score, "--worst", "4", "--workers", "0", "--threads", "1"], folder / "evaluate.txt"),
+    }
+    (folder / "seconds.json").write_text(json.dumps(spent))
+    sys.stdout.write(f"{name}-{seed}: {spent}\n")
+    sys.stdout.flush()
+
+
+def _seconds(command: list[Any], log: Path) -> float:
+    """Run a command and return the time of the processor that it took [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    program = Path(sys.executable).with_name("glassware")
+    with log.open("w") as printed:
+        subprocess.run([program, *map(str, command)], stdout=printed, stderr=subprocess.STDOUT, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def table(given: Namespace) -> str:
+    """Return the figures of the runs that are there, mean and deviation over seeds, in Markdown."""
+    lines = ["| | seeds | steps | CPU min | " + " | ".join(FIGURES) + " |", "|---" * (4 + len(FIGURES)) + "|"]
+    for name in given.only:
+        folders = [path.parent for path in sorted(given.out.glob(f"{name}-*/seconds.json"))]
+        if not folders:
+            continue
+        reports = [json.loads((folder / "report.json").read_text()) for folder in folders]
+        minutes = mean(json.loads((folder / "seconds.json").read_text())["train"] for folder in folders) / 60.0
+        steps = json.loads((folders[0] / "run.yaml").read_text())["steps"]
+        cells = [_cell([_figure(report, path) for report in reports], path[-1]) for path in FIGURES.values()]
+        lines.append(f"| {name} | {len(folders)} | {steps} | {minutes:.1f} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _figure(report: Mapping[str, Any], path: tuple[str, ...]) -> float | None:
+    value: Any = report
+    for key in path:
+        value = value[key]
+    return value
+
+
+def _cell(values: list[float | None], name: str) -> str:
+    known = [value for value in values if value is not None]
+    if len(known) < len(values) or not known:
+        return "-"
+    scale, digits = (1000.0, 1) if name == "mae" else (1.0, 3)
+    spread = f" ± {scale * stdev(known):.{digits}f}" if len(known) > 1 else ""
+    return f"{scale * mean(known):.{digits}f}{spread}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
