@@ -10,6 +10,7 @@ from typing import Any
 from glassware.dataset.commands.build_dataset import BuildDataset
 from glassware.dataset.commands.render_scene import RenderScene
 from glassware.dataset.config import preset, preset_names
+from glassware.learn.training.settings import TrainSettings
 from glassware.procedural.settings import SceneSettings
 
 PAGE = Path(__file__).with_name("settings.md")
@@ -44,6 +45,11 @@ _PRESETS = """
 
 What a preset changes; all else is the default. `render-scene` starts from `{default}` where none is named.
 """
+_TRAINING = """
+## Training
+
+Settings of `glassware train`; [networks](networks.md) has how to use them.
+"""
 _COLUMNS = ("setting", "default", "range", "unit", "meaning")
 _UNIT = re.compile(r"\s*\[([^\]]*)\]")
 
@@ -57,7 +63,9 @@ def page() -> str:
     presets = _PRESETS.format(default=RenderScene.model_fields["preset"].default)
     build_rows = [_row(name, field) for name, field in _fields(BuildDataset) if name not in SceneSettings.model_fields]
     lines = [_HEAD, _REQUEST.lstrip("\n"), *_table(_COLUMNS, request_rows), _BUILD, *_table(_COLUMNS, build_rows)]
-    lines += [_SCENE, *_table(_COLUMNS, scene_rows), presets, *_preset_table(), ""]
+    training_rows = [_row(name, field) for name, field in _leaves(TrainSettings.model_json_schema())]
+    lines += [_SCENE, *_table(_COLUMNS, scene_rows), presets, *_preset_table()]
+    lines += [_TRAINING, *_table(_COLUMNS, training_rows), ""]
     return "\n".join(lines)
 
 
@@ -107,7 +115,9 @@ def _shown(value: object) -> str:
 def _range(field: dict) -> str:
     """Return the limits in words; of a list, those of its entries."""
     if "prefixItems" in field:
-        return "a pair, each " + " or ".join(sorted({_range(item) for item in field["prefixItems"]}))
+        items = field["prefixItems"]
+        count = "a pair" if len(items) == 2 else f"{len(items)} numbers"
+        return f"{count}, each " + " or ".join(sorted({_range(item) for item in items}))
     if "items" in field:
         return f"one or more of {_range(field['items'])}"
     if "enum" in field:

@@ -24,6 +24,9 @@ _DESCRIPTION = """Evaluate a network: glassware evaluate CKPT DATA --split val
 No weight of the network changes. Figures are printed as tables and written to OUT/report.json; the samples with the
 greatest error of depth are drawn beside it: what was found above, what is there below."""
 
+#: Columns of what is printed to a file or a pipe.
+_WIDTH = 160
+
 
 class Evaluate(Model):
     """The request."""
@@ -49,7 +52,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
     request = parsed(Evaluate, layered(Evaluate, arguments), arguments, "glassware evaluate", _DESCRIPTION)
     if request.checkpoint is None or request.data is None:
         raise InputError("glassware evaluate", "a checkpoint and the folder of a data set", "fewer")
-    console = Console()
+    console = _console()
 
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
@@ -67,6 +70,12 @@ def _evaluate(arguments: Sequence[str]) -> None:
     for table in tables(found):
         console.print(table)
     say(f"written to {request.out}/report.json")
+
+
+def _console() -> Console:
+    """Return a console that is wide enough for the tables, in a file or a pipe as well."""
+    console = Console()
+    return console if console.is_terminal else Console(width=_WIDTH)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from lightning_fabric import Fabric
 from torch import Tensor
 from torch.utils.data import DataLoader
 
+from ...dataset.commands.outcome import WorkFailed
 from ...dataset.commands.stopping import check_stop
 from ...dataset.reader import Dataset
 from ...procedural.errors import InputError
@@ -71,7 +72,9 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
     Raises
     ------
     InputError
-        For wrong data or settings, and where the loss is no longer a number.
+        For wrong data or settings.
+    WorkFailed
+        Where a loss or a gradient is no longer a number.
     """
     start = None if resume is None else _checked(load_checkpoint(resume), settings, data, resume)
     if start is None and (out / LAST).exists():
@@ -222,12 +225,13 @@ def _check_loss(total: Tensor, found: dict[str, Tensor], step: int, batch: Batch
     if not bool(torch.isfinite(total)):
         wrong = [f"{name} {float(value.detach()):g}" for name, value in found.items() if not torch.isfinite(value)]
         where = f"loss of step {step} on {', '.join(batch.names)}"
-        raise InputError(where, "a finite number", f"{float(total.detach()):g} ({', '.join(wrong)})")
+        raise WorkFailed(f"{where}: expected a finite number, found {float(total.detach()):g} ({', '.join(wrong)})")
 
 
 def _check_gradient(norm: Tensor | None, step: int, batch: Batch) -> None:
     if norm is not None and not bool(torch.isfinite(norm)):
-        raise InputError(f"gradient of step {step} on {', '.join(batch.names)}", "a finite norm", float(norm))
+        where = f"gradient of step {step} on {', '.join(batch.names)}"
+        raise WorkFailed(f"{where}: expected a finite norm, found {float(norm):g}")
 
 
 def validated(parts: Parts, ema: dict[str, Tensor] | None) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from glassware.dataset.commands.outcome import WorkFailed
 from glassware.learn.checkpoint import load_checkpoint, load_network, save_checkpoint
 from glassware.learn.networks.build import build_network
 from glassware.learn.training.run import train
@@ -116,7 +117,7 @@ def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, ren
     (tmp_path / "nan").mkdir()
     save_checkpoint(tmp_path / "nan" / "start.ckpt", replace(spoilt, settings=more))
     with pytest.raises(
-        InputError, match=r"loss of step 6 on scenes/000000/\d+.*: expected a finite number, found nan \(vertex"
+        WorkFailed, match=r"loss of step 6 on scenes/000000/\d+.*: expected a finite number, found nan \(vertex"
     ):
         train(more, rendered, tmp_path / "nan", tmp_path / "nan" / "start.ckpt", lines.append)
     assert not (tmp_path / "nan" / "last.ckpt").exists()
