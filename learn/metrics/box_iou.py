@@ -29,12 +29,11 @@ def box_intersection(pose_a: np.ndarray, size_a: np.ndarray, pose_b: np.ndarray,
     size_a, size_b : (3,) float
         Sides [m].
     """
+    if _apart(pose_a, size_a, pose_b, size_b):
+        return 0.0
     b_T_a = np.linalg.inv(pose_b) @ pose_a
     corners_a = box_points(b_T_a, size_a)  # all in the frame of b
     corners_b = box_points(np.eye(4), size_b)
-    radius = (np.linalg.norm(size_a) + np.linalg.norm(size_b)) / 2.0
-    if np.linalg.norm(b_T_a[:3, 3]) > radius:
-        return 0.0
     a_T_b = np.linalg.inv(b_T_a)
     points = [corners_a[_inside(corners_a, size_b)]]
     points += [corners_b[_inside(_moved(a_T_b, corners_b), size_a)]]
@@ -56,6 +55,8 @@ def symmetric_box_iou(pose_a: np.ndarray, size_a: np.ndarray, pose_b: np.ndarray
     For an object of revolution, whose box may stand at any turn. (Objectron, section 5.2, tries 100 turns.) Tried are
     the turn that brings the x axes nearest to each other and `_TURNS` from there.
     """
+    if _apart(pose_a, size_a, pose_b, size_b):  # whatever the turn: most pairs of a picture
+        return 0.0
     relative = pose_b[:3, :3].T @ pose_a[:3, :3]
     # The turn that maximises the trace of Rz^T relative.
     start = np.arctan2(relative[1, 0] - relative[0, 1], relative[0, 0] + relative[1, 1])
@@ -71,6 +72,12 @@ def turn_about_z(angle: float) -> np.ndarray:
     """Return the rotation by an angle [rad] about z, (3, 3)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _apart(pose_a: np.ndarray, size_a: np.ndarray, pose_b: np.ndarray, size_b: np.ndarray) -> bool:
+    """Tell whether the spheres round two boxes share nothing."""
+    away = np.linalg.norm(pose_a[:3, 3] - pose_b[:3, 3])
+    return bool(away > (np.linalg.norm(size_a) + np.linalg.norm(size_b)) / 2.0)
 
 
 def _moved(a_T_b: np.ndarray, points: np.ndarray) -> np.ndarray:
