@@ -146,7 +146,7 @@ def _rendered(folder: Path) -> Path:
 
 def _job(given: Namespace) -> dict[str, float]:
     torch.manual_seed(0)
-    variants = {"reference": {"variant": "reference"}, "corrected": {}, "recompute": {"recompute": True}}
+    variants = {"reference": {"variant": "reference"}, "corrected": {}, "recompute": {"recompute": "features"}}
     if given.only in variants:
         settings = NetworkSettings.model_validate({"depth_range": DEPTH_RANGE, **variants[given.only]})
         seconds = _steps(settings, given.steps)

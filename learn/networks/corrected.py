@@ -114,7 +114,9 @@ class CorrectedNetwork(nn.Module):
         return {"small_depth": small, "plane_logits": logits, "planes": planes, **self._heads(pyramid, small)}
 
     def _features(self, pictures: Tensor) -> Tensor:
-        return recomputed(self.features, pictures) if self.settings.recompute else self.features(pictures)
+        if self.settings.recompute == "features":
+            return recomputed(self.features, pictures)
+        return self.features(pictures, self.settings.recompute == "early")
 
     def _planes(self, images: Tensor, depth_range: Tensor | None) -> Tensor:
         if depth_range is None:

@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from .layers import Norm, conv_norm
+from .recompute import recomputed
 
 #: Sides of the squares that are averaged, on the features at a quarter of the picture's size [px].
 POOLS = (32, 16, 8, 4)
@@ -74,9 +75,14 @@ class MatchingFeatures(nn.Module):
         first = _Block(inputs, outputs, stride, dilation, kind)
         return nn.Sequential(first, *(_Block(outputs, outputs, 1, dilation, kind) for _ in range(count - 1)))
 
-    def forward(self, pictures: Tensor) -> Tensor:
-        """Return the features, (B, C, H/4, W/4), of pictures, (B, 3, H, W)."""
-        early = self.layer2(self.layer1(self.firstconv(pictures)))
+    def forward(self, pictures: Tensor, recompute: bool = False) -> Tensor:
+        """Return the features, (B, C, H/4, W/4), of pictures, (B, 3, H, W).
+
+        With `recompute`, the first layers keep nothing for the backward pass: they hold half of the features' memory,
+        and take a small part of the time.
+        """
+        first = nn.Sequential(self.firstconv, self.layer1, self.layer2)
+        early = recomputed(first, pictures) if recompute else first(pictures)
         late = self.layer4(self.layer3(early))
         pooled = [self.get_submodule(f"branch{number}")(late) for number in range(len(POOLS), 0, -1)]
         size = late.shape[-2:]

@@ -53,8 +53,10 @@ class NetworkSettings(Model):
     backbone_width: int = Field(default=64, ge=4, le=256, description="First channels of the ResNet-18 of the backbone")
     pyramid_channels: int = Field(default=64, ge=4, le=256, description="Channels of the feature pyramid")
     head_channels: int = Field(default=32, ge=4, le=256, description="Channels of the heads")
-    recompute: bool = Field(
-        default=False, description="Compute the matching features again for the backward pass: less memory, more time"
+    recompute: Literal["nothing", "early", "features"] = Field(
+        default="early",
+        description="What is computed again for the backward pass, for less memory and more time: nothing, the first "
+        "layers of the matching features, all of their layers",
     )
     norm: Norm = Field(default="batch", description="Normalisation of all but residual networks and heads")
     head_norm: Norm = Field(default="group", description="Normalisation of the heads; the paper's is by group")

@@ -83,9 +83,10 @@ def test_every_weight_learns(tiny, rng):
         assert not dead
 
 
-def test_computing_features_again_changes_neither_gradients_nor_statistics(tiny, rng):
-    plain = build_network(tiny)
-    again = build_network(tiny.model_copy(update={"recompute": True}))
+@pytest.mark.parametrize("recompute", ["early", "features"])
+def test_computing_features_again_changes_neither_gradients_nor_statistics(tiny, rng, recompute):
+    plain = build_network(tiny.model_copy(update={"recompute": "nothing"}))
+    again = build_network(tiny.model_copy(update={"recompute": recompute}))
     again.load_state_dict(plain.state_dict())
     inputs = batch(rng, 2, 3, 64, 96)
     for net in (plain, again):
