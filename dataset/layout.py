@@ -6,7 +6,7 @@
     manifest.json  splits.json  build.jsonl           (of builds alone)
     assets/<sha16>-<name>
     scenes/000007/
-        scene.json  meshes/*.ply  objects.json  views.json  checksums.json
+        scene.json  meshes/*.ply  objects.json  views.json  checksums.json  light.parquet
         000/
             camera.json  labels.json  instances.png
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
@@ -27,6 +27,7 @@ LOCK = ".build.lock"
 ASSETS, SCENES = "assets", "scenes"
 SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.json", "checksums.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
+LIGHT = "light.parquet"  # of a scene, where it was asked for
 LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 EYES = ("left", "right")
 

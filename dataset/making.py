@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..annotate.keypoints import SceneKeypoints, scene_keypoints
 from ..annotate.labels import annotate, with_noise
 from ..procedural.description import Scene
-from ..render.frame import LightCheck
+from ..render.frame import LightCheck, SurfaceLight
 from . import layout
 from .pictures import srgb8
 from .preview import PreviewRow
@@ -53,6 +53,7 @@ class Lit:
     kernel: Kernel
     tracer: Tracer
     check: LightCheck | None
+    light: SurfaceLight | None  #: what was stored, where it is to be kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +92,13 @@ def make_scene(root: Path, scene: Scene, watch: Watch, shown: Collection[int] = 
             with watch.timed("writing"):
                 yield view
 
-    return Made(write_scene(root, scene, points, views(), lit.check), previews, lit.check)
+    return Made(write_scene(root, scene, points, views(), lit.check, lit.light), previews, lit.check)
 
 
 def light_scene(scene: Scene, watch: Watch) -> Lit:
     """Load the scene, and store its light where that is asked for or pays."""
     # Only here: these bring Mitsuba, whose variant must be set first.
+    from ..render.light.export import surface_light
     from ..render.light.scene_light import is_shared, shared_light
     from ..render.pictures.picture import PATHS
     from ..render.scene.kernel import load
@@ -105,15 +107,15 @@ def light_scene(scene: Scene, watch: Watch) -> Lit:
     with watch.timed("loading"):
         kernel = load(scene, cut=shared)
     if not shared:
-        return Lit(kernel, PATHS, None)
+        return Lit(kernel, PATHS, None, None)
     with watch.timed("light"):
-        tracer, check = shared_light(kernel)
+        tracer, check, stored = shared_light(kernel)
     watch.say(
         f"light of the scene stored at {check.nodes} places; pictures from it differ from path-traced ones by "
         f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
         + ("" if check.mode == "shared" else f", more than {check.bound:.0%}: paths are traced instead")
     )
-    return Lit(kernel, tracer, check)
+    return Lit(kernel, tracer, check, surface_light(kernel, stored) if scene.picture.keep_light else None)
 
 
 def make_view(lit: Lit, points: SceneKeypoints, number: int, watch: Watch) -> View:

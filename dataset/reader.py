@@ -19,11 +19,12 @@ from ..procedural.model import Model
 from ..procedural.scene_file import check_schema, load_scene, parsed, read_json
 from ..procedural.splits import Split
 from ..procedural.surroundings.description import Camera
-from ..render.frame import Geometry, Layers, Refraction
+from ..render.frame import Geometry, Layers, Refraction, SurfaceLight
 from . import layout
 from .camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .dataset_file import DatasetFile
 from .exr import channel, read_exr, stacked
+from .light_file import read_light
 from .objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .pictures import read_png
 from .ray_files import read_layers, read_refraction
@@ -113,6 +114,11 @@ class StoredScene:
     def objects(self) -> ObjectsFile:
         """Return what is the same of each object in all views."""
         return _read(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
+
+    def light(self) -> SurfaceLight | None:
+        """Return the light that arrives at the scene's opaque surfaces; None where it was not asked for."""
+        path = self.folder / layout.LIGHT
+        return read_light(path) if path.exists() else None
 
     @property
     def views(self) -> tuple[StoredView, ...]:

@@ -19,13 +19,14 @@ from ..procedural.errors import InputError
 from ..procedural.model import Model
 from ..procedural.scene_file import assets_of, check_schema, json_text, parsed, read_json, stored_name
 from ..procedural.surroundings.description import Camera
-from ..render.frame import Frame, Geometry, LightCheck
+from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from . import layout
 from .camera_file import camera_file
 from .checksums import write_checksums
 from .dataset_file import DatasetFile
 from .durable import another_writes, is_leftover, remove_leftovers, whole_folder, write_atomically
 from .exr import unstacked, write_exr
+from .light_file import write_light
 from .objects_file import objects_file
 from .pictures import srgb8, write_png
 from .ray_files import write_layers, write_refraction
@@ -84,7 +85,12 @@ def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None
 
 
 def write_scene(
-    root: Path, scene: Scene, points: SceneKeypoints, views: Iterable[View], light: LightCheck | None = None
+    root: Path,
+    scene: Scene,
+    points: SceneKeypoints,
+    views: Iterable[View],
+    check: LightCheck | None = None,
+    light: SurfaceLight | None = None,
 ) -> list[ViewRow]:
     """Write a scene and its views, which may be rendered while they are asked for.
 
@@ -100,8 +106,10 @@ def write_scene(
         The keypoints that the views are labelled with.
     views : iterable of View
         One view at a time; only one is held.
-    light : LightCheck, optional
+    check : LightCheck, optional
         What the check of the scene's stored light found.
+    light : SurfaceLight, optional
+        The stored light, where it is to be kept.
 
     Returns
     -------
@@ -115,7 +123,9 @@ def write_scene(
         for view in views:
             write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
             rows.append(view_row(scene, view.number, view.frame, view.labels))
-        record = SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=light)
+        record = SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=check)
+        if light is not None:
+            write_light(folder / layout.LIGHT, light)
         write_json(folder / layout.SCENE_VIEWS, record)
         write_checksums(folder)
     return rows

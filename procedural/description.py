@@ -104,6 +104,9 @@ class Picture(Model):
         description="Trace the light anew for every picture (path), store it once per scene and read it in every "
         "picture (shared), or what takes less time (auto)",
     )
+    keep_light: bool = Field(
+        default=False, description="Whether the light that is stored is written with the scene; it is stored then"
+    )
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
     rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
@@ -113,11 +116,14 @@ class Picture(Model):
     dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
 
     @model_validator(mode="after")
-    def _dispersion_needs_wavelengths(self) -> Picture:
+    def _fit_together(self) -> Picture:
         if self.dispersion and not self.spectral:
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
         if self.light == "shared" and self.spectral:
             raise ValueError("light: expected path or auto where spectral is on, found shared")
+        if self.keep_light and (self.light == "path" or self.spectral):
+            found = "path" if self.light == "path" else "spectral on"
+            raise ValueError(f"keep_light: expected light to be stored, found {found}")
         return self
 
 

@@ -84,6 +84,17 @@ class LightCheck:
 
 
 @dataclass(frozen=True, eq=False)
+class SurfaceLight:
+    """The light that arrives at n places of a scene's opaque surfaces."""
+
+    id: np.ndarray  #: (n,) uint16, instance id of the surface's object; 0 for the back of a lamp
+    position: np.ndarray  #: (n, 3) float32, world [m]
+    normal: np.ndarray  #: (n, 3) float32, world, on the side that the light arrives at
+    irradiance: np.ndarray  #: (n, 3) float32, linear Rec.709 radiance times steradians
+    paths: np.ndarray  #: (n,) uint32, paths that each is the mean of
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
 

@@ -41,16 +41,17 @@ def is_shared(scene: Scene) -> bool:
     if scene.picture.light == "path":
         return False
     rgb = mi.is_rgb and not mi.is_polarized
-    if scene.picture.light == "shared" and not rgb:
+    asked = scene.picture.light == "shared" or scene.picture.keep_light
+    if asked and not rgb:
         raise InputError("picture.light", "path, or an RGB variant such as llvm_ad_rgb", f"shared in {mi.variant()}")
-    return rgb and (scene.picture.light == "shared" or _camera_samples(scene) >= WORTH_IT)
+    return rgb and (asked or _camera_samples(scene) >= WORTH_IT)
 
 
 def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck]:
+def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
@@ -64,6 +65,8 @@ def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck]:
         What `trace_picture` is to be given: paths where the check failed.
     check : LightCheck
         What the comparison found.
+    stored : StoredLight
+        The light.
     """
     scene = kernel.description
     stored = stored_light(kernel)
@@ -80,7 +83,7 @@ def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck]:
         nodes=stored.nodes.count,
         paths=int(stored.samples.sum()),
     )
-    return (tracer if fine else PATHS), check
+    return (tracer if fine else PATHS), check, stored
 
 
 def stored_light(kernel: Kernel) -> StoredLight:

@@ -139,7 +139,7 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     from glassware.render.pictures.picture import PATHS as BY_PATHS
 
     right = scene_light.stored_light(furnace)
-    tracer, check = scene_light.shared_light(furnace)
+    tracer, check, _ = scene_light.shared_light(furnace)
     assert tracer is not BY_PATHS
     assert check.mode == "shared"
     assert abs(check.difference) < 0.01 + 3 * check.standard_error
@@ -147,7 +147,7 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     brighter = right.moments.copy()
     brighter[:, :6] *= 1.2
     monkeypatch.setattr(scene_light, "stored_light", lambda kernel: replace(right, moments=brighter))
-    tracer, check = scene_light.shared_light(furnace)
+    tracer, check, _ = scene_light.shared_light(furnace)
     assert tracer is BY_PATHS
     assert check.mode == "path"
     assert check.difference > 0.01

@@ -1,0 +1,52 @@
+"""The stored light beside the scene, for whoever asks for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from glassware.dataset.commands.verify import main as verify
+from glassware.dataset.reader import Dataset
+from glassware.procedural.description import TABLE_ID
+from glassware.procedural.surroundings.environments import bake_environment
+from glassware.procedural.surroundings.metering import irradiance
+
+
+def test_kept_light_is_what_arrives_and_belongs_to_the_data_set(render_scene, small, tmp_path):
+    """Under an empty sky over a bare table it is what the exposure meter finds by its own integral."""
+    bare = ("--vessel-count", 0, 0, "--prop-count", 0, 0, "--cameras.views", 1)
+    out = tmp_path / "out"
+    told = render_scene("--seed", 7, "--config", small, *bare, "--picture.keep-light", "--out", out)
+    assert told.code == 0, told
+    assert verify([str(out)]) == 0
+
+    (scene,) = Dataset.open(out).scenes
+    light, record = scene.light(), scene.scene()
+    assert light is not None
+    assert set(np.unique(light.id)) <= {0, TABLE_ID}
+    assert (light.paths > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(light.normal, axis=1), 1.0, rtol=0, atol=1e-5)
+    middle = (light.id == TABLE_ID) & (light.normal[:, 2] > 0.99) & (np.linalg.norm(light.position, axis=1) < 0.1)
+    assert middle.sum() > 50
+    meter = irradiance(bake_environment(record.environment), record.environment.strength, record.lights)
+    found = light.irradiance[middle].astype(np.float64)
+    # The noise of the mean, and the meter's own grain: both integrate small lamps by samples.
+    error = found.std(0, ddof=1) / np.sqrt(len(found))
+    assert np.abs(found.mean(0) - meter).max() < (4.0 * error + 0.01 * meter).max()
+    assert error.max() < 0.02 * meter.max()
+
+
+def test_no_light_is_kept_unless_asked_for(render_scene, small, tmp_path):
+    told = render_scene("--seed", 7, "--config", small, "--picture.light", "shared", "--out", tmp_path / "out")
+    assert told.code == 0, told
+    (scene,) = Dataset.open(tmp_path / "out").scenes
+    assert scene.light() is None
+    assert not list((tmp_path / "out").rglob("light.parquet"))
+
+
+@pytest.mark.parametrize("other", [("--picture.light", "path"), ("--picture.spectral",)])
+def test_light_that_is_not_stored_cannot_be_kept(render_scene, small, tmp_path, other):
+    told = render_scene("--seed", 7, "--config", small, "--picture.keep-light", *other, "--out", tmp_path / "out")
+    assert told.code == 2
+    assert "keep_light" in told.errors[-1]
+    assert "expected light to be stored" in told.errors[-1]
