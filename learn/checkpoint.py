@@ -33,7 +33,7 @@ class DataRecord(Model):
 
     name: str
     seed: int
-    sha256: str = Field(description="Of its head, its splits and the rows of every scene (`data_digest`)")
+    sha256: str = Field(description="Of its head, its splits and the checksums of every scene (`data_digest`)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +86,27 @@ def load_checkpoint(path: Path) -> Checkpoint:
         data = None if content["data"] is None else DataRecord.model_validate(content["data"])
     except ValidationError as error:
         raise complaint(f"{path}: settings", error, TrainSettings) from error
+    _check_kinds(content, path)
     names = ("step", "network", "ema", "optimiser", "rng", "best")
     return Checkpoint(settings, data, **{name: content[name] for name in names})
+
+
+def _check_kinds(content: dict[str, Any], path: Path) -> None:
+    """Raise InputError where a field of a checkpoint is of another kind than `save_checkpoint` writes."""
+    for name in ("network", "ema"):
+        value = content[name]
+        if not (_is_state_dict(value) or (name == "ema" and value is None)):
+            raise InputError(f"{path}: {name}", "names and dense tensors", type(value).__name__)
+    for name, kind in (("step", int), ("best", float), ("optimiser", dict), ("rng", Tensor)):
+        if not isinstance(content[name], kind):
+            raise InputError(f"{path}: {name}", f"a {kind.__name__}", type(content[name]).__name__)
+
+
+def _is_state_dict(value: object) -> bool:
+    return isinstance(value, dict) and all(
+        isinstance(name, str) and isinstance(one, Tensor) and one.layout == torch.strided and not one.is_meta
+        for name, one in value.items()
+    )
 
 
 def load_network(path: Path) -> tuple[Network, TrainSettings]:
@@ -99,7 +118,7 @@ def load_network(path: Path) -> tuple[Network, TrainSettings]:
     content = read_torch(path)
     if isinstance(content, dict) and "schema_version" not in content:
         released = content.get("state_dict", content)
-        if isinstance(released, dict) and any(name.startswith(("model.", "matchingFeature.")) for name in released):
+        if _is_state_dict(released) and any(name.startswith(("model.", "matchingFeature.")) for name in released):
             settings = TrainSettings.model_validate({"network": {"variant": "reference"}})
             return load_reference(released), settings
     checkpoint = load_checkpoint(path)
@@ -110,21 +129,30 @@ def load_network(path: Path) -> tuple[Network, TrainSettings]:
 
 def restore(network: torch.nn.Module, weights: dict[str, Tensor], where: Path) -> None:
     """Load weights into a network; InputError that names the first one which does not fit."""
-    own = network.state_dict()
-    for name in sorted(own.keys() | weights.keys()):
-        expected = tuple(own[name].shape) if name in own else "no such weights"
-        found = tuple(weights[name].shape) if name in weights else "none"
-        if expected != found:
-            raise InputError(f"{where}: {name}", f"{expected}", found)
+    check_weights(network, weights, where)
     network.load_state_dict(weights)
 
 
+def check_weights(network: torch.nn.Module, weights: dict[str, Tensor], where: Path) -> None:
+    """Raise InputError that names the first weights which a network has not, or has of another shape or type."""
+    own = network.state_dict()
+    for name in sorted(own.keys() | weights.keys()):
+        expected = _shape(own[name]) if name in own else "no such weights"
+        found = _shape(weights[name]) if name in weights else "none"
+        if expected != found:
+            raise InputError(f"{where}: {name}", f"{expected}", found)
+
+
+def _shape(value: Tensor) -> str:
+    return f"{tuple(value.shape)}" + ("" if value.dtype == torch.float32 else f" {value.dtype}")
+
+
 def data_digest(root: Path) -> str:
-    """Return a digest of a data set: its head, its splits, and each scene's number and rows of the index."""
+    """Return a digest of a data set: its head, its splits, and each scene's number and checksums of all its files."""
     digest = hashlib.sha256((root / layout.DATASET).read_bytes())
     if (root / layout.SPLITS).is_file():
         digest.update((root / layout.SPLITS).read_bytes())
     for scene_id in layout.scene_ids(root):
         digest.update(layout.scene_name(scene_id).encode())
-        digest.update((layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS).read_bytes())
+        digest.update((layout.scene_folder(root, scene_id) / layout.CHECKSUMS).read_bytes())
     return digest.hexdigest()

@@ -12,6 +12,16 @@ class InputError(ValueError):
     def __init__(self, where: object, expected: str, found: object) -> None:
         super().__init__(_printable(f"{where}: expected {expected}, found {found}"))
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Tell how another process makes the same error of its text."""
+        return _of_text, (str(self),)
+
+
+def _of_text(text: str) -> InputError:
+    error = InputError.__new__(InputError)
+    ValueError.__init__(error, text)
+    return error
+
 
 def _printable(text: str) -> str:
     """Return a text with escapes for what a terminal would obey or could not show."""

@@ -106,7 +106,7 @@ class SampleDataset(TorchDataset):
         targets = view_targets(truth.instances, truth.Z, truth.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
-            images=torch.from_numpy(pictures).movedim(-1, 1).float() / 255.0,
+            images=picture_tensor(pictures, self._encoding),
             world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in views])).float(),
             K=torch.from_numpy(np.stack([view.K for view in views])).float(),
             targets={name: torch.from_numpy(values) for name, values in targets.items()},
@@ -175,6 +175,19 @@ class SampleDataset(TorchDataset):
         if scene.scene_id not in self._objects_of:
             self._objects_of[scene.scene_id] = scene.objects()
         return self._objects_of[scene.scene_id]
+
+
+def picture_tensor(pictures: np.ndarray, encoding: Encoding) -> Tensor:
+    """Return pictures, (V, H, W, 3) uint8, as networks take them: (V, 3, H, W) float32 in [0, 1].
+
+    Channel after channel in memory: the backward pass of some convolutions of torch 2.13 on a processor (1 x 1, every
+    second pixel, 16 channels or fewer) writes beyond its memory where channels are interleaved.
+    """
+    values = torch.from_numpy(pictures).movedim(-1, 1).float() / 255.0
+    if encoding.stretched:
+        low, high = values.amin((1, 2, 3), keepdim=True), values.amax((1, 2, 3), keepdim=True)
+        values = (values - low) / (high - low)
+    return values.contiguous()
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,7 +45,7 @@ def decode(
     outputs: Mapping[str, Tensor],
     K: Tensor,
     encoding: Encoding = CORRECTED,
-    rotation: Literal["covariance", "vertices"] = "covariance",
+    rotation: Literal["covariance", "vertices"] | None = None,
 ) -> list[Detections]:
     """Return the objects of each sample.
 
@@ -58,7 +58,7 @@ def decode(
     encoding : Encoding
         Units and order of the fields.
     rotation : str
-        Where rotations come from (`boxes.boxes_from_fields`).
+        Where rotations come from (`boxes.boxes_from_fields`); by default the encoding's.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def decode(
     size = (outputs["heatmap"].shape[-2], outputs["heatmap"].shape[-1])
     peaks = find_peaks(outputs["heatmap"].float())
     vertices, depth, covariance = _read(outputs, peaks, size, encoding)
-    pose, extent = boxes_from_fields(vertices, depth, covariance, K[peaks.sample], rotation)
+    pose, extent = boxes_from_fields(vertices, depth, covariance, K[peaks.sample], rotation or encoding.rotation)
     kept = (depth > 0.0) & _strongest(peaks, vertices)
     found = []
     for sample in range(len(K)):

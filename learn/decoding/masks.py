@@ -41,7 +41,9 @@ def pixel_owners(outputs: Mapping[str, Tensor], peaks: Tensor, vertices: Tensor,
         owner[y, x] = torch.cdist(leads.double(), peaks.double()).argmin(1)
         return owner
     own = _own_vertices(outputs["vertex"], (is_object.shape[0], is_object.shape[1]), encoding)
-    own = own[y // STRIDE, x // STRIDE]
+    # A cell stands for the pixel that both its coordinates are divided from, so the nearest cell is the rounded one.
+    row, column = ((v + STRIDE // 2) // STRIDE for v in (y, x))
+    own = own[row.clamp_max(own.shape[0] - 1), column.clamp_max(own.shape[1] - 1)]
     owner[y, x] = torch.cdist(own.flatten(1), vertices.flatten(1)).argmin(1)
     return owner
 

@@ -20,10 +20,11 @@ from ...procedural.errors import InputError
 from ...procedural.quiet import quiet
 from ...procedural.scene_file import check_schema, json_text, parsed, read_json
 from ..checkpoint import load_network
+from ..data.samples import picture_tensor
 from ..data.scaling import scaled_view
 from ..data.views import CameraView, check_camera, check_picture, check_sizes
 from ..decoding.decode import Detections, decode
-from ..pictures import coloured_depth, depth_limits, rgb, with_boxes
+from ..pictures import coloured_depth, depth_limits, with_boxes
 from ..targets.encoding import encoding_of
 from .score import check_finite, frozen
 
@@ -65,16 +66,17 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)
-    pictures = torch.from_numpy(np.stack([view.picture for view in views])).movedim(-1, 1).float()[None] / 255.0
+    encoding = encoding_of(settings.network.variant)
+    pictures = picture_tensor(np.stack([view.picture for view in views]), encoding)[None]
     poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
     K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]
     with torch.inference_mode():
         outputs = frozen(network.to(device))(pictures.to(device), poses.to(device), K.to(device))
     fields = {name: value.float().cpu() for name, value in outputs.items()}
     check_finite(fields, str(images[0]))
-    (found,) = decode(fields, K[:, 0].double(), encoding_of(settings.network.variant))
+    (found,) = decode(fields, K[:, 0].double(), encoding)
     prediction = Prediction(fields["depth"][0].numpy(), found)
-    _write(prediction, rgb(pictures[0, 0]), views[0].K, images, out)
+    _write(prediction, views[0].picture, views[0].K, images, out)
     return prediction
 
 

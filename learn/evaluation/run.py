@@ -9,22 +9,22 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.utils.data import DataLoader
 
 from ...dataset.commands.stopping import check_stop
 from ...dataset.durable import write_atomically
 from ...dataset.pictures import write_png
 from ...procedural.scene_file import json_text
 from ..checkpoint import data_digest, load_network
-from ..data.samples import SampleDataset, batched
+from ..data.loading import load_batches
+from ..data.samples import SampleDataset
 from ..networks.build import Network
 from ..pictures import sample_picture
 from ..targets.encoding import encoding_of
 from .report import figures
 from .score import SampleScore, frozen, score_sample
 
-#: Evaluation draws neighbours once, the same in every run.
-_DRAW = 0
+#: Evaluation draws neighbours once, the same for every network.
+_SEED, _DRAW = 0, 0
 #: Samples between two lines about the progress.
 _LINES = 20
 
@@ -76,7 +76,7 @@ def evaluate(
     """
     network, settings = load_network(checkpoint)
     encoding = encoding_of(settings.network.variant)
-    samples = SampleDataset(data, split, settings.views, encoding, seed=settings.seed, truth=True)
+    samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, truth=True)
     scored, bad = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
     found = {
         "checkpoint": str(checkpoint),
@@ -103,16 +103,17 @@ def score_all(
     frozen(network)
     device = next(network.parameters()).device
     order = [[(index, _DRAW)] for index in range(len(samples))]
-    loader = DataLoader(samples, batch_sampler=order, collate_fn=batched, num_workers=workers)
     scores: list[SampleScore] = []
     bad: list[Scored] = []
     with torch.inference_mode():
-        for number, batch in enumerate(loader, start=1):
+        for number, batch in enumerate(load_batches(samples, order, workers), start=1):
             check_stop()
             moved = batch.to(device)
             outputs = network(moved.images, moved.world_T_camera, moved.K)
             outputs = {name: value.float().cpu() for name, value in outputs.items()}
-            score = score_sample(batch.names[0], outputs, batch.K[0, 0], batch.truths[0], encoding_of(variant))
+            (truth,) = batch.truths
+            assert truth is not None, "samples come with their labels"
+            score = score_sample(batch.names[0], outputs, batch.K[0, 0], truth, encoding_of(variant))
             scores.append(score)
             if worst and (len(bad) < worst or _error(score) > _error(bad[-1].score)):
                 bad.append(Scored(score, sample_picture(batch, outputs, variant)))

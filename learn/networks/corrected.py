@@ -100,7 +100,7 @@ class CorrectedNetwork(nn.Module):
             picture's height; ``plane_logits`` (B, D, H/4, W/4) and ``planes`` (B, D) [m].
         """
         check_inputs(images, world_T_camera, K)
-        pictures = (images - self.mean) / self.deviation
+        pictures = ((images - self.mean) / self.deviation).contiguous()
         features = self._features(pictures.flatten(0, 1)).unflatten(0, images.shape[:2])
         planes = self._planes(images, depth_range)
         with torch.autocast(images.device.type, enabled=False):  # geometry keeps 32 bits

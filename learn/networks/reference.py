@@ -131,13 +131,15 @@ class ReferenceNetwork(nn.Module):
         if self.training and len(images) == 1 and max(images.shape[-2:]) < _TRAINABLE:
             found = f"one of {images.shape[-2]} x {images.shape[-1]} px"
             raise InputError("images", f"two samples, or pictures of {_TRAINABLE} px, to train the released net", found)
-        pictures = 2.0 * (images / 255.0) - 1.0  # fault 2
+        pictures = (2.0 * (images / 255.0) - 1.0).contiguous()  # fault 2
         features = [self.matchingFeature(picture) for picture in pictures.unbind(1)]
-        projection = _projections(world_T_camera, K[0, 0])
-        volumes = [
-            self._matched(features[0], _warped(source, projection[:, view], self.planes))
-            for view, source in enumerate(features[1:], start=1)
-        ]
+        with torch.autocast(images.device.type, enabled=False):  # geometry keeps 32 bits
+            projection = _projections(world_T_camera.float(), K[0, 0].float())
+            warped = [
+                _warped(source.float(), projection[:, view], self.planes)
+                for view, source in enumerate(features[1:], start=1)
+            ]
+        volumes = [self._matched(features[0], other) for other in warped]
         volume = torch.stack(volumes).mean(0)
         semantic = self.semanticFeature.encoder(pictures[:, 0])
         small = self.CostRegNet(volume, semantic, self.planes)

@@ -8,6 +8,7 @@ loss weights of the released code are for these.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import torch
@@ -22,10 +23,12 @@ COVARIANCE_ROWS, COVARIANCE_COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
 
 @dataclass(frozen=True)
 class Encoding:
-    """How a network's fields are to be read."""
+    """How a network's fields are to be read, and how it wants its pictures."""
 
     corners: tuple[int, ...]  #: our number (`annotate.boxes.CORNER_SIGNS`) of each of its 8 vertices
     depth_sign: float  #: 1 where depth counts forwards, -1 where the camera's z axis points backwards, as Blender's
+    rotation: Literal["covariance", "vertices"]  #: what rotations are decoded from
+    stretched: bool  #: whether each picture's values are stretched to [0, 1], all channels together
 
     def covariance_signs(self) -> np.ndarray:
         """Return the sign of each covariance channel against that in OpenCV's axes, (6,)."""
@@ -34,9 +37,10 @@ class Encoding:
 
 
 #: Our own order and axes.
-CORRECTED = Encoding(tuple(range(8)), 1.0)
-#: Blender's: corners go ---, --+, -++, -+-, +--, +-+, +++, ++-, and a camera looks along -z.
-REFERENCE = Encoding((0, 4, 6, 2, 1, 5, 7, 3), -1.0)
+CORRECTED = Encoding(tuple(range(8)), 1.0, "covariance", stretched=False)
+#: Blender's: corners go ---, --+, -++, -+-, +--, +-+, +++, ++-, and a camera looks along -z. The released code never
+#: reads the covariance that its network learns, and its loader stretches pictures.
+REFERENCE = Encoding((0, 4, 6, 2, 1, 5, 7, 3), -1.0, "vertices", stretched=True)
 
 
 def encoding_of(variant: str) -> Encoding:

@@ -14,13 +14,21 @@ from pathlib import Path
 import torch
 from lightning_fabric import Fabric
 from torch import Tensor
-from torch.utils.data import DataLoader
 
 from ...dataset.commands.outcome import WorkFailed
 from ...dataset.commands.stopping import check_stop
 from ...dataset.reader import Dataset
 from ...procedural.errors import InputError
-from ..checkpoint import Checkpoint, DataRecord, data_digest, load_checkpoint, restore, save_checkpoint
+from ..checkpoint import (
+    Checkpoint,
+    DataRecord,
+    check_weights,
+    data_digest,
+    load_checkpoint,
+    restore,
+    save_checkpoint,
+)
+from ..data.loading import load_batches
 from ..data.samples import Batch, SampleDataset, batched
 from ..networks.build import Network, build_network
 from ..networks.corrected import CorrectedNetwork
@@ -34,7 +42,7 @@ from .settings import TrainSettings
 #: Files of a run: the latest state, and that with the least validation loss.
 LAST, BEST = "last.ckpt", "best.ckpt"
 #: The same for validation in every run: its samples are drawn once.
-_VALIDATION_DRAW = 0
+_VALIDATION_SEED, _VALIDATION_DRAW = 0, 0
 #: How far beyond the depths of the training data planes reach, as a share: other scenes are a little larger.
 _MARGIN = 0.1
 
@@ -87,13 +95,34 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
         torch.set_num_threads(settings.machine.threads)
     parts = _prepared(settings if start is None else start.settings, data, out)
     if start is None:
+        _load_pretrained(parts)
         state = _first(parts)
     else:
-        restore(parts.network, start.network, resume or out)
-        parts.optimiser.load_state_dict(start.optimiser)
-        torch.set_rng_state(start.rng)
+        _restore(parts, start, resume or out)
         state = start
     _steps(parts, state, say)
+
+
+def _load_pretrained(parts: Parts) -> None:
+    path = parts.settings.pretrained
+    if path is None:
+        return
+    if not isinstance(parts.network, CorrectedNetwork):
+        raise InputError("pretrained", "none with the reference, whose weights come from its checkpoints", path)
+    load_pretrained(parts.network.context, path)
+
+
+def _restore(parts: Parts, start: Checkpoint, where: Path) -> None:
+    """Go on from a checkpoint; InputError where a part of it does not fit."""
+    restore(parts.network, start.network, where)
+    if start.ema is not None:
+        check_weights(parts.network, start.ema, where)
+    try:
+        parts.optimiser.load_state_dict(start.optimiser)
+        torch.set_rng_state(start.rng)
+    except (ValueError, TypeError, KeyError, AttributeError, RuntimeError) as error:
+        found = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError(f"{where}: optimiser and rng", "the states of these settings", found) from error
 
 
 def _checked(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
@@ -128,12 +157,10 @@ def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
     learnt = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
     val = None
     if settings.val_split != "none":
-        val = SampleDataset(data, settings.val_split, views, encoding, seed=seed)
+        val = SampleDataset(data, settings.val_split, views, encoding, seed=_VALIDATION_SEED)
     settings = _with_range(settings, learnt)
     torch.manual_seed(settings.seed)
     network = build_network(settings.network)
-    if settings.pretrained is not None and isinstance(network, CorrectedNetwork):
-        load_pretrained(network.context, settings.pretrained)
     options = {"lr": settings.optimiser.rate, "betas": settings.optimiser.betas}
     kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
     network.to(fabric.device)
@@ -170,8 +197,9 @@ def _steps(parts: Parts, start: Checkpoint, say: Callable[[str], None]) -> None:
     model, optimiser = fabric.setup(parts.network, parts.optimiser)
     todo = range(start.step, settings.steps)
     order = StepBatches(len(parts.train), settings.batch, todo, settings.seed, fabric.global_rank, fabric.world_size)
-    loader = DataLoader(parts.train, batch_sampler=order, collate_fn=batched, num_workers=settings.machine.workers)
-    ema, best = start.ema, start.best
+    loader = load_batches(parts.train, order, settings.machine.workers)
+    ema = None if start.ema is None else {name: value.to(fabric.device) for name, value in start.ema.items()}
+    best = start.best
     records = Records(parts.out, start.step, settings, fabric, say)
     for step, batch in zip(todo, loader, strict=True):
         check_stop()

@@ -55,6 +55,23 @@ def test_a_file_that_is_cut_short_hostile_or_something_else_is_one_clear_line(pa
         torch.save(content | change, bad)
         with pytest.raises(InputError, match=message):
             load_network(bad)
+    sparse = {"a": torch.eye(3).to_sparse()}
+    for change, message in (
+        ({"network": [1.0]}, "network: expected names and dense tensors, found list"),
+        ({"network": {1: torch.zeros(1)}}, "network: expected names and dense tensors, found dict"),
+        ({"network": sparse}, "network: expected names and dense tensors, found dict"),
+        ({"ema": "abc"}, "ema: expected names and dense tensors, found str"),
+        ({"rng": None}, "rng: expected a Tensor, found NoneType"),
+        ({"optimiser": 3}, "optimiser: expected a dict, found int"),
+        ({"network": content["network"] | {"matching.source.weight": torch.zeros(1)}}, "no such weights, found"),
+    ):
+        torch.save(content | change, bad)
+        with pytest.raises(InputError, match=message):
+            load_network(bad)
+    first = next(iter(content["network"]))
+    torch.save(content | {"network": content["network"] | {first: content["network"][first].long()}}, bad)
+    with pytest.raises(InputError, match=r"expected \(.*\), found \(.*\) torch\.int64"):
+        load_network(bad)
     torch.save({name: value for name, value in content.items() if name != "rng"}, bad)
     with pytest.raises(InputError, match="the field rng"):
         load_network(bad)

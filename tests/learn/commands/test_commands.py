@@ -78,7 +78,7 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
         (["train", "none"], "none: expected the folder of a data set, found none"),
         (["train", "{data}", "--network.planes", "1"], "network.planes: expected greater than or equal to 2, found 1"),
         (["train", "{data}", "--train-split", "test"], "split test: expected scenes that are there, found none"),
-        (["train", "{data}", "--views.count", "9", "--machine.workers", "0"], "expected 8 others by the rule distance"),
+        (["train", "{data}", "--views.count", "9", "--machine.workers", "1"], "expected 8 others by the rule distance"),
         (["evaluate", "{ckpt}"], "glassware evaluate: expected a checkpoint and the folder of a data set"),
         (["evaluate", "{data}/dataset.json", "{data}"], "dataset.json: expected an undamaged file of torch"),
         (["evaluate", "{ckpt}", "{data}", "--device", "moon"], "--device: expected a device of this machine"),

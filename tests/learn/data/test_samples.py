@@ -10,9 +10,9 @@ from torch.utils.data import DataLoader
 from glassware.annotate.projection import project, unproject
 from glassware.dataset.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
-from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.samples import SampleDataset, batched, picture_tensor
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
-from glassware.learn.targets.encoding import CORRECTED
+from glassware.learn.targets.encoding import CORRECTED, REFERENCE
 from glassware.procedural.errors import InputError
 
 SCENE = "scenes/000000"
@@ -39,6 +39,23 @@ def test_a_sample_has_the_views_that_are_asked_for(rendered, count):
     geometry = stored.views[2].geometry()
     np.testing.assert_array_equal(sample.truth.instances, geometry.id)
     np.testing.assert_array_equal(sample.targets["depth"], np.where(np.isfinite(geometry.Z), geometry.Z, 0))
+
+
+def test_pictures_lie_channel_after_channel_in_memory(rendered):
+    """Interleaved ones make torch 2.13 write beyond its memory in the backward pass (`picture_tensor`)."""
+    data = samples(rendered)
+    one, other = data[(0, 0)], data[(1, 0)]
+    assert one.images.is_contiguous()
+    assert batched([one, other]).images.is_contiguous()
+
+
+def test_the_released_network_gets_pictures_stretched_to_all_values():
+    pictures = np.random.default_rng(3).integers(40, 200, (2, 32, 32, 3)).astype(np.uint8)
+    stretched = picture_tensor(pictures, REFERENCE)
+    for ours, theirs in zip(stretched, pictures.astype(np.float64), strict=True):
+        expected = (theirs - theirs.min()) / (theirs.max() - theirs.min())
+        np.testing.assert_allclose(ours.movedim(0, -1), expected, rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(picture_tensor(pictures, CORRECTED).movedim(1, -1), pictures / np.float32(255.0))
 
 
 def test_other_views_are_drawn_from_the_nearest(rendered):

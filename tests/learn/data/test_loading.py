@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import pickle
+
+import pytest
+import torch
+
+from glassware.learn.data.loading import load_batches
+from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.settings import ViewSettings
+from glassware.learn.targets.encoding import CORRECTED
+from glassware.procedural.errors import InputError
+
+
+@pytest.mark.parametrize("workers", [0, 1, 2])
+def test_batches_are_those_of_the_samples(rendered, workers):
+    data = SampleDataset(rendered, "all", ViewSettings(), CORRECTED)
+    order = [[(0, 0), (3, 1)], [(5, 0)]]
+    found = list(load_batches(data, order, workers))
+    assert len(found) == 2
+    for batch, items in zip(found, order, strict=True):
+        assert torch.equal(batch.images, batched([data[item] for item in items]).images)
+
+
+@pytest.mark.parametrize("workers", [0, 1, 2])
+def test_a_sample_that_cannot_be_used_is_told_as_one_line_from_any_process(rendered, workers):
+    data = SampleDataset(rendered, "all", ViewSettings(count=9), CORRECTED)
+    with pytest.raises(InputError) as told:
+        list(load_batches(data, [[(0, 0)]], workers))
+    assert "expected 8 others by the rule distance" in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_an_input_error_is_the_same_in_another_process():
+    error = InputError("here", "this", "that\nand more")
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is InputError
+    assert str(again) == str(error) == "here: expected this, found that and more"
