@@ -53,8 +53,11 @@ def read_png(path: Path) -> np.ndarray:
     # Checked first: OpenCV reads other formats as well, and gives the rest of a picture that is cut short.
     if data[:8].tobytes() != b"\x89PNG\r\n\x1a\n" or data[-8:].tobytes() != b"IEND\xaeB`\x82":
         raise InputError(path, "a whole PNG file", "something else or a part of one")
-    with quiet():
-        picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    try:
+        with quiet():
+            picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:  # its header asks for more pixels than OpenCV reads
+        raise InputError(path, "a PNG file of a usual size", "one of too many pixels") from error
     if picture is None or (picture.dtype, picture.ndim) not in ((np.uint8, 3), (np.uint16, 2)):
         raise InputError(path, "a PNG file with 8-bit colour or 16-bit ids", "something else")
     return np.ascontiguousarray(picture[..., ::-1]) if picture.ndim == 3 else picture

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -100,6 +101,11 @@ def _check_kinds(content: dict[str, Any], path: Path) -> None:
     for name, kind in (("step", int), ("best", float), ("optimiser", dict), ("rng", Tensor)):
         if not isinstance(content[name], kind):
             raise InputError(f"{path}: {name}", f"a {kind.__name__}", type(content[name]).__name__)
+    steps = content["settings"]["steps"]
+    if not 0 <= content["step"] <= steps:
+        raise InputError(f"{path}: step", f"one of 0 to {steps}", content["step"])
+    if math.isnan(content["best"]):
+        raise InputError(f"{path}: best", "a number", "nan")
 
 
 def _is_state_dict(value: object) -> bool:
@@ -120,7 +126,7 @@ def load_network(path: Path) -> tuple[Network, TrainSettings]:
         released = content.get("state_dict", content)
         if _is_state_dict(released) and any(name.startswith(("model.", "matchingFeature.")) for name in released):
             settings = TrainSettings.model_validate({"network": {"variant": "reference"}})
-            return load_reference(released), settings
+            return load_reference(released, str(path)), settings
     checkpoint = load_checkpoint(path)
     network = build_network(checkpoint.settings.network)
     restore(network, checkpoint.used(), path)
@@ -149,10 +155,17 @@ def _shape(value: Tensor) -> str:
 
 def data_digest(root: Path) -> str:
     """Return a digest of a data set: its head, its splits, and each scene's number and checksums of all its files."""
-    digest = hashlib.sha256((root / layout.DATASET).read_bytes())
+    digest = hashlib.sha256(_content(root / layout.DATASET))
     if (root / layout.SPLITS).is_file():
         digest.update((root / layout.SPLITS).read_bytes())
     for scene_id in layout.scene_ids(root):
         digest.update(layout.scene_name(scene_id).encode())
-        digest.update((layout.scene_folder(root, scene_id) / layout.CHECKSUMS).read_bytes())
+        digest.update(_content(layout.scene_folder(root, scene_id) / layout.CHECKSUMS))
     return digest.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(path, "a readable file of a data set", error.strerror) from error

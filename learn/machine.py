@@ -21,6 +21,8 @@ def use(device: str, threads: int | None) -> str:
         torch.set_num_threads(threads)
     if device == "auto":
         return "cuda" if torch.cuda.is_available() else "cpu"
+    if device.partition(":")[0] == "meta":  # a device that computes nothing
+        raise InputError("--device", "a device of this machine, such as cpu or cuda:0", device)
     try:
         torch.zeros(1, device=device)
     except (RuntimeError, AssertionError, ImportError) as error:  # of an unknown name, or of a device that is not there

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterable, Iterator, Sequence
 
 from torch.utils.data import DataLoader
 from torch.utils.data import Dataset as TorchDataset
 
+from ...dataset.commands.outcome import WorkFailed
 from ...procedural.errors import InputError
 from .samples import Batch, Sample, SampleDataset, batched
 
@@ -44,12 +46,31 @@ def load_batches(samples: SampleDataset, order: Iterable[list[tuple[int, int]]],
     ------
     InputError
         Where a sample cannot be used, as `SampleDataset` raises it.
+    WorkFailed
+        Where a process died, as when memory runs out.
     """
-    loader = DataLoader(_Told(samples), batch_sampler=order, collate_fn=_batch_or_error, num_workers=workers)
-    for found in loader:
-        if isinstance(found, InputError):
-            raise found
-        yield found
+    loader = DataLoader(
+        _Told(samples),
+        batch_sampler=order,
+        collate_fn=_batch_or_error,
+        num_workers=workers,
+        worker_init_fn=_leave_signals,
+    )
+    try:
+        for found in loader:
+            if isinstance(found, InputError):
+                raise found
+            yield found
+    except RuntimeError as error:
+        if not str(error).startswith("DataLoader worker"):
+            raise
+        raise WorkFailed(f"a process that loads samples: {' '.join(str(error).split())}") from error
+
+
+def _leave_signals(_: int) -> None:
+    """Leave it to the parent to stop: a signal to the whole group reaches both."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _batch_or_error(items: Sequence[Sample | InputError]) -> Batch | InputError:

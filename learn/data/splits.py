@@ -26,6 +26,9 @@ def scenes_of(data: Dataset, split: str) -> tuple[StoredScene, ...]:
     if split not in names:
         raise InputError("split", f"one of {', '.join((*names, ALL))}", split)
     found = data.split(split)  # pyright: ignore[reportArgumentType]  # it is one of them
+    numbers = [scene.scene_id for scene in found]
+    if len(set(numbers)) < len(numbers):
+        raise InputError(f"{data.root}: split {split}", "each scene once", numbers)
     if not found:
         raise InputError(f"{data.root}: split {split}", "scenes that are there", "none")
     return found

@@ -14,6 +14,10 @@ from ...dataset.pictures import read_png
 from ...dataset.reader import StoredView
 from ...procedural.errors import InputError
 from ..objects import ViewObject, canonical_pose
+from .views import check_rigid
+
+#: Farthest depth and longest side that a label may have [m]: more were not metres.
+FARTHEST = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +48,15 @@ def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) ->
     for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
         if values.shape != size:
             raise InputError(view.folder / name, f"{size[0]} x {size[1]} px", values.shape)
+    wrong = ~((Z > 0.0) & ((Z <= FARTHEST) | np.isposinf(Z)))  # NaN as well
+    if wrong.any():
+        found = f"{Z[wrong][0]:g} in {int(wrong.sum())} pixels"
+        raise InputError(f"{path}: Z", f"depths above 0 and up to {FARTHEST:g} m, or +inf for none", found)
     records = {record.id: record for record in objects.objects}
     labels = view.labels().objects
+    numbers = [label.id for label in labels]
+    if len(set(numbers)) < len(numbers):
+        raise InputError(view.folder / layout.LABELS, "each object once", sorted(numbers))
     for label in labels:
         if label.id not in records:
             where = view.folder.parent / layout.OBJECTS
@@ -66,6 +77,10 @@ def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, vie
             where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} symmetries_continuous"
             raise InputError(where, "the z axis of the object", f"{symmetry.axis} through {symmetry.offset}")
     pose = np.array(label.camera_T_object)
+    check_rigid(pose, f"{view.folder / layout.LABELS}: object {label.id} camera_T_object")
+    if not all(0.0 < side < FARTHEST for side in record.size):
+        where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} size"
+        raise InputError(where, f"sides above 0 and up to {FARTHEST:g} m", record.size)
     return ViewObject(
         id=record.id,
         category=record.category,

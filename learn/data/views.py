@@ -19,6 +19,8 @@ from ..networks.inputs import MULTIPLE
 RIGID = 1e-4
 #: Smallest determinant of K over its largest element cubed: a camera of 162 degrees has about 1e-2.
 REGULAR = 1e-9
+#: No camera has a number beyond this in its matrices [px, m].
+MOST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,16 +50,19 @@ def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
     if picture.shape != (record.height, record.width, 3):
         raise InputError(path, f"a picture of {record.height} x {record.width} px in colour", picture.shape)
     pose = record.world_T_camera if eye == "left" else record.world_T_right
-    check_camera(np.array(record.K), pose, view.folder / layout.CAMERA)
+    if eye == "right":
+        check_rigid(pose, f"{view.folder / layout.CAMERA}: world_T_right")
     return CameraView(picture, pose, np.array(record.K))
 
 
 def check_camera(K: np.ndarray, world_T_camera: np.ndarray, where: Path | str) -> None:
     """Raise InputError where a pose is not rigid, or an intrinsic matrix has no inverse or another last row."""
-    rotation = world_T_camera[:3, :3]
-    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-    if not error < RIGID or np.linalg.det(rotation) < 0.0 or (world_T_camera[3] != (0.0, 0.0, 0.0, 1.0)).any():
-        raise InputError(f"{where}: world_T_camera", "a rigid pose", f"rows that are off by {error:.2g}")
+    for name, matrix in (("world_T_camera", world_T_camera), ("K", K)):
+        if not (np.abs(matrix) < MOST).all():
+            raise InputError(f"{where}: {name}", f"numbers below {MOST:g}", np.abs(matrix).max())
+    check_rigid(world_T_camera, f"{where}: world_T_camera")
+    if K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
+        raise InputError(f"{where}: K", "focal lengths above 0", f"{K[0, 0]:g} and {K[1, 1]:g}")
     if (K[2] != (0.0, 0.0, 1.0)).any():
         raise InputError(f"{where}: K", "a last row of 0, 0, 1", K[2].tolist())
     determinant = float(np.linalg.det(K))
@@ -65,13 +70,24 @@ def check_camera(K: np.ndarray, world_T_camera: np.ndarray, where: Path | str) -
         raise InputError(f"{where}: K", "a matrix with an inverse", f"the determinant {determinant:.3g}")
 
 
+def check_rigid(pose: np.ndarray, where: str) -> None:
+    """Raise InputError where a pose, (4, 4), is not a rotation and a translation."""
+    if (pose[3] != (0.0, 0.0, 0.0, 1.0)).any():
+        raise InputError(where, "a last row of 0, 0, 0, 1", pose[3].tolist())
+    error = float(np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max())
+    if not error < RIGID:
+        raise InputError(where, "a rigid pose", f"rows that are off by {error:.2g}")
+    if np.linalg.det(pose[:3, :3]) < 0.0:
+        raise InputError(where, "a rigid pose", "a reflection")
+
+
 def check_picture(picture: np.ndarray, where: Path | str) -> None:
     """Raise InputError where a picture is all one value, or of a size that the networks cannot take."""
     height, width = picture.shape[:2]
     if height % MULTIPLE or width % MULTIPLE:
         raise InputError(where, f"a height and a width that are multiples of {MULTIPLE} px", f"{height} x {width}")
-    if picture.min() == picture.max():
-        raise InputError(where, "a picture", f"nothing but the value {picture.max()}")
+    if (picture == picture[:1, :1]).all():
+        raise InputError(where, "a picture", f"nothing but the colour {picture[0, 0].tolist()}")
 
 
 def check_sizes(views: list[CameraView], where: Path | str) -> None:

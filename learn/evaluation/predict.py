@@ -13,6 +13,7 @@ import torch
 
 from ...dataset import layout
 from ...dataset.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.complaints import shortened
 from ...dataset.durable import write_atomically
 from ...dataset.exr import write_exr
 from ...dataset.pictures import write_png
@@ -22,8 +23,9 @@ from ...procedural.scene_file import check_schema, json_text, parsed, read_json
 from ..checkpoint import load_network
 from ..data.samples import picture_tensor
 from ..data.scaling import scaled_view
-from ..data.views import CameraView, check_camera, check_picture, check_sizes
+from ..data.views import MOST, CameraView, check_camera, check_picture, check_sizes
 from ..decoding.decode import Detections, decode
+from ..out_folder import made_folder
 from ..pictures import coloured_depth, depth_limits, with_boxes
 from ..targets.encoding import encoding_of
 from .score import check_finite, frozen
@@ -62,6 +64,7 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
     if len(images) < 2:
         raise InputError("pictures", "two or more views of one scene", len(images))
     network, settings = load_network(checkpoint)
+    made_folder(out)
     views = [scaled_view(picture_and_camera(path), settings.views.size) for path in images]
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
@@ -90,8 +93,13 @@ def picture_and_camera(path: Path) -> CameraView:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
         raise InputError(path, "a readable picture", error.strerror) from error
-    with quiet():
-        picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    # Cameras look the way that pixels are stored, whatever a viewer is told to turn.
+    how = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+    try:
+        with quiet():
+            picture = cv2.imdecode(data, how) if data.size else None
+    except cv2.error as error:
+        raise InputError(path, "a PNG or JPEG picture", "one of too many pixels") from error
     if picture is None:
         raise InputError(path, "a PNG or JPEG picture", "something else")
     picture = np.ascontiguousarray(picture[..., ::-1])
@@ -104,13 +112,21 @@ def _with_own(picture: np.ndarray, path: Path) -> CameraView:
     matrices = []
     for name, shape in (("K", (3, 3)), ("world_T_camera", (4, 4))):
         value = record.get(name) if isinstance(record, dict) else None
-        try:
-            matrices.append(np.array(value, np.float64).reshape(shape))
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{path}: {name}", f"a matrix of {shape[0]} x {shape[1]} numbers", value) from error
+        if not _is_matrix(value, shape):
+            raise InputError(f"{path}: {name}", f"{shape[0]} rows of {shape[1]} finite numbers", shortened(value))
+        matrices.append(np.array(value, np.float64))
     K, pose = matrices
     check_camera(K, pose, path)
     return CameraView(picture, pose, K)
+
+
+def _is_matrix(value: Any, shape: tuple[int, int]) -> bool:
+    rows, columns = shape
+    return (
+        isinstance(value, list)
+        and [len(row) if isinstance(row, list) else -1 for row in value] == [columns] * rows
+        and all(type(number) in (int, float) and abs(number) < MOST for row in value for number in row)
+    )
 
 
 def _with_folders(picture: np.ndarray, path: Path) -> CameraView:
@@ -128,7 +144,6 @@ def _with_folders(picture: np.ndarray, path: Path) -> CameraView:
 
 
 def _write(found: Prediction, picture: np.ndarray, K: np.ndarray, images: Sequence[Path], out: Path) -> None:
-    out.mkdir(parents=True, exist_ok=True)
     depth = coloured_depth(found.depth, depth_limits(found.depth))
     write_png(out / "prediction.png", np.concatenate([with_boxes(picture, found.objects, K), depth], axis=1))
     write_exr(out / "depth.exr", {"Z": found.depth})

@@ -13,11 +13,13 @@ import torch
 from ...dataset.commands.stopping import check_stop
 from ...dataset.durable import write_atomically
 from ...dataset.pictures import write_png
+from ...dataset.reader import Dataset
 from ...procedural.scene_file import json_text
 from ..checkpoint import data_digest, load_network
 from ..data.loading import load_batches
 from ..data.samples import SampleDataset
 from ..networks.build import Network
+from ..out_folder import made_folder
 from ..pictures import sample_picture
 from ..targets.encoding import encoding_of
 from .report import figures
@@ -74,17 +76,20 @@ def evaluate(
     dict
         `report.figures`, and what was evaluated on what.
     """
+    digest = data_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
+    made_folder(out)
     encoding = encoding_of(settings.network.variant)
     samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, truth=True)
     scored, bad = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
     found = {
         "checkpoint": str(checkpoint),
-        "data": {"path": str(data), "split": split, "sha256": data_digest(data)},
+        "data": {"path": str(data), "split": split, "sha256": digest},
         "views": settings.views.model_dump(mode="json"),
         **figures(scored),
     }
-    out.mkdir(parents=True, exist_ok=True)
+    for earlier in out.glob("worst-*.png"):
+        earlier.unlink()
     write_atomically(out / "report.json", json_text(found).encode())
     for rank, case in enumerate(bad):
         write_png(out / f"worst-{rank:02d}-{case.score.name.replace('/', '-')}.png", case.picture)

@@ -193,13 +193,15 @@ def _warped(source: Tensor, projection: Tensor, planes: Tensor) -> Tensor:
     return sampled.reshape(batch, channels, count, height, width)
 
 
-def load_reference(state_dict: Mapping[str, Tensor]) -> ReferenceNetwork:
+def load_reference(state_dict: Mapping[str, Tensor], where: str = "state dict") -> ReferenceNetwork:
     """Return the released network with the weights of a released checkpoint's state dict.
 
     Parameters
     ----------
     state_dict : mapping
         Names and tensors, with or without the checkpoints' prefix ``model.``.
+    where : str
+        Where it comes from, for what is told of a wrong one.
 
     Returns
     -------
@@ -218,6 +220,6 @@ def load_reference(state_dict: Mapping[str, Tensor]) -> ReferenceNetwork:
         expected = tuple(own[name].shape) if name in own else "no such tensor"
         found = tuple(given[name].shape) if name in given else "none"
         if expected != found:
-            raise InputError(f"state dict: {name}", f"{expected}", found)
+            raise InputError(f"{where}: {name}", f"{expected}", found)
     network.load_state_dict(given)
     return network.eval()

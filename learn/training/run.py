@@ -33,11 +33,13 @@ from ..data.samples import Batch, SampleDataset, batched
 from ..networks.build import Network, build_network
 from ..networks.corrected import CorrectedNetwork
 from ..networks.resnet import load_pretrained
+from ..networks.settings import NetworkSettings
+from ..out_folder import made_folder
 from ..targets.encoding import encoding_of
 from .losses import losses, total_loss
 from .records import Records
 from .schedule import StepBatches, rate_at
-from .settings import TrainSettings
+from .settings import MachineSettings, TrainSettings
 
 #: Files of a run: the latest state, and that with the least validation loss.
 LAST, BEST = "last.ckpt", "best.ckpt"
@@ -84,13 +86,11 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
     WorkFailed
         Where a loss or a gradient is no longer a number.
     """
+    Dataset.open(data)
     start = None if resume is None else _checked(load_checkpoint(resume), settings, data, resume)
-    if start is None and (out / LAST).exists():
+    if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(out, "a folder that can be made and written to", error.strerror) from error
+    made_folder(out)
     if settings.machine.threads is not None:
         torch.set_num_threads(settings.machine.threads)
     parts = _prepared(settings if start is None else start.settings, data, out)
@@ -123,6 +123,9 @@ def _restore(parts: Parts, start: Checkpoint, where: Path) -> None:
     except (ValueError, TypeError, KeyError, AttributeError, RuntimeError) as error:
         found = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError(f"{where}: optimiser and rng", "the states of these settings", found) from error
+    known = [value in parts.optimiser.state for group in parts.optimiser.param_groups for value in group["params"]]
+    if start.step and not all(known):
+        raise InputError(f"{where}: optimiser", f"a state of {len(known)} weights", f"one of {sum(known)}")
 
 
 def _checked(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
@@ -142,13 +145,7 @@ def _checked(start: Checkpoint, settings: TrainSettings, data: Path, where: Path
 
 def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
     machine = settings.machine
-    fabric = Fabric(
-        accelerator=machine.accelerator,
-        devices=machine.devices,
-        num_nodes=machine.nodes,
-        strategy=machine.strategy,
-        precision=machine.precision,
-    )
+    fabric = _fabric(machine)
     fabric.launch()
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
@@ -170,12 +167,27 @@ def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
     return Parts(fabric, settings, learnt, val, record, network, optimiser, out)
 
 
+def _fabric(machine: MachineSettings) -> Fabric:
+    try:
+        return Fabric(
+            accelerator=machine.accelerator,
+            devices=machine.devices,
+            num_nodes=machine.nodes,
+            strategy=machine.strategy,
+            precision=machine.precision,
+        )
+    except (ValueError, TypeError, RuntimeError) as error:  # what Lightning raises of names and numbers
+        found = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError("machine", "devices that are there and a strategy for them", found) from error
+
+
 def _with_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:
     if settings.network.variant == "reference" or settings.network.depth_range is not None:
         return settings
     near, far = data.depth_range()
     limits = ((1.0 - _MARGIN) * near, (1.0 + _MARGIN) * far)
-    return settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": limits})})
+    network = settings.network.model_dump() | {"depth_range": limits}
+    return settings.model_copy(update={"network": NetworkSettings.model_validate(network)})
 
 
 def _first(parts: Parts) -> Checkpoint:
@@ -221,6 +233,8 @@ def _steps(parts: Parts, start: Checkpoint, say: Callable[[str], None]) -> None:
         records.step(done, total, found, optimiser.param_groups[0]["lr"], moved, outputs)
         if parts.val is not None and (done % settings.validate_every == 0 or done == settings.steps):
             loss = validated(parts, ema)
+            if not math.isfinite(loss):
+                raise WorkFailed(f"validation loss of step {done}: expected a finite number, found {loss:g}")
             records.validation(done, loss)
             if loss < best:
                 best = loss

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import zipfile
 
 import pytest
 import torch
@@ -45,7 +46,19 @@ def test_a_file_that_is_cut_short_hostile_or_something_else_is_one_clear_line(pa
     with pytest.raises(InputError, match=r"bad\.ckpt: expected an undamaged file of torch"):
         load_network(bad)
     torch.save(content | {"optimiser": Attack()}, bad)
-    with pytest.raises(InputError, match=r"bad\.ckpt: expected an undamaged file of torch"):
+    with pytest.raises(
+        InputError, match=r"bad\.ckpt: expected an undamaged file of torch, found something else, or mo"
+    ):
+        load_network(bad)
+    # Somewhere in the weights, which torch itself would read without a word.
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    bad.write_bytes(data)
+    with pytest.raises(InputError, match=r"expected an undamaged file of torch, found (a wrong checksum|Bad CRC)"):
+        load_network(bad)
+    with zipfile.ZipFile(bad, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("archive/data/0", bytes(1 << 20))
+    with pytest.raises(InputError, match=r"found compressed members \(archive/data/0\)"):
         load_network(bad)
     assert not (path.parent / "attacked").exists()
     for change, message in (
@@ -63,6 +76,9 @@ def test_a_file_that_is_cut_short_hostile_or_something_else_is_one_clear_line(pa
         ({"ema": "abc"}, "ema: expected names and dense tensors, found str"),
         ({"rng": None}, "rng: expected a Tensor, found NoneType"),
         ({"optimiser": 3}, "optimiser: expected a dict, found int"),
+        ({"step": 1 << 40}, "step: expected one of 0 to 20000, found 1099511627776"),
+        ({"step": -1}, "step: expected one of 0 to 20000, found -1"),
+        ({"best": math.nan}, "best: expected a number, found nan"),
         ({"network": content["network"] | {"matching.source.weight": torch.zeros(1)}}, "no such weights, found"),
     ):
         torch.save(content | change, bad)

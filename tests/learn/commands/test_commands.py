@@ -119,7 +119,26 @@ def test_a_picture_without_a_camera_is_one_clear_line(run, rendered, tmp_path, c
     assert "alone.png: expected its camera in alone.json or camera.json, found neither" in told(capsys)
     alone.with_suffix(".json").write_text('{"K": [1, 2]}')
     assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
-    assert "alone.json: K: expected a matrix of 3 x 3 numbers" in told(capsys)
+    assert "alone.json: K: expected 3 rows of 3 finite numbers" in told(capsys)
+    record = {"K": [[99.0, 0.0, 64.0], [0.0, 99.0, 48.0], [0.0, 0.0, 1.0]], "world_T_camera": np.eye(4).tolist()}
+    for number in ("NaN", "null", '"1"', "true", "1e400", "1" + "0" * 400, "1e30"):
+        text = json.dumps(record).replace("64.0", number)
+        alone.with_suffix(".json").write_text(text)
+        assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+        assert "alone.json" in told(capsys)
+
+
+def test_a_folder_that_cannot_be_written_to_is_told_before_any_work(run, rendered, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    for command in (["evaluate", str(run / "last.ckpt"), str(rendered)], ["train", str(rendered)]):
+        assert main([*command, "--out", str(tmp_path / "file")]) == 2
+        assert "file: expected a folder that can be made and written to" in told(capsys)
+
+
+def test_machines_that_are_not_there_are_one_line(rendered, tmp_path, capsys):
+    for option in (["--machine.accelerator", "foo"], ["--machine.devices", "0"], ["--machine.strategy", "foo"]):
+        assert main(["train", str(rendered), *option, "--out", str(tmp_path / "out")]) == 2
+        assert "machine: expected devices that are there and a strategy for them" in told(capsys)
 
 
 def test_help_names_the_commands(capsys):

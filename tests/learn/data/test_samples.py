@@ -8,6 +8,7 @@ import torch
 from torch.utils.data import DataLoader
 
 from glassware.annotate.projection import project, unproject
+from glassware.dataset.exr import read_exr, write_exr
 from glassware.dataset.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
 from glassware.learn.data.samples import SampleDataset, batched, picture_tensor
@@ -150,12 +151,37 @@ BAD = {
     "mirrored pose": (
         "000/camera.json",
         lambda d: [row.__setitem__(0, -row[0]) for row in d["world_T_camera"]],
-        "a rigid pose",
+        "world_T_camera: expected a rigid pose, found a reflection",
     ),
     "K": (
         "000/camera.json",
-        lambda d: d["K"][0].__setitem__(0, 0.0),
+        lambda d: d["K"].__setitem__(0, d["K"][1]),
+        r"000/camera\.json: K: expected focal lengths above 0",
+    ),
+    "singular K": (
+        "000/camera.json",
+        lambda d: d.update(K=[[500.0, 500.0, 64.0], [500.0, 500.0, 48.0], [0.0, 0.0, 1.0]]),
         r"000/camera\.json: K: expected a matrix with an inverse",
+    ),
+    "place": (
+        "000/camera.json",
+        lambda d: d["world_T_camera"][0].__setitem__(3, 1e30),
+        r"000/camera\.json: world_T_camera: expected numbers below 1e\+06, found 1e\+30",
+    ),
+    "object's pose": (
+        "000/labels.json",
+        lambda d: d["objects"][0].update(camera_T_object=np.zeros((4, 4)).tolist()),
+        r"000/labels\.json: object 2 camera_T_object: expected a last row of 0, 0, 0, 1",
+    ),
+    "object's size": (
+        "objects.json",
+        lambda d: d["objects"][0].update(size=[0.1, -0.1, 0.1]),
+        r"objects\.json: object 2 size: expected sides above 0",
+    ),
+    "object twice": (
+        "000/labels.json",
+        lambda d: d["objects"].append(d["objects"][0]),
+        r"000/labels\.json: expected each object once",
     ),
     "size": ("000/camera.json", lambda d: d.update(width=64), r"000/left\.png: expected a picture of 96 x 64 px"),
     "label": (
@@ -176,6 +202,16 @@ BAD = {
 }
 
 
+@pytest.mark.parametrize("value", [-1.0, 0.0, np.nan, -np.inf, 1525.0])
+def test_a_depth_that_is_none_in_metres_is_refused_by_file_and_channel(copied, value):
+    path = copied / SCENE / "000" / "geometry.exr"
+    channels = read_exr(path)
+    channels["Z"] = np.where(channels["Z"] < np.median(channels["Z"]), np.float32(value), channels["Z"])
+    write_exr(path, channels)
+    with pytest.raises(InputError, match=r"000/geometry\.exr: Z: expected depths above 0 and up to 1000 m, or \+inf"):
+        samples(copied)[(0, 0)]
+
+
 @pytest.mark.parametrize("name", BAD)
 def test_a_damaged_record_is_one_line_that_names_sample_and_field(copied, name):
     file, change, message = BAD[name]
@@ -190,7 +226,7 @@ def test_a_damaged_record_is_one_line_that_names_sample_and_field(copied, name):
         (
             "000/left.png",
             np.full((96, 128, 3), 7, np.uint8),
-            r"000/left\.png: expected a picture, found nothing but the value 7",
+            r"000/left\.png: expected a picture, found nothing but the colour \[7, 7, 7\]",
         ),
         ("000/instances.png", np.zeros((48, 64), np.uint16), r"000/instances\.png: expected 96 x 128 px"),
     ],

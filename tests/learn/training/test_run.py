@@ -142,6 +142,16 @@ def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
         train(short, copied, tmp_path, last, lines.append)
     with pytest.raises(InputError, match=r"a folder without last\.ckpt"):
         train(short, rendered, tmp_path, None, lines.append)
+    other = tmp_path / "other"
+    train(short, rendered, other, None, lines.append)
+    with pytest.raises(InputError, match=r"a folder without last\.ckpt"):  # that run's would be lost
+        train(short, rendered, other, last, lines.append)
+    whole = load_checkpoint(last)
+    for change in ({"optimiser": whole.optimiser | {"state": {}}}, {"rng": whole.rng[:5]}):
+        save_checkpoint(tmp_path / "last.ckpt", replace(whole, **change))
+        with pytest.raises(InputError, match=r"last\.ckpt: optimiser"):
+            train(short, rendered, tmp_path, last, lines.append)
+    save_checkpoint(last, whole)
     # Where and how loudly it runs may change.
     train(short.model_copy(update={"log_every": 2}), rendered, tmp_path, last, lines.append)
 
