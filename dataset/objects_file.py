@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from ..annotate.keypoints import SceneKeypoints
+from ..annotate.symmetries import symmetry_of
 from ..procedural.description import Prop, Scene, Vessel
 from ..procedural.materials.description import OpaqueMaterial
 from ..procedural.materials_of import materials_of
@@ -78,7 +79,10 @@ class ObjectRecord(Model):
     liquid: LiquidRecord | None
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
-    symmetries_continuous: tuple[ContinuousSymmetry, ...]
+    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(description="Two for a ball: z and x make all turns")
+    symmetries_discrete: tuple[Matrix4, ...] = Field(
+        default=(), description="Other motions that leave the shape as it is, but for none at all, object frame [m]"
+    )
     keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
 
 
@@ -107,8 +111,8 @@ def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurfac
 
 def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
     liquid = item.liquid if isinstance(item, Vessel) else None
-    turns = isinstance(item, Vessel) or item.symmetric
-    axis = ContinuousSymmetry(axis=(0.0, 0.0, 1.0), offset=(0.0, 0.0, 0.0))
+    symmetry = symmetry_of(item)
+    axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
         id=item.id,
         name=item.name,
@@ -118,7 +122,8 @@ def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
         liquid=liquid and LiquidRecord(**{name: getattr(liquid, name) for name in LiquidRecord.model_fields}),
         world_T_object=item.world_T_object,
         size=item.size,
-        symmetries_continuous=(axis,) if turns else (),
+        symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
+        symmetries_discrete=tuple(symmetry.motions[1:]),
         keypoints=tuple(tuple(point) for point in local.tolist()),
     )
 

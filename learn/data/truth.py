@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ...annotate.labels import ObjectLabel
+from ...annotate.symmetries import Symmetry
 from ...dataset import layout
 from ...dataset.exr import channel, read_exr
 from ...dataset.objects_file import ObjectRecord, ObjectsFile
@@ -18,6 +20,8 @@ from .views import check_rigid
 
 #: Farthest depth and longest side that a label may have [m]: more were not metres.
 FARTHEST = 1000.0
+#: Axes of revolution that an object may have: z, and another one where it is a ball.
+_AXES = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +75,7 @@ def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) ->
 
 
 def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:
-    symmetric = bool(record.symmetries_continuous)
-    for symmetry in record.symmetries_continuous:
-        if symmetry.axis[:2] != (0.0, 0.0) or symmetry.offset[:2] != (0.0, 0.0):
-            where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} symmetries_continuous"
-            raise InputError(where, "the z axis of the object", f"{symmetry.axis} through {symmetry.offset}")
+    symmetry = _symmetry(record, view.folder.parent / layout.OBJECTS)
     pose = np.array(label.camera_T_object)
     check_rigid(pose, f"{view.folder / layout.LABELS}: object {label.id} camera_T_object")
     if not all(0.0 < side < FARTHEST for side in record.size):
@@ -85,9 +85,27 @@ def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, vie
         id=record.id,
         category=record.category,
         transparent=record.material.kind == "glass",
-        symmetric=symmetric,
+        symmetry=symmetry,
         fill=None if record.liquid is None else record.liquid.fill,
-        camera_T_object=canonical_pose(pose) if symmetric else pose,
+        camera_T_object=canonical_pose(pose, symmetry),
         size=np.array(record.size),
         visible=int((instances == record.id).sum()),
     )
+
+
+def _symmetry(record: ObjectRecord, path: Path) -> Symmetry:
+    """Return what an object's record says of its symmetry: turns about z, all turns, and single motions."""
+    where = f"{path}: object {record.id} symmetries"
+    axes = [(axis.axis, axis.offset) for axis in record.symmetries_continuous]
+    for axis, offset in axes:
+        if tuple(map(abs, axis)) not in _AXES or any(o for a, o in zip(axis, offset, strict=True) if not a):
+            raise InputError(
+                f"{where}_continuous", "the z axis of the object, or x and z of a ball", f"{axis}, {offset}"
+            )
+    known = {tuple(map(abs, axis)) for axis, _ in axes}
+    if known and _AXES[0] not in known:
+        raise InputError(f"{where}_continuous", "the z axis of the object", axes[0])
+    motions = [np.eye(4), *(np.array(motion) for motion in record.symmetries_discrete)]
+    for motion in motions:
+        check_rigid(motion, f"{where}_discrete")
+    return Symmetry(turns=bool(known), ball=len(known) > 1, motions=np.stack(motions))

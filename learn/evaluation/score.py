@@ -12,7 +12,7 @@ from torch import Tensor
 from ...procedural.errors import InputError
 from ..data.truth import Truth
 from ..decoding.decode import Detections, decode
-from ..metrics.box_iou import box_iou, symmetric_box_iou
+from ..metrics.box_iou import object_iou
 from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors
 from ..metrics.detection import PictureOverlaps, matches
 from ..metrics.instances import PictureMasks, picture_masks
@@ -100,9 +100,8 @@ def _box_overlaps(found: Detections, truth: Truth, wanted: set[int]) -> PictureO
     poses, sizes = found.camera_T_object.cpu().numpy(), found.size.cpu().numpy()
     overlaps = np.zeros((len(found), len(truth.objects)))
     for column, item in enumerate(truth.objects):
-        overlap = symmetric_box_iou if item.symmetric else box_iou
         for row in range(len(found)):
-            overlaps[row, column] = overlap(poses[row], sizes[row], item.camera_T_object, item.size)
+            overlaps[row, column] = object_iou(poses[row], sizes[row], item.camera_T_object, item.size, item.symmetry)
     ignored = np.array([item.id not in wanted for item in truth.objects], bool)
     return PictureOverlaps(found.score.cpu().numpy().astype(np.float64), overlaps, ignored)
 
@@ -124,7 +123,7 @@ def _objects(found: Detections, boxes: PictureOverlaps, truth: Truth, depth: np.
         row, points = rows.get(column), truth.keypoints[item.id]
         pose = None
         if row is not None:
-            pose = pose_errors(found.camera_T_object[row].cpu().numpy(), item.camera_T_object, points, item.symmetric)
+            pose = pose_errors(found.camera_T_object[row].cpu().numpy(), item.camera_T_object, points, item.symmetry)
         iou = 0.0 if row is None else float(boxes.overlaps[row, column])
         errors = depth_errors(depth, truth.Z, truth.instances == item.id)
         scores.append(ObjectScore(item, iou, pose, len(points), None if errors is None else errors.mae))

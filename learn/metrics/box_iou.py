@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ...annotate.boxes import CORNER_SIGNS, EDGES
+from ...annotate.symmetries import Symmetry
 from ..objects import box_points
 
 #: A point this far outside a box, as a share of its half side, is still on its surface: rounding of float64 products.
@@ -66,6 +67,36 @@ def symmetric_box_iou(pose_a: np.ndarray, size_a: np.ndarray, pose_b: np.ndarray
         turned[:3, :3] = pose_b[:3, :3] @ turn_about_z(turn)
         best = max(best, box_iou(pose_a, size_a, turned, size_b))
     return best
+
+
+def object_iou(
+    pose_a: np.ndarray, size_a: np.ndarray, pose_b: np.ndarray, size_b: np.ndarray, symmetry: Symmetry
+) -> float:
+    """Return the greatest `box_iou` over all poses of object b that look the same.
+
+    Parameters
+    ----------
+    pose_a, size_a, pose_b, size_b
+        As of `box_intersection`.
+    symmetry : Symmetry
+        Of object b.
+    """
+    if _apart(pose_a, size_a, pose_b, size_b) and len(symmetry.motions) == 1:
+        return 0.0
+    if symmetry.ball:
+        turned = pose_b.copy()
+        turned[:3, :3] = pose_a[:3, :3]
+        return box_iou(pose_a, size_a, turned, size_b)
+    overlap = symmetric_box_iou if symmetry.turns else box_iou
+    moved = [motion for motion in symmetry.motions[1:] if not _same_box(motion, size_b)]
+    return max(overlap(pose_a, size_a, pose_b @ motion, size_b) for motion in [np.eye(4), *moved])
+
+
+def _same_box(motion: np.ndarray, size: np.ndarray) -> bool:
+    """Tell whether a motion takes a box about the origin to itself."""
+    sides = np.abs(motion[:3, :3])
+    upright = np.abs(sides - sides.round()).max() < _ON_SURFACE
+    return bool(upright and np.allclose(sides @ size, size, rtol=_ON_SURFACE, atol=0.0) and not motion[:3, 3].any())
 
 
 def turn_about_z(angle: float) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...annotate.symmetries import Symmetry
 from .box_iou import turn_about_z
 
 #: Where the curve of accuracy ends, and the distance of the share of good points [m] (Liu et al., "KeyPose", CVPR 2020,
@@ -25,12 +26,12 @@ class PoseErrors:
     points: tuple[float, ...]  #: distance of each point [m]
 
 
-def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetric: bool) -> PoseErrors:
-    """Return the errors of a pose.
+def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: Symmetry) -> PoseErrors:
+    """Return the errors of a pose, against the one of all true poses that look the same with the least ADD.
 
-    ADD is Hinterstoisser et al.'s (ACCV 2012, eq. 9), ADD-S Xiang et al.'s ("PoseCNN", eq. 6), over the given points.
-    An object of revolution may stand at any turn: the found pose is first turned about its axis to be as near to the
-    true one as it can.
+    ADD is Hinterstoisser et al.'s (ACCV 2012, eq. 9), ADD-S Xiang et al.'s ("PoseCNN", eq. 6), over the given points;
+    the least over symmetries is BOP's (Hodan et al., "BOP", ECCV 2018, section 3.3). An object of revolution may stand
+    at any turn: the found pose is first turned about its axis to be as near to the true one as it can.
 
     Parameters
     ----------
@@ -38,10 +39,18 @@ def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetr
         ``camera_T_object`` [m].
     points : (n, 3) float
         Points of the object in its frame [m].
-    symmetric : bool
-        Whether its z axis is one of revolution.
+    symmetry : Symmetry
+        How the object may be moved and look the same.
     """
-    turned = nearest_turn(found, true) if symmetric else found
+    errors = [_errors(found, true @ motion, points, symmetry) for motion in symmetry.motions]
+    return min(errors, key=lambda error: error.add)
+
+
+def _errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: Symmetry) -> PoseErrors:
+    turned = nearest_turn(found, true) if symmetry.turns else found
+    if symmetry.ball:
+        turned = found.copy()
+        turned[:3, :3] = true[:3, :3]
     ours, theirs = (points @ pose[:3, :3].T + pose[:3, 3] for pose in (turned, true))
     distances = np.linalg.norm(ours - theirs, axis=1)
     nearest = np.linalg.norm(ours[None] - theirs[:, None], axis=2).min(axis=1)

@@ -42,7 +42,11 @@ def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     assert vessel.liquid.model_dump() == tea.model_dump()
     assert ball.liquid is None
     assert ball.material.name == "clay"
-    assert [len(record.symmetries_continuous) for record in records] == [1, 1, 0]
+    assert [len(record.symmetries_continuous) for record in records] == [1, 2, 0]
+    # A block of three different sides has three half turns.
+    assert [len(record.symmetries_discrete) for record in records] == [0, 0, 3]
+    for motion in block.symmetries_discrete:
+        np.testing.assert_allclose(np.abs(motion), np.eye(4), atol=1e-12)
     assert vessel.symmetries_continuous[0].axis == (0.0, 0.0, 1.0)
     np.testing.assert_array_equal(block.keypoints, points.local[2])
     np.testing.assert_array_equal(block.world_T_object, scene.objects[2].world_T_object)

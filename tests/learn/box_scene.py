@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.annotate.projection import inverse_pose, pixel_rays
+from glassware.annotate.symmetries import ASYMMETRIC, REVOLUTION
 from glassware.learn.objects import ViewObject, canonical_pose
 from glassware.procedural.surroundings.cameras import look_at
 
@@ -56,9 +57,9 @@ def view(world_T_camera: np.ndarray, K: np.ndarray, scene: list, height: int, wi
             id=number,
             category="box",
             transparent=bool(number % 2),
-            symmetric=symmetric,
+            symmetry=REVOLUTION if symmetric else ASYMMETRIC,
             fill=None,
-            camera_T_object=canonical_pose(pose) if symmetric else pose,
+            camera_T_object=canonical_pose(pose, REVOLUTION) if symmetric else pose,
             size=size,
             visible=int((ids == number).sum()),
         )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from glassware.annotate.symmetries import REVOLUTION
 from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, batched
@@ -89,7 +90,7 @@ def test_depth_errors_are_over_the_pixels_of_their_kind(samples):
 
 def test_missed_objects_count_in_the_area_and_not_in_the_means():
     def score(pose) -> ObjectScore:
-        label = ViewObject(2, "can", False, True, None, np.eye(4), np.ones(3), 99)
+        label = ViewObject(2, "can", False, REVOLUTION, None, np.eye(4), np.ones(3), 99)
         return ObjectScore(label, 0.5, pose, 8, None)
 
     from glassware.learn.metrics.pose import PoseErrors

@@ -6,7 +6,9 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
-from glassware.learn.metrics.box_iou import box_intersection, box_iou, symmetric_box_iou
+from glassware.annotate.symmetries import ASYMMETRIC, BALL, Symmetry, motions_of
+from glassware.learn.metrics.box_iou import box_intersection, box_iou, object_iou, symmetric_box_iou
+from glassware.procedural.props.blocks import extrusion
 
 #: Two exact methods in float64 differ by rounding alone; the planes that qhull merges make some 1e-10 of a side.
 EXACT = 1e-7
@@ -91,3 +93,25 @@ def test_a_turn_about_the_axis_of_revolution_does_not_count(rng):
             matrix @ pose(Rotation.from_euler("x", 90, degrees=True), [0, 0, 0]),
         )
         assert symmetric_box_iou(tilted, long, matrix, long) == pytest.approx(1 / 5, abs=EXACT)
+
+
+def test_boxes_of_objects_that_look_the_same_overlap_as_much_as_any_of_them(rng):
+    """A triangular prism's box moves as it turns; a ball's may stand anyhow; half turns leave a box where it is."""
+    turns = 2 * np.pi * np.arange(3) / 3
+    mesh = extrusion("prism", 0.05 * np.stack([np.cos(turns), np.sin(turns)], axis=1), 0.08)[0]
+    size = np.ptp(mesh.bounds, axis=0)
+    kind = Symmetry(False, False, motions_of(mesh))
+    assert len(kind.motions) == 6
+    for _ in range(5):
+        true, _ = random_box(rng, 0.2)
+        for motion in kind.motions:
+            assert object_iou(true @ motion, size, true, size, kind) == pytest.approx(1.0, abs=EXACT)
+        assert object_iou(true @ kind.motions[-1], size, true, size, ASYMMETRIC) < 1.0
+        other, _ = random_box(rng, 0.2)
+        other[:3, 3] = true[:3, 3]
+        cube = np.full(3, 0.1)
+        assert object_iou(other, cube, true, cube, BALL) == pytest.approx(1.0, abs=EXACT)
+        assert object_iou(other, cube, true, cube, ASYMMETRIC) < 1.0
+        sides = rng.uniform(0.05, 0.1, 3)
+        half = Symmetry(False, False, np.stack([np.eye(4), np.diag([1.0, -1.0, -1.0, 1.0])]))
+        assert object_iou(other, sides, true, sides, half) == pytest.approx(box_iou(other, sides, true, sides))

@@ -6,7 +6,9 @@ from scipy.integrate import quad
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry, motions_of
 from glassware.learn.metrics.pose import area_under_curve, pose_errors, rotation_angle, share_near
+from glassware.procedural.props.blocks import extrusion
 
 
 def drawn(rng) -> np.ndarray:
@@ -19,7 +21,7 @@ def test_errors_agree_with_scipys_rotations_and_neighbours(rng):
     points = rng.uniform(-0.1, 0.1, (30, 3))
     for _ in range(20):
         found, true = drawn(rng), drawn(rng)
-        errors = pose_errors(found, true, points, symmetric=False)
+        errors = pose_errors(found, true, points, ASYMMETRIC)
         between = Rotation.from_matrix(found[:3, :3]).inv() * Rotation.from_matrix(true[:3, :3])
         assert errors.rotation == pytest.approx(between.magnitude())
         moved = [points @ pose[:3, :3].T + pose[:3, 3] for pose in (found, true)]
@@ -39,10 +41,33 @@ def test_the_turn_of_an_object_of_revolution_does_not_count(rng):
         true, tilt = drawn(rng), rng.uniform(0, 0.5)
         turned = true.copy()
         turned[:3, :3] = true[:3, :3] @ Rotation.from_euler("xz", [tilt, rng.uniform(0, 6)]).as_matrix()
-        errors = pose_errors(turned, true, points, symmetric=True)
+        errors = pose_errors(turned, true, points, REVOLUTION)
         # What is left is the angle between the axes.
         assert errors.rotation == pytest.approx(tilt, abs=1e-7)
-        assert pose_errors(true @ turn(rng), true, points, symmetric=True).add == pytest.approx(0.0, abs=1e-9)
+        assert pose_errors(true @ turn(rng), true, points, REVOLUTION).add == pytest.approx(0.0, abs=1e-9)
+
+
+def test_poses_that_look_the_same_have_no_error(rng):
+    """A hexagonal prism under its twelve motions, a can upside down, a ball anyhow."""
+    turns = 2 * np.pi * np.arange(6) / 6
+    prism = extrusion("prism", np.stack([np.cos(turns), np.sin(turns)], axis=1), 0.6)[0]
+    points = prism.vertices[:4].astype(np.float64)
+    kind = Symmetry(False, False, motions_of(prism))
+    for motion in kind.motions:
+        true = drawn(rng)
+        errors = pose_errors(true @ motion, true, points, kind)
+        assert (errors.add, errors.rotation) == pytest.approx((0.0, 0.0), abs=1e-6)
+        if not np.array_equal(motion, np.eye(4)):
+            assert pose_errors(true @ motion, true, points, ASYMMETRIC).add > 0.1
+    flip = np.diag([1.0, -1.0, -1.0, 1.0])
+    can = Symmetry(True, False, np.stack([np.eye(4), flip]))
+    true = drawn(rng)
+    assert pose_errors(true @ flip @ turn(rng), true, points, can).add == pytest.approx(0.0, abs=1e-6)
+    assert pose_errors(true @ flip @ turn(rng), true, points, REVOLUTION).add > 0.1
+    other = drawn(rng)
+    other[:3, 3] = true[:3, 3] + [0.0, 0.03, 0.04]
+    errors = pose_errors(other, true, points, BALL)
+    assert (errors.add, errors.translation, errors.rotation) == pytest.approx((0.05, 0.05, 0.0), abs=1e-9)
 
 
 def turn(rng) -> np.ndarray:

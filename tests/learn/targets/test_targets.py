@@ -3,10 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
+import trimesh
 from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
 from glassware.annotate.projection import project_camera
+from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry, motions_of
 from glassware.learn.objects import ViewObject, box_points, canonical_pose
 from glassware.learn.targets.encoding import (
     CORRECTED,
@@ -21,6 +23,7 @@ from glassware.learn.targets.encoding import (
 from glassware.learn.targets.fields import STRIDE, box_covariance, owners
 from glassware.learn.targets.heatmap import Normal, heatmap, normal_of
 from glassware.learn.targets.view import FEWEST_PIXELS, findable, view_targets
+from glassware.procedural.mesh import Mesh
 
 HEIGHT, WIDTH = 96, 128
 #: Heat in float32.
@@ -117,7 +120,7 @@ def test_the_covariance_is_that_of_points_all_over_the_box(rng):
 
 
 def item(number: int, pose: np.ndarray, size: np.ndarray, ids: np.ndarray, transparent: bool = True) -> ViewObject:
-    return ViewObject(number, "box", transparent, False, None, pose, size, int((ids == number).sum()))
+    return ViewObject(number, "box", transparent, ASYMMETRIC, None, pose, size, int((ids == number).sum()))
 
 
 def at(x: float, y: float, z: float) -> np.ndarray:
@@ -171,7 +174,7 @@ def test_the_pose_of_an_object_of_revolution_does_not_depend_on_its_turn(rng):
         pose = np.eye(4)
         pose[:3, :3] = Rotation.random(random_state=rng).as_matrix()
         pose[:3, 3] = rng.uniform([-0.2, -0.2, 0.8], [0.2, 0.2, 1.2])
-        found = canonical_pose(pose)
+        found = canonical_pose(pose, REVOLUTION)
         np.testing.assert_allclose(found[:3, :3].T @ found[:3, :3], np.eye(3), atol=1e-12)
         assert np.linalg.det(found[:3, :3]) == pytest.approx(1.0)
         np.testing.assert_allclose(found[:, 2:], pose[:, 2:])
@@ -181,10 +184,31 @@ def test_the_pose_of_an_object_of_revolution_does_not_depend_on_its_turn(rng):
         assert camera[0] > 0
         turned = pose.copy()
         turned[:3, :3] = pose[:3, :3] @ Rotation.from_euler("z", rng.uniform(0, 6)).as_matrix()
-        np.testing.assert_allclose(canonical_pose(turned), found, atol=1e-9)
+        np.testing.assert_allclose(canonical_pose(turned, REVOLUTION), found, atol=1e-9)
 
 
 def test_from_the_axis_itself_x_points_up_in_the_picture():
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[:3, 3] = 0, 0, 0.8
-    np.testing.assert_allclose(canonical_pose(pose)[:3, 0], [0, -1, 0])
+    np.testing.assert_allclose(canonical_pose(pose, REVOLUTION)[:3, 0], [0, -1, 0])
+
+
+def test_poses_that_look_the_same_have_one_that_is_learnt(rng):
+    """A block with a square section has eight; a ball has all."""
+    box = trimesh.creation.box((1.0, 1.0, 3.0))
+    kind = Symmetry(False, False, motions_of(Mesh("block", box.vertices, box.faces)))
+    assert len(kind.motions) == 8
+    for _ in range(20):
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = Rotation.random(random_state=rng).as_matrix(), (0.1, -0.1, 0.9)
+        found = canonical_pose(pose, kind)
+        for motion in kind.motions:
+            np.testing.assert_allclose(canonical_pose(pose @ motion, kind), found, atol=1e-9)
+        assert any(np.allclose(pose @ motion, found) for motion in kind.motions)
+        # No other stands more upright and looks more at the camera.
+        assert found[:3, 2] @ [0, -1, 0] >= -1e-9
+        ball = canonical_pose(pose, BALL)
+        np.testing.assert_allclose(ball[:3, 2], [0, -1, 0], atol=1e-12)
+        turned = pose.copy()
+        turned[:3, :3] = Rotation.random(random_state=rng).as_matrix()
+        np.testing.assert_allclose(canonical_pose(turned, BALL), ball, atol=1e-12)
