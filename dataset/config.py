@@ -8,7 +8,7 @@ from contextlib import redirect_stderr
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import tyro
 import yaml
@@ -78,8 +78,29 @@ def layered(model: type[T], arguments: Sequence[str]) -> T:
         for name in ("preset", "config"):
             if name in asked:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(asked[name]))
+        check_switches(model, asked, path)
         settings, where = merged(settings, asked), path
     return validated(model, settings, where)
+
+
+def check_switches(model: type[BaseModel], settings: dict[str, Any], where: str, group: str = "") -> None:
+    """Raise InputError where a setting that is no switch is yes or no: as a number that would be 1 or 0."""
+    for name, value in settings.items():
+        field = model.model_fields.get(name)
+        if field is None:  # told when the settings are validated
+            continue
+        kind, place = field.annotation, f"{group}{name}"
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            if isinstance(value, dict):
+                check_switches(kind, value, where, f"{place}.")
+        elif not _is_switch(kind) and any(
+            isinstance(one, bool) for one in (value if isinstance(value, list) else [value])
+        ):
+            raise InputError(f"{where}: {place}", "a number or a text, which no switch is", shortened(value))
+
+
+def _is_switch(kind: Any) -> bool:
+    return kind is bool or any(_is_switch(part) for part in get_args(kind))
 
 
 def _value(arguments: Sequence[str], option: str) -> str | None:
