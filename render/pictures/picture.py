@@ -139,14 +139,15 @@ def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -
     if size == 0:
         return found
     pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
-    rank = np.arange(len(pixel)) - np.repeat(np.cumsum(counts) - counts, counts)
-    index = (tally.samples[pixel] + size * rank).astype(np.uint32)
+    # A pixel's groups follow each other, so their numbers do up to a number of its own. (Modulo 2^32, which is exact.)
+    own = (tally.samples - size * (np.cumsum(counts) - counts)).astype(np.uint32)
+    index = np.repeat(own, counts) + np.uint32(size) * np.arange(len(pixel), dtype=np.uint32)
     share = max(1, PATHS_PER_PASS // size)
     for first in range(0, len(pixel), share):
         some = slice(first, first + share)
         result = _one_pass(source, pixel[some], index[some], size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
-        sums.append([np.array(dr.block_sum(channel, size), np.float64) for channel in result.radiance])
+        sums.append([np.array(dr.block_sum(channel, size)) for channel in result.radiance])
     tally.add(counts, size, np.concatenate(sums, axis=1))
     return found
 

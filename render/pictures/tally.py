@@ -30,15 +30,15 @@ class Tally:
             Groups of each pixel.
         size : int
             Samples of each group.
-        sums : (3, groups) float64
+        sums : (3, groups) float
             Radiance, summed over each group.
         """
         met = np.flatnonzero(counts)
         first = (np.cumsum(counts) - counts)[met]
-        total = np.add.reduceat(sums, first, axis=1)
+        total = np.add.reduceat(sums, first, axis=1, dtype=np.float64)
         self._weighted[:, met] += total
         self._cross[:, met] += size * total
-        self._spread[:, met] += np.add.reduceat(sums**2, first, axis=1)
+        self._spread[:, met] += np.stack([np.add.reduceat(np.square(x, dtype=np.float64), first) for x in sums])
         self.samples += size * counts
         self._squares += size**2 * counts
 
