@@ -8,59 +8,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import torch
-from lightning_fabric import Fabric
 from torch import Tensor
 
 from ...dataset.commands.outcome import WorkFailed
 from ...dataset.commands.stopping import check_stop
 from ...dataset.reader import Dataset
 from ...procedural.errors import InputError
-from ..checkpoint import (
-    Checkpoint,
-    DataRecord,
-    check_weights,
-    data_digest,
-    load_checkpoint,
-    restore,
-    save_checkpoint,
-)
+from ..checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from ..data.loading import load_batches
-from ..data.samples import Batch, SampleDataset, batched
+from ..data.samples import Batch, batched
 from ..networks.build import Network, build_network
-from ..networks.corrected import CorrectedNetwork
-from ..networks.resnet import load_pretrained
-from ..networks.settings import NetworkSettings
 from ..out_folder import made_folder
-from ..targets.encoding import encoding_of
 from .losses import losses, total_loss
+from .preparing import Parts, load_first_weights, prepared
 from .records import Records
+from .resuming import restore_parts, resumable
 from .schedule import StepBatches, rate_at
-from .settings import MachineSettings, TrainSettings
+from .settings import TrainSettings
 
 #: Files of a run: the latest state, and that with the least validation loss.
 LAST, BEST = "last.ckpt", "best.ckpt"
-#: The same for validation in every run: its samples are drawn once.
-_VALIDATION_SEED, _VALIDATION_DRAW = 0, 0
-#: How far beyond the depths of the training data planes reach, as a share: other scenes are a little larger.
-_MARGIN = 0.1
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """What a run works with."""
-
-    fabric: Fabric
-    settings: TrainSettings
-    train: SampleDataset
-    val: SampleDataset | None
-    data: DataRecord
-    network: Network
-    optimiser: torch.optim.Optimizer
-    out: Path
+#: Validation samples are drawn once.
+_VALIDATION_DRAW = 0
 
 
 def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, say: Callable[[str], None]) -> None:
@@ -87,107 +59,20 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
         Where a loss or a gradient is no longer a number.
     """
     Dataset.open(data)
-    start = None if resume is None else _checked(load_checkpoint(resume), settings, data, resume)
+    start = None if resume is None else resumable(load_checkpoint(resume), settings, data, resume)
     if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
     made_folder(out)
     if settings.machine.threads is not None:
         torch.set_num_threads(settings.machine.threads)
-    parts = _prepared(settings if start is None else start.settings, data, out)
+    parts = prepared(settings if start is None else start.settings, data, out)
     if start is None:
-        _load_pretrained(parts)
+        load_first_weights(parts)
         state = _first(parts)
     else:
-        _restore(parts, start, resume or out)
+        restore_parts(parts, start, resume or out)
         state = start
     _steps(parts, state, say)
-
-
-def _load_pretrained(parts: Parts) -> None:
-    path = parts.settings.pretrained
-    if path is None:
-        return
-    if not isinstance(parts.network, CorrectedNetwork):
-        raise InputError("pretrained", "none with the reference, whose weights come from its checkpoints", path)
-    load_pretrained(parts.network.context, path)
-
-
-def _restore(parts: Parts, start: Checkpoint, where: Path) -> None:
-    """Go on from a checkpoint; InputError where a part of it does not fit."""
-    restore(parts.network, start.network, where)
-    if start.ema is not None:
-        check_weights(parts.network, start.ema, where)
-    try:
-        parts.optimiser.load_state_dict(start.optimiser)
-        torch.set_rng_state(start.rng)
-    except (ValueError, TypeError, KeyError, AttributeError, RuntimeError) as error:
-        found = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError(f"{where}: optimiser and rng", "the states of these settings", found) from error
-    known = [value in parts.optimiser.state for group in parts.optimiser.param_groups for value in group["params"]]
-    if start.step and not all(known):
-        raise InputError(f"{where}: optimiser", f"a state of {len(known)} weights", f"one of {sum(known)}")
-
-
-def _checked(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
-    """Return a checkpoint that may go on; what says where and how fast a run runs may differ."""
-    if start.data is None or start.data.sha256 != data_digest(data):
-        found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
-        raise InputError(f"{where}: data set", f"that of {data}", found)
-    asked, kept = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")
-    if asked["network"]["depth_range"] is None:
-        asked["network"]["depth_range"] = kept["network"]["depth_range"]
-    for name in asked.keys() - {"machine", "log_every", "pictures_every", "save_every"}:
-        if asked[name] != kept[name]:
-            raise InputError(f"{where}: {name}", f"{asked[name]}", f"{kept[name]} in the checkpoint")
-    free = {name: getattr(settings, name) for name in ("machine", "log_every", "pictures_every", "save_every")}
-    return replace(start, settings=start.settings.model_copy(update=free))
-
-
-def _prepared(settings: TrainSettings, data: Path, out: Path) -> Parts:
-    machine = settings.machine
-    fabric = _fabric(machine)
-    fabric.launch()
-    if settings.batch % fabric.world_size:
-        raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
-    encoding = encoding_of(settings.network.variant)
-    views, seed = settings.views, settings.seed
-    learnt = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
-    val = None
-    if settings.val_split != "none":
-        val = SampleDataset(data, settings.val_split, views, encoding, seed=_VALIDATION_SEED)
-    settings = _with_range(settings, learnt)
-    torch.manual_seed(settings.seed)
-    network = build_network(settings.network)
-    options = {"lr": settings.optimiser.rate, "betas": settings.optimiser.betas}
-    kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
-    network.to(fabric.device)
-    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, **options)
-    head = Dataset.open(data).head
-    record = DataRecord(name=head.name, seed=head.seed, sha256=data_digest(data))
-    return Parts(fabric, settings, learnt, val, record, network, optimiser, out)
-
-
-def _fabric(machine: MachineSettings) -> Fabric:
-    try:
-        return Fabric(
-            accelerator=machine.accelerator,
-            devices=machine.devices,
-            num_nodes=machine.nodes,
-            strategy=machine.strategy,
-            precision=machine.precision,
-        )
-    except (ValueError, TypeError, RuntimeError) as error:  # what Lightning raises of names and numbers
-        found = (str(error) or type(error).__name__).splitlines()[0]
-        raise InputError("machine", "devices that are there and a strategy for them", found) from error
-
-
-def _with_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:
-    if settings.network.variant == "reference" or settings.network.depth_range is not None:
-        return settings
-    near, far = data.depth_range()
-    limits = ((1.0 - _MARGIN) * near, (1.0 + _MARGIN) * far)
-    network = settings.network.model_dump() | {"depth_range": limits}
-    return settings.model_copy(update={"network": NetworkSettings.model_validate(network)})
 
 
 def _first(parts: Parts) -> Checkpoint:
