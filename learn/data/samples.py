@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 from torch.utils.data import Dataset as TorchDataset
 
+from ...dataset.camera_file import CameraFile
 from ...dataset.objects_file import ObjectsFile
 from ...dataset.reader import Dataset, Eye, StoredScene, StoredView
 from ...procedural.errors import InputError
@@ -83,6 +84,7 @@ class SampleDataset(TorchDataset):
         self._root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._truth = augment, seed, truth
         self._objects_of: dict[int, ObjectsFile] = {}
+        self._cameras_of: dict[int, list[CameraFile]] = {}
         scenes = scenes_of(Dataset.open(root), split)
         self._references = [(scene, view) for scene in scenes for view in scene.views if self._may_be(view)]
         if not self._references:
@@ -162,7 +164,7 @@ class SampleDataset(TorchDataset):
 
     def _candidates(self, scene: StoredScene, reference: StoredView) -> Sequence[StoredView]:
         views = scene.views
-        cameras = [read_camera(view) for view in views]
+        cameras = self._cameras(scene)
         number = views.index(reference)
         if self._views.rule == "grid":
             near = grid_neighbours(cameras[number].grid_index)
@@ -170,6 +172,11 @@ class SampleDataset(TorchDataset):
         positions = np.stack([camera.world_T_camera[:3, 3] for camera in cameras])
         pool = max(self._views.pool, self._views.count - 1)
         return [views[index] for index in nearest_cameras(positions, number, pool)]
+
+    def _cameras(self, scene: StoredScene) -> list[CameraFile]:
+        if scene.scene_id not in self._cameras_of:
+            self._cameras_of[scene.scene_id] = [read_camera(view) for view in scene.views]
+        return self._cameras_of[scene.scene_id]
 
     def _objects(self, scene: StoredScene) -> ObjectsFile:
         if scene.scene_id not in self._objects_of:
