@@ -81,8 +81,6 @@ def object_iou(
     symmetry : Symmetry
         Of object b.
     """
-    if _apart(pose_a, size_a, pose_b, size_b) and len(symmetry.motions) == 1:
-        return 0.0
     if symmetry.ball:
         turned = pose_b.copy()
         turned[:3, :3] = pose_a[:3, :3]

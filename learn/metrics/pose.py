@@ -47,10 +47,11 @@ def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetr
 
 
 def _errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: Symmetry) -> PoseErrors:
-    turned = nearest_turn(found, true) if symmetry.turns else found
+    turned = found.copy()
     if symmetry.ball:
-        turned = found.copy()
         turned[:3, :3] = true[:3, :3]
+    elif symmetry.turns:
+        turned = nearest_turn(found, true)
     ours, theirs = (points @ pose[:3, :3].T + pose[:3, 3] for pose in (turned, true))
     distances = np.linalg.norm(ours - theirs, axis=1)
     nearest = np.linalg.norm(ours[None] - theirs[:, None], axis=2).min(axis=1)
