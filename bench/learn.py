@@ -19,11 +19,11 @@ from time import perf_counter
 
 import torch
 from table import Row, report
-from torch.utils.data import DataLoader
 
 from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings, build_network
-from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.loading import load_batches
+from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.losses import LossWeights, losses, total_loss
@@ -113,8 +113,7 @@ def _loading(given: Namespace, step: float) -> list[Row]:
         data = given.data or _rendered(Path(folder))
         samples = SampleDataset(data, "all", ViewSettings(count=VIEWS), CORRECTED, augment=AugmentSettings())
         order = [[(index % len(samples), index // len(samples))] for index in range(24)]
-        loader = DataLoader(samples, batch_sampler=order, collate_fn=batched, num_workers=2)
-        batches = iter(loader)
+        batches = load_batches(samples, order, 2)
         next(batches)
         start = perf_counter()
         count = sum(1 for _ in batches)

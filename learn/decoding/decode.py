@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import torch
 from torch import Tensor
@@ -45,7 +44,6 @@ def decode(
     outputs: Mapping[str, Tensor],
     K: Tensor,
     encoding: Encoding = CORRECTED,
-    rotation: Literal["covariance", "vertices"] | None = None,
 ) -> list[Detections]:
     """Return the objects of each sample.
 
@@ -56,9 +54,7 @@ def decode(
     K : (B, 3, 3) Tensor
         Each sample's own intrinsic matrix [px].
     encoding : Encoding
-        Units and order of the fields.
-    rotation : str
-        Where rotations come from (`boxes.boxes_from_fields`); by default the encoding's.
+        Units and order of the fields, and which of them rotations come from (`boxes.boxes_from_fields`).
 
     Returns
     -------
@@ -68,7 +64,7 @@ def decode(
     size = (outputs["heatmap"].shape[-2], outputs["heatmap"].shape[-1])
     peaks = find_peaks(outputs["heatmap"].float())
     vertices, depth, covariance = _read(outputs, peaks, size, encoding)
-    pose, extent = boxes_from_fields(vertices, depth, covariance, K[peaks.sample], rotation or encoding.rotation)
+    pose, extent = boxes_from_fields(vertices, depth, covariance, K[peaks.sample], encoding.rotation)
     kept = (depth > 0.0) & _strongest(peaks, vertices)
     found = []
     for sample in range(len(K)):

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -55,7 +57,7 @@ def matched(views, found):
 @pytest.mark.parametrize("rotation", ["covariance", "vertices"])
 def test_the_targets_decode_to_the_labels_boxes_and_poses(views, encoding, rotation):
     outputs, K = batch_of(views, encoding)
-    found = decode(outputs, K, encoding, rotation)
+    found = decode(outputs, K, replace(encoding, rotation=rotation))
     assert [len(detections) for detections in found] == [len(findable(objects, K)) for _, _, objects, K in views]
     for _, item, detections, index in matched(views, found):
         pose, size = detections.camera_T_object[index].numpy(), detections.size[index].numpy()
