@@ -2,8 +2,9 @@
 
 It finds what `integrator.trace` finds, in three ways faster. Opaque surfaces answer with stored light, so paths end
 early. Fresnel's coin is steered towards bright light (`bright`), and one number per path, spread evenly over the
-samples of a pixel together with the place in the pixel, decides all its coins. And because few rays stay in the glass
-for long, those that do are gathered now and then, so that they do not keep the lanes beside them waiting.
+samples of a pixel together with the place in the pixel, decides all its coins. And lanes do not wait for each other:
+the loop knows glass alone, what rays meet behind it is shaded once for all of them, and the few that stay in the glass
+for long, or are mirrored by a glossy surface, are gathered for another round.
 
 RGB variants only: no polarisation, no dispersion.
 """
@@ -31,8 +32,12 @@ from .stored import StoredLight, opaque_light
 #: Samples of a pixel that shows glass over those of one that does not: elsewhere stored light leaves little noise. (Of
 #: 4, 8, 12 and 24 samples elsewhere beside 96 in glass, 8 to 12 reach an error in the least time, docs/performance.md.)
 RATIO = 8.0
-#: After so many segments the rays that are left are gathered, again and again.
-ROUNDS = (6, 12, 24)
+#: Surfaces that rays meet in the first round. Then those that are left are gathered, and go on to their ends. (More
+#: rounds before that save as much as they cost.)
+_FIRST_ROUND = 6
+#: Rays that have met so few surfaces are traced as neighbours with a common way through the scene: Embree is a third
+#: faster on those of the first three surfaces, and slower on later ones.
+_TOGETHER = 4
 #: Once a path's coins have used up so much of its number, it gets another: a float32 has 24 bits.
 _USED_UP = 2.0**-12
 
@@ -89,17 +94,16 @@ def follow(
     bright : Bright
         Where light comes from, roughly.
     """
-    limits = (*(limit for limit in ROUNDS if limit < picture.max_depth), picture.max_depth)
-    chain = _advanced(kernel, _beginning(ray, points), points, picture, limits[0], surface, bright)
+    chain = _advanced(kernel, _beginning(ray, points), points, picture, _FIRST_ROUND, surface, bright)
+    dr.eval(chain)
     found = chain.L, chain.violations, chain.depth
-    for limit in limits[1:]:
+    which = dr.compress(chain.active)
+    while dr.width(which) > 0:
+        chain = _advanced(kernel, _those(chain, which), points, picture, picture.max_depth, surface, bright)
         dr.eval(chain)
-        which = dr.compress(chain.active)
-        if dr.width(which) == 0:
-            break
-        chain = _advanced(kernel, _those(chain, which), points, picture, limit, surface, bright)
         for into, value in zip(found, (chain.L, chain.violations, chain.depth), strict=True):
             dr.scatter(into, value, chain.lane, mode=dr.ReduceMode.Permute)
+        which = dr.compress(chain.active)
     dr.eval(found)
     return Radiance(*found)
 
@@ -119,67 +123,107 @@ def _those(chain: Chain, which: mi.UInt32) -> Chain:
     return Chain(*(dr.gather(type(value), value, which) for value in values))
 
 
-@dr.syntax
 def _advanced(
     kernel: Kernel,
     chain: Chain,
     points: Samples,
     picture: Picture,
-    limit: int,
+    surfaces: int,
     surface: Callable[..., tuple],
     bright: Bright,
 ) -> Chain:
-    """Follow rays until they end or have met `limit` surfaces."""
-    scene, table = kernel.mi_scene, kernel.surfaces
+    """Follow rays through so many surfaces at most, and shade what those meet that come out of the glass."""
     points = replace(points, pixel=chain.pixel, index=chain.index)
-    offset, limit = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, limit)
+    inside = _through_glass(kernel, chain, points, picture, surfaces, bright)
+    return _shaded(kernel, *inside, points, picture, surface)
+
+
+@dr.syntax
+def _through_glass(
+    kernel: Kernel, chain: Chain, points: Samples, picture: Picture, surfaces: int, bright: Bright
+) -> tuple[Chain, mi.PreliminaryIntersection3f, mi.Bool]:
+    """Follow rays until they meet something opaque or nothing, end, or have met `surfaces`.
+
+    Returns the rays, with their last segment, what they met there, and which of them met no glass.
+    """
+    scene, table = kernel.mi_scene, kernel.surfaces
+    offset, limit = dr.opaque(mi.Float, kernel.offset), chain.depth + dr.opaque(mi.UInt32, surfaces)
     rr_depth, last = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
-    ray, beta, L = mi.Ray3f(chain.origin, chain.direction), mi.Color3f(chain.beta), mi.Color3f(chain.L)
+    ray, beta = mi.Ray3f(chain.origin, chain.direction), mi.Color3f(chain.beta)
     # (Copies: the loop must not change what the caller holds.)
     eta_scale, pdf, chance, left = (mi.Float(x) for x in (chain.eta_scale, chain.pdf, chain.chance, chain.left))
     medium, depth, violations = (mi.UInt32(x) for x in (chain.medium, chain.depth, chain.violations))
-    delta, active = mi.Bool(chain.delta), mi.Bool(chain.active)
+    delta, active, outside = mi.Bool(chain.delta), mi.Bool(chain.active), mi.Bool(False)
+    pi = dr.zeros(mi.PreliminaryIntersection3f)
 
     while dr.hint(active & (depth < limit), exclude=[table, scene, points, bright]):
-        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
-        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
+        pi = scene.ray_intersect_preliminary(ray, depth < _TOGETHER, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
         sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
         beta *= dr.exp(-sigma_a * dr.select(hit, si.t, 0.0))
-        previous = dr.zeros(mi.Interaction3f)
-        previous.p = ray.o
-        L += beta * ran_into(scene, si, previous, pdf, delta, active)
-        active = mi.Bool(hit)
-        bits = hashed(points, depth)
-        direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
+        outside = ~hit | opaque
+        active = hit & ~opaque
+        medium = mi.UInt32(facing)
 
-        if dr.hint(active & opaque, exclude=[table, scene, points]):
-            light, direction, factor, pdf = surface(scene, si, pi.prim_uv, ray, offset, points, depth)
-            L += beta * light
-            delta = mi.Bool(False)
-
-        if dr.hint(active & ~opaque, exclude=[table, scene, points, bright]):
+        if dr.hint(active, exclude=[table, scene, points, bright]):
+            bits = hashed(points, depth)
             eta = relative_index(table, facing, beyond, si.wavelengths)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
             odds = steered(bright, dr.gather(mi.Float, table.eta, facing), dr.max(beta) * eta_scale)
             event = scatter(-ray.d, n, ns, eta, alpha, chance, bits, odds)
-            direction, factor = event.direction, mi.Color3f(event.weight)
+            beta *= event.weight
             eta_scale *= event.eta_squared
-            facing = dr.select(event.transmitted, beyond, facing)
+            medium = dr.select(event.transmitted, beyond, facing)
             chance, left = _remaining(chance, left, event.share, event.transmitted, bits)
-
-        beta *= factor
-        medium = mi.UInt32(facing)
-        ray = leave(si, direction, offset)
+            ray, pdf, delta = leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
+            beta, active = _lucky(beta, eta_scale, depth + 1 >= rr_depth, bits)
         depth += 1
-        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
-        active &= dr.any(beta > 0.0) & (depth < last) & (_number(bits, 1) < survive)
-        beta *= dr.rcp(survive)
+        active &= depth < last
 
-    state = beta, L, eta_scale, pdf, delta, medium, chance, left, depth, violations, active
-    return Chain(ray.o, ray.d, *state, chain.pixel, chain.index, chain.lane)
+    state = beta, chain.L, eta_scale, pdf, delta, medium, chance, left, depth, violations, active
+    return Chain(ray.o, ray.d, *state, chain.pixel, chain.index, chain.lane), pi, outside
+
+
+@dr.syntax
+def _shaded(
+    kernel: Kernel,
+    chain: Chain,
+    pi: mi.PreliminaryIntersection3f,
+    outside: mi.Bool,
+    points: Samples,
+    picture: Picture,
+    surface: Callable[..., tuple],
+) -> Chain:
+    """Add the light that rays find outside the glass, and turn those into the mirrored direction that go on."""
+    scene, offset = kernel.mi_scene, dr.opaque(mi.Float, kernel.offset)
+    rr_depth, last = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
+    ray, beta, depth = mi.Ray3f(chain.origin, chain.direction), mi.Color3f(chain.beta), mi.UInt32(chain.depth)
+    pdf, delta, active, eta_scale = mi.Float(chain.pdf), mi.Bool(chain.delta), mi.Bool(chain.active), chain.eta_scale
+    si = pi.compute_surface_interaction(ray, mi.RayFlags.All, outside)
+    previous = dr.zeros(mi.Interaction3f)
+    previous.p = ray.o
+    L = chain.L + beta * ran_into(scene, si, previous, pdf, delta, outside)
+
+    if dr.hint(outside & si.is_valid(), exclude=[scene, points]):
+        before = depth - 1  # as many surfaces were met before this one
+        light, direction, factor, pdf = surface(scene, si, pi.prim_uv, ray, offset, points, before)
+        L += beta * light
+        beta *= factor
+        ray, delta = leave(si, direction, offset), mi.Bool(False)
+        beta, active = _lucky(beta, eta_scale, depth >= rr_depth, hashed(points, before))
+        active &= depth < last
+
+    state = beta, L, eta_scale, pdf, delta, chain.medium, chain.chance, chain.left, depth, chain.violations
+    return Chain(ray.o, ray.d, *state, active, chain.pixel, chain.index, chain.lane)
+
+
+def _lucky(beta: mi.Color3f, eta_scale: mi.Float, at_stake: mi.Bool, bits: mi.UInt32) -> tuple[mi.Color3f, mi.Bool]:
+    """Play roulette where it is `at_stake`; return the throughput of those that survive, and which do."""
+    survive = dr.select(at_stake, dr.minimum(dr.max(beta) * eta_scale, SURVIVE), 1.0)
+    return beta * dr.rcp(survive), dr.any(beta > 0.0) & (_number(bits, 1) < survive)
 
 
 def _remaining(

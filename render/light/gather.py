@@ -21,6 +21,7 @@ from ..scene.spectrum import draw_wavelengths
 from .lobes import schlick
 from .nodes import Nodes
 from .smooth import smoothed
+from .smooth_meshes import smoothed_meshes
 from .starts import Starts, start_points, starts_of
 from .stored import MOMENTS, StoredLight
 
@@ -53,33 +54,39 @@ def gather_light(kernel: Kernel, nodes: Nodes, paths: int, seed: int) -> StoredL
         32-bit seed.
     """
     starts, groups = starts_of(nodes), max(2.0, paths / GROUP)
-    pilot = _gathered(kernel, starts, np.full(nodes.count, _PILOT), _PILOT_INDEX, seed)
+    *pilot, _ = _gathered(kernel, starts, np.full(nodes.count, _PILOT), _PILOT_INDEX, seed)
     counts = _shared_out(nodes, *_level_and_variance(*pilot), groups)
-    totals = _gathered(kernel, starts, counts, 0, seed)
-    moments = totals[0] / (counts * GROUP)[:, None]
+    total, _, _, odd = _gathered(kernel, starts, counts, 0, seed)
+    grid, half = nodes.grid_count, (0.5 * counts * GROUP)[:, None]
+    halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
+    moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), smoothed_meshes(nodes, halves)])
     for colour, vector in ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12))):  # sums become mean directions
         weight, sums = luminance(moments[:, colour])[:, None], moments[:, vector]
         moments[:, vector] = np.divide(sums, weight, out=np.zeros_like(sums), where=weight > 0.0)
-    moments, grid = moments.astype(np.float32), nodes.grid_count
+    moments = moments.astype(np.float32)
     moments[:grid] = smoothed(moments[:grid], (nodes.axes[1].lines, nodes.axes[0].lines))
     return StoredLight(nodes, moments, counts * GROUP)
 
 
 def _gathered(
     kernel: Kernel, starts: Starts, counts: np.ndarray, first: int, seed: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Trace groups of every node; return sums of moments, squared sums of the groups' light, and the counts."""
-    total, square = np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Trace groups of every node.
+
+    Returns sums of moments, squared sums of the groups' light, the counts, and sums of moments of every other group.
+    """
+    total, odd, square = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
     node = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
     rank = np.arange(len(node)) - np.repeat(np.cumsum(counts) - counts, counts)
     index, share = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
     for begin in range(0, len(node), share):
         some = slice(begin, begin + share)
-        sums = _one_pass(kernel, starts, node[some], index[some], seed)
+        sums, other = _one_pass(kernel, starts, node[some], index[some], seed), rank[some] % 2 == 1
         for k in range(MOMENTS):
             total[:, k] += np.bincount(node[some], sums[k], len(counts))
+            odd[:, k] += np.bincount(node[some][other], sums[k][other], len(counts))
         square += np.bincount(node[some], sums[:3].mean(0) ** 2, len(counts))
-    return total, square, counts
+    return total, square, counts, odd
 
 
 def _level_and_variance(total: np.ndarray, square: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +97,7 @@ def _level_and_variance(total: np.ndarray, square: np.ndarray, counts: np.ndarra
 
 
 def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: float) -> np.ndarray:
-    """Return how many groups each node gets: in proportion to its relative error, within bounds."""
+    """Return how many groups each node gets, an even number: in proportion to its relative error, within bounds."""
     shape, grid = (nodes.axes[1].lines, nodes.axes[0].lines), nodes.grid_count
     level, variance = level.copy(), variance.copy()
     for values in (level, variance):
@@ -99,7 +106,7 @@ def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: f
     # (The filter's running sums leave rounding below zero.)
     error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean()) * _size(nodes)
     share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
-    return np.maximum(np.rint(share / share.mean() * groups), 2).astype(np.int64)
+    return 2 * np.maximum(np.rint(0.5 * share / share.mean() * groups), 1).astype(np.int64)
 
 
 def _size(nodes: Nodes) -> np.ndarray:

@@ -70,6 +70,7 @@ class Nodes:
     normals: np.ndarray  #: (vertices, 3) float32, shading normals on the side that the light is stored for
     triangles: np.ndarray  #: (triangles, 3) uint32, vertices of the cut meshes, counted from the first vertex
     back: np.ndarray  #: (vertices,) bool, whether the light is that of a back side
+    mesh: np.ndarray  #: (vertices,) uint32, which mesh the vertex belongs to
     first_triangle: np.ndarray  #: by registry id: where a shape's triangles begin
     to_back: np.ndarray  #: by registry id: from a vertex to the one of its back side; 0 where they are the same
 
@@ -91,11 +92,11 @@ class Nodes:
 
 def place_nodes(kernel: Kernel) -> Nodes:
     """Return where light is to be stored in a scene that was loaded with cut meshes."""
-    positions, normals, triangles, back = [], [], [], []
+    positions, normals, triangles, back, mesh = [], [], [], [], []
     rows = int(dr.width(kernel.surfaces.instance))
     first_triangle, to_back = np.zeros(rows, np.uint32), np.zeros(rows, np.uint32)
     vertices, faces = 0, 0
-    for body in kernel.opaque_bodies:
+    for number, body in enumerate(kernel.opaque_bodies):
         sides = (1.0,) if body.closed else (1.0, -1.0)
         first_triangle[body.row], to_back[body.row] = faces, 0 if body.closed else len(body.positions)
         triangles.append(body.faces + vertices)
@@ -104,6 +105,7 @@ def place_nodes(kernel: Kernel) -> Nodes:
             positions.append(body.positions)
             normals.append(sign * body.normals)
             back.append(np.full(len(body.positions), sign < 0.0))
+            mesh.append(np.full(len(body.positions), number, np.uint32))
             vertices += len(body.positions)
     return Nodes(
         axes=grid_axes(kernel.description),
@@ -111,6 +113,7 @@ def place_nodes(kernel: Kernel) -> Nodes:
         normals=np.concatenate(normals).astype(np.float32),
         triangles=np.concatenate(triangles).astype(np.uint32),
         back=np.concatenate(back),
+        mesh=np.concatenate(mesh),
         first_triangle=first_triangle,
         to_back=to_back,
     )

@@ -44,7 +44,7 @@ def starts_of(nodes: Nodes) -> Starts:
         around=mi.UInt32(around),
         triangles=mi.UInt32(nodes.triangles.ravel()),
         back=mi.Bool(nodes.back),
-        to_front=mi.UInt32(_to_front(nodes)),
+        to_front=mi.UInt32(to_front(nodes)),
     )
     for name in Starts.__dataclass_fields__:
         dr.make_opaque(getattr(result, name))
@@ -58,7 +58,8 @@ def _corners_round(nodes: Nodes) -> tuple[np.ndarray, np.ndarray]:
     return first, np.argsort(corners, kind="stable").astype(np.uint32)
 
 
-def _to_front(nodes: Nodes) -> np.ndarray:
+def to_front(nodes: Nodes) -> np.ndarray:
+    """Return by vertex how far before it the same vertex of the front stands: 0 for fronts."""
     away = np.zeros(len(nodes.positions), np.uint32)
     runs = np.flatnonzero(np.diff(nodes.back.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
     for begin, end in runs:  # the backs of one mesh follow its fronts

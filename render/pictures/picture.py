@@ -128,7 +128,11 @@ def _one_batch(source: _Source, tally: Tally, glass: np.ndarray, batch: int) -> 
     """Take a batch of samples a pixel on the average; return the violations and the segments."""
     size, every = max(1, batch // _GROUPS), np.ones(glass.size, np.int64)
     if _is_adaptive(source.kernel.description.picture, batch):
-        return _some_groups(source, tally, group_counts(glass, batch, size, source.tracer.ratio), size)
+        counts, larger = group_counts(glass, batch, size, source.tracer.ratio), int(source.tracer.ratio)
+        # Where there are many, larger groups tell the noise as well and are fewer numbers to add.
+        large = np.where(counts >= 2 * larger, counts // larger, 0)
+        some = _some_groups(source, tally, large, larger * size)
+        return some + _some_groups(source, tally, counts - larger * large, size)
     whole = _some_groups(source, tally, batch // size * every, size)
     return whole + _some_groups(source, tally, every, batch % size)
 
@@ -136,7 +140,7 @@ def _one_batch(source: _Source, tally: Tally, glass: np.ndarray, batch: int) -> 
 def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
     found, sums = np.zeros(2, np.int64), []
-    if size == 0:
+    if size == 0 or not counts.any():
         return found
     pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
     # A pixel's groups follow each other, so their numbers do up to a number of its own. (Modulo 2^32, which is exact.)

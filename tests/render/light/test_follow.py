@@ -38,13 +38,13 @@ def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     return np.array(found.radiance), np.array(found.violations), np.array(found.segments)
 
 
-@pytest.mark.parametrize("rounds", [(), (1,), (2, 3, 5, 8, 13)])
-def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, rounds) -> None:
+@pytest.mark.parametrize("surfaces", [1, 2, 13, 1024])
+def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfaces) -> None:
     from glassware.render.light import follow
 
     usual = _followed(lit)
-    assert usual[2].max() > max(follow.ROUNDS), "no path is long enough to be gathered"
-    monkeypatch.setattr(follow, "ROUNDS", rounds)
+    assert usual[2].max() > follow._FIRST_ROUND, "no path is long enough to be gathered"
+    monkeypatch.setattr(follow, "_FIRST_ROUND", surfaces)
     for one, other in zip(usual, _followed(lit), strict=True):
         np.testing.assert_array_equal(one, other)
 

@@ -1,0 +1,98 @@
+"""The noise of the light stored on meshes, taken out scale by scale.
+
+Light on a mesh is no picture that a denoiser could read. So it is parted into scales by diffusion over the surface
+(an undecimated wavelet transform: Hammond, Vandergheynst, Gribonval 2011, "Wavelets on graphs via spectral graph
+theory", here with powers of one smoothing step), and each scale is weakened as Wiener's filter would: by the share of
+its power that is noise. How much is noise tell two halves of the paths, which are parted in the same way: their
+difference has the noise of their mean, and nothing of the light.
+
+A firefly, found by one path of one half, is all noise by that measure. It is spread over its surroundings.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from ...procedural.surroundings.colour import luminance
+from .nodes import Nodes
+from .starts import to_front
+
+#: Vertices that light diffuses to in a step, so far away at the most [m] and with normals that differ by at most so
+#: much: as far as the edges of cut meshes are long, and less than round a box's edge.
+_NEIGHBOURS, _REACH, _TURN = 12, 0.005, 0.4
+#: Steps of diffusion between one scale and the next. Fewer leave coloured spots of a few centimetres round fireflies.
+_STEPS = (1, 2, 4, 8, 16, 32)
+#: Steps that powers are averaged over, and how much of the noise's is taken off: its own estimate has noise.
+_AVERAGED, _MARGIN = 3, 1.5
+
+
+def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Return the light of a scene's meshes without its noise; its mean over the surface stays nearly what it was.
+
+    Parameters
+    ----------
+    nodes : Nodes
+        Where light is stored.
+    halves : two (vertices, 12) float64
+        Moments by half of the paths each, before directions are divided by the light.
+
+    Returns
+    -------
+    (vertices, 12) float64
+        Their mean, filtered. The light >= 0.
+    """
+    first, second = halves
+    light, noise = 0.5 * (first + second), luminance(0.5 * (first - second)[:, :3])
+    if len(light) <= _NEIGHBOURS:
+        return light
+    step, result = _diffusion(nodes), np.zeros_like(light)
+    for steps in _STEPS:
+        softer, softer_noise = light, noise
+        for _ in range(steps):
+            softer, softer_noise = step @ softer, step @ softer_noise
+        detail = light - softer
+        result += detail * _kept(step, luminance(detail[:, :3]), noise - softer_noise)[:, None]
+        light, noise = softer, softer_noise
+    result += light
+    result[:, :6] = np.maximum(result[:, :6], 0.0)
+    return result
+
+
+def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Return the share of each detail that is no noise."""
+    power, of_noise = detail**2, noise**2
+    for _ in range(_AVERAGED):
+        power, of_noise = step @ power, step @ of_noise
+    return np.clip(1.0 - _MARGIN * np.divide(of_noise, power, out=np.ones_like(power), where=power > 0.0), 0.0, 1.0)
+
+
+def _diffusion(nodes: Nodes) -> csr_array:
+    """Return one step of diffusion: rows sum to 1, and what one vertex gives another one gets, by area."""
+    count, area = len(nodes.positions), _areas(nodes)
+    where = np.concatenate([nodes.positions / _REACH, nodes.normals / _TURN], axis=1)
+    # Surfaces of other meshes are another world.
+    where = np.concatenate([where, 1e6 * nodes.mesh[:, None]], axis=1)
+    distance, other = cKDTree(where).query(where, _NEIGHBOURS + 1, distance_upper_bound=2.0)
+    here = np.repeat(np.arange(count), _NEIGHBOURS + 1)
+    near = np.isfinite(distance.ravel()) & (other.ravel() != here)
+    i, j, weight = here[near], other.ravel()[near], np.exp(-0.5 * distance.ravel()[near] ** 2)
+    one_way = csr_array((weight, (i, j)), (count, count))
+    both = one_way.maximum(one_way.T).tocoo()
+    # What flows between two is the same both ways, and no more than either has to give.
+    given = area / np.maximum(np.bincount(both.row, both.data, count), 1e-12)
+    flow = both.data * np.minimum(given[both.row], given[both.col]) / area[both.row]
+    stays = 1.0 - np.bincount(both.row, flow, count)
+    rows, columns = (np.concatenate([x, np.arange(count)]) for x in (both.row, both.col))
+    return csr_array((np.concatenate([flow, stays]), (rows, columns)), (count, count))
+
+
+def _areas(nodes: Nodes) -> np.ndarray:
+    """Return the area of each vertex [m^2], a third of the triangles round it; not quite 0 for those of none."""
+    corners = nodes.positions[nodes.triangles].astype(np.float64)
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    each = np.bincount(nodes.triangles.ravel(), np.repeat(area / 3.0, 3), len(nodes.positions))
+    # (The backs of open meshes have the triangles of their fronts.)
+    each = each[np.arange(len(each)) - to_front(nodes)]
+    return np.maximum(each, 1e-12)
