@@ -60,7 +60,7 @@ class Options:
     """Samples of the path-traced picture, and of Cycles', whose error is to be reached."""
     views: tuple[int, ...] = (57, 5)
     """Stereo views of a scene, each judged."""
-    paths: int = 64
+    paths: int = 40
     """Paths that find the light of a node, on the average; `render-scene` takes as many for large scenes."""
     repeats: int = 2
     """Pictures that each figure is the mean of."""

@@ -28,11 +28,13 @@ from .stored import MOMENTS, StoredLight
 #: Paths traced at a time. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
 #: Paths of a group. The spread of a node's groups tells its variance.
-GROUP = 8
+GROUP = 4
 #: Groups of the pilot; fewest and most groups of a node, over the average.
 _PILOT, _LEAST, _MOST = 2, 0.25, 8.0
 #: Error counts relative to a node's light plus this share of the mean light, so that the dark does not get it all.
 _FLOOR = 0.1
+#: Paths of a vertex over those of an equally uncertain cell of the grid: the filter of meshes takes more noise away.
+_ON_MESHES = 0.4
 #: Side of the square that the pilot's estimates are averaged over on the grid: two groups alone know little.
 _SMOOTH = 9
 #: First sample numbers of the pilot's paths, which the others never reach.
@@ -105,6 +107,7 @@ def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: f
         values[grid:] = _over_neighbours(nodes, values[grid:])
     # (The filter's running sums leave rounding below zero.)
     error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean()) * _size(nodes)
+    error[grid:] *= _ON_MESHES
     share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
     return 2 * np.maximum(np.rint(0.5 * share / share.mean() * groups), 1).astype(np.int64)
 

@@ -23,7 +23,7 @@ from .stored import StoredLight
 #: more than it saves (docs/performance.md).
 WORTH_IT = 1e8
 #: Paths that store the light, over the camera's; and the fewest and most of a node on the average.
-_SHARE, _FEWEST, _MOST = 0.1, 16, 64
+_SHARE, _FEWEST, _MOST = 0.1, 16, 40
 #: The check: pixels, spread over at most so many views, and samples of each by both ways.
 _PIXELS, _VIEWS, _SAMPLES = 1024, 8, 128
 #: Most that the mean over these pixels may differ [share of it], beyond `_DOUBT` standard errors.

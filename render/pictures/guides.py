@@ -110,7 +110,8 @@ def _followed(
     mirrored, share, glass = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False)
 
     while dr.hint(active, exclude=[table, scene, exposure, offset]):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
+        # (The rays of a pixel toss no coins and stay neighbours.)
+        si = scene.ray_intersect(ray, mi.RayFlags.All, True, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
