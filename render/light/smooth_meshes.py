@@ -29,7 +29,7 @@ _AVERAGED, _MARGIN = 3, 1.5
 
 
 def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Return the light of a scene's meshes without its noise; its mean over the surface stays nearly what it was.
+    """Return the light of a scene's meshes without its noise; its mean over the surface stays.
 
     Parameters
     ----------
@@ -49,15 +49,22 @@ def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.n
         return light
     step, result = _diffusion(nodes), np.zeros_like(light)
     for steps in _STEPS:
-        softer, softer_noise = light, noise
-        for _ in range(steps):
-            softer, softer_noise = step @ softer, step @ softer_noise
-        detail = light - softer
-        result += detail * _kept(step, luminance(detail[:, :3]), noise - softer_noise)[:, None]
-        light, noise = softer, softer_noise
+        softer, softer_noise = _repeated(step, steps, light), _repeated(step, steps, noise)
+        detail, of_noise = light - softer, noise - softer_noise
+        kept = _kept(step, luminance(detail[:, :3]), of_noise)
+        result += kept[:, None] * detail
+        # What is taken off goes on to the next scale, spread by the width of this one: no light gets lost.
+        light = softer + _repeated(step, steps, (1.0 - kept)[:, None] * detail)
+        noise = softer_noise + _repeated(step, steps, (1.0 - kept) * of_noise)
     result += light
     result[:, :6] = np.maximum(result[:, :6], 0.0)
     return result
+
+
+def _repeated(step: csr_array, steps: int, values: np.ndarray) -> np.ndarray:
+    for _ in range(steps):
+        values = step @ values
+    return values
 
 
 def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:

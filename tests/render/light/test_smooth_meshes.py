@@ -53,9 +53,8 @@ def test_noise_on_a_ball_in_soft_light_falls_by_its_own_size() -> None:
 def test_the_mean_over_the_surface_stays() -> None:
     nodes, light = _nodes(BALL), 1.0 + 0.8 * BALL.vertex_normals[:, 2]
     after, before = _errors(nodes, light, _halves(light, 0.4))
-    # What the filter changes of the mean is less than the noise's own part of it: 0.3 % / sqrt(10,000 vertices) each.
-    own = 0.4 / np.sqrt(2.0) * np.sqrt(np.sum((AREA * light) ** 2)) / np.sum(AREA * light)
-    assert abs(np.sum(AREA * (after - before)) / np.sum(AREA * light)) < 3.0 * own
+    # Each step gives one vertex what it takes from another: rounding of some hundred float64 sums is left.
+    assert abs(np.sum(AREA * (after - before)) / np.sum(AREA * light)) < 1e-12
 
 
 def test_without_noise_nothing_changes() -> None:
@@ -87,9 +86,8 @@ def test_a_firefly_is_spread_and_its_light_kept() -> None:
 
     found = smoothed_meshes(_nodes(BALL), (first, second))[:, 0]
     assert found.max() < 1.0 + 0.02 * 1000.0, "most of it still lies on one vertex"
-    # A thousand times a vertex's share of the ball; the shares that scales keep differ round it.
-    surplus = 1000.0 * AREA[17]
-    assert np.sum(AREA * (found - 1.0)) == pytest.approx(surplus, rel=0.02)
+    # A thousand times a vertex's share of the ball, but for what falls below zero beside it and is cut.
+    assert np.sum(AREA * (found - 1.0)) == pytest.approx(1000.0 * AREA[17], rel=0.005)
 
 
 @pytest.mark.parametrize("sides", [1, 2])
