@@ -144,7 +144,7 @@ def _through_glass(
 ) -> tuple[Chain, mi.PreliminaryIntersection3f, mi.Bool]:
     """Follow rays until they meet something opaque or nothing, end, or have met `surfaces`.
 
-    Returns the rays, with their last segment, what they met there, and which of them met no glass.
+    Returns the rays, with their last segment, what they met there, and which of them are outside the glass.
     """
     scene, table = kernel.mi_scene, kernel.surfaces
     offset, limit = dr.opaque(mi.Float, kernel.offset), chain.depth + dr.opaque(mi.UInt32, surfaces)

@@ -19,7 +19,7 @@ from ..rays import leave
 from ..scene.kernel import Kernel
 from ..scene.spectrum import draw_wavelengths
 from .lobes import schlick
-from .nodes import Nodes
+from .nodes import Nodes, vertex_areas
 from .smooth import smoothed
 from .smooth_meshes import smoothed_meshes
 from .starts import Starts, start_points, starts_of
@@ -114,9 +114,7 @@ def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: f
 
 def _size(nodes: Nodes) -> np.ndarray:
     """Return the surface that each node stands for, at most 1, in fine cells: where many share a pixel, few will do."""
-    corners = nodes.positions[nodes.triangles].astype(np.float64)
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    each = np.bincount(nodes.triangles.ravel(), np.repeat(area / 3.0, 3), len(nodes.positions)) / nodes.fine**2
+    each = vertex_areas(nodes) / nodes.fine**2
     return np.concatenate([np.ones(nodes.grid_count), np.clip(each, 0.0, 1.0)])
 
 

@@ -119,6 +119,22 @@ def place_nodes(kernel: Kernel) -> Nodes:
     )
 
 
+def to_front(nodes: Nodes) -> np.ndarray:
+    """Return by vertex how far before it the same vertex of the front stands: 0 for fronts."""
+    away = np.zeros(len(nodes.positions), np.uint32)
+    runs = np.flatnonzero(np.diff(nodes.back.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+    for begin, end in runs:  # the backs of one mesh follow its fronts
+        away[begin:end] = end - begin
+    return away
+
+
+def vertex_areas(nodes: Nodes) -> np.ndarray:
+    """Return a third of the area of the triangles round each vertex [m^2]; 0 for backs, which no triangle names."""
+    corners = nodes.positions[nodes.triangles].astype(np.float64)
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return np.bincount(nodes.triangles.ravel(), np.repeat(area / 3.0, 3), len(nodes.positions))
+
+
 def grid_axes(scene: Scene) -> tuple[Axis, Axis]:
     """Return both sides of the grid on the table's top."""
     top = scene.table.mesh.vertices[scene.table.mesh.vertices[:, 2] == 0.0, :2].astype(np.float64)

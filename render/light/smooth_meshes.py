@@ -16,8 +16,7 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from ...procedural.surroundings.colour import luminance
-from .nodes import Nodes
-from .starts import to_front
+from .nodes import Nodes, to_front, vertex_areas
 
 #: Vertices that light diffuses to in a step, so far away at the most [m] and with normals that differ by at most so
 #: much: as far as the edges of cut meshes are long, and less than round a box's edge.
@@ -77,10 +76,11 @@ def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:
 
 def _diffusion(nodes: Nodes) -> csr_array:
     """Return one step of diffusion: rows sum to 1, and what one vertex gives another one gets, by area."""
-    count, area = len(nodes.positions), _areas(nodes)
-    where = np.concatenate([nodes.positions / _REACH, nodes.normals / _TURN], axis=1)
-    # Surfaces of other meshes are another world.
-    where = np.concatenate([where, 1e6 * nodes.mesh[:, None]], axis=1)
+    count = len(nodes.positions)
+    # (The backs of open meshes have the triangles of their fronts; what is of no triangle has not quite no area.)
+    area = np.maximum(vertex_areas(nodes)[np.arange(count) - to_front(nodes)], 1e-12)
+    # (Surfaces of other meshes are another world.)
+    where = np.concatenate([nodes.positions / _REACH, nodes.normals / _TURN, 1e6 * nodes.mesh[:, None]], axis=1)
     distance, other = cKDTree(where).query(where, _NEIGHBOURS + 1, distance_upper_bound=2.0)
     here = np.repeat(np.arange(count), _NEIGHBOURS + 1)
     near = np.isfinite(distance.ravel()) & (other.ravel() != here)
@@ -93,13 +93,3 @@ def _diffusion(nodes: Nodes) -> csr_array:
     stays = 1.0 - np.bincount(both.row, flow, count)
     rows, columns = (np.concatenate([x, np.arange(count)]) for x in (both.row, both.col))
     return csr_array((np.concatenate([flow, stays]), (rows, columns)), (count, count))
-
-
-def _areas(nodes: Nodes) -> np.ndarray:
-    """Return the area of each vertex [m^2], a third of the triangles round it; not quite 0 for those of none."""
-    corners = nodes.positions[nodes.triangles].astype(np.float64)
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    each = np.bincount(nodes.triangles.ravel(), np.repeat(area / 3.0, 3), len(nodes.positions))
-    # (The backs of open meshes have the triangles of their fronts.)
-    each = each[np.arange(len(each)) - to_front(nodes)]
-    return np.maximum(each, 1e-12)

@@ -9,7 +9,7 @@ import mitsuba as mi
 import numpy as np
 
 from ..pictures.sampler import Samples, four
-from .nodes import Nodes
+from .nodes import Nodes, to_front
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,15 +56,6 @@ def _corners_round(nodes: Nodes) -> tuple[np.ndarray, np.ndarray]:
     counts = np.bincount(corners, minlength=len(nodes.positions))
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32)
     return first, np.argsort(corners, kind="stable").astype(np.uint32)
-
-
-def to_front(nodes: Nodes) -> np.ndarray:
-    """Return by vertex how far before it the same vertex of the front stands: 0 for fronts."""
-    away = np.zeros(len(nodes.positions), np.uint32)
-    runs = np.flatnonzero(np.diff(nodes.back.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
-    for begin, end in runs:  # the backs of one mesh follow its fronts
-        away[begin:end] = end - begin
-    return away
 
 
 def start_points(
