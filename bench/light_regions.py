@@ -21,7 +21,7 @@ def regions(kernel: Kernel, stored: StoredLight) -> dict[str, np.ndarray]:
     """Return which pixels of the first camera's left eye are in each region, (H, W) bool."""
     camera = kernel.description.cameras[0]
     geometry = trace_straight(kernel, camera, 0)[0]
-    *_, glass = trace_guides(kernel, camera)
+    glass = trace_guides(kernel, camera).glass
     table = (geometry.id == TABLE_ID) & ~glass
     light = np.zeros(table.shape)
     light[table] = _arriving(stored, _points(camera, geometry.Z)[table])

@@ -101,7 +101,7 @@ def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Opti
 
 def _in_glass(ours: Ours, kept: Reference, picture: np.ndarray) -> float:
     """Return the share of the squared relative error that lies in pixels that show glass."""
-    *_, glass = trace_guides(ours.kernel, ours.kernel.description.cameras[0])
+    glass = trace_guides(ours.kernel, ours.kernel.description.cameras[0]).glass
     R = kept.picture
     error = (((picture - R) ** 2 - kept.variance) / (R**2 + RELMSE_EPSILON)).mean(-1)
     return float(error[glass].sum() / error.sum())

@@ -19,6 +19,7 @@ import mitsuba as mi
 
 from ...procedural.description import Picture
 from ..interfaces.dielectric import scatter
+from ..pictures.allocation import Worth
 from ..pictures.integrator import SURVIVE, Radiance, ran_into, relative_index
 from ..pictures.picture import Tracer
 from ..pictures.sampler import Samples, hashed, one
@@ -29,9 +30,8 @@ from ..scene.surfaces import AIR_INDEX, met, registry_id
 from .bright import Bright, bright_map, steered
 from .stored import StoredLight, opaque_light
 
-#: Samples of a pixel that shows glass over those of one that does not: elsewhere stored light leaves little noise. (Of
-#: 4, 8, 12 and 24 samples elsewhere beside 96 in glass, 8 to 12 reach an error in the least time, docs/performance.md.)
-RATIO = 8.0
+#: Where samples pay: stored light leaves little noise but in glass and in what polish mirrors (docs/performance.md).
+WORTH = Worth(glass=16.0, polished=6.0)
 #: Surfaces that rays meet in the first round. Then those that are left are gathered, and go on to their ends. (More
 #: rounds before that save as much as they cost.)
 _FIRST_ROUND = 6
@@ -73,7 +73,7 @@ def reading(kernel: Kernel, stored: StoredLight) -> Tracer:
     ) -> Radiance:
         return follow(kernel, ray, points, picture, surface, bright)
 
-    return Tracer(trace, RATIO)
+    return Tracer(trace, WORTH)
 
 
 def follow(

@@ -1,4 +1,4 @@
-"""Where the samples of a picture go: most to the pixels that show glass.
+"""Where the samples of a picture go: most to the pixels that show glass, more to those that show polish.
 
 The denoiser cleans what its guides explain: even surfaces, textures, soft shadows. What it cannot know is what glass
 shows, where one pixel's light has little to do with the next one's. Measured on five scenes (docs/performance.md), four
@@ -8,6 +8,8 @@ is known from the geometry before the first sample, so the means stay what they 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
@@ -15,32 +17,41 @@ import numpy as np
 _FEWEST = 2
 
 
-def group_counts(glass: np.ndarray, spp: int, size: int, ratio: float) -> np.ndarray:
+@dataclass(frozen=True)
+class Worth:
+    """Samples of a pixel over those of one that shows neither glass nor polish."""
+
+    glass: float
+    polished: float
+
+
+def group_counts(glass: np.ndarray, polished: np.ndarray, worth: Worth, groups: float) -> np.ndarray:
     """Share out groups of samples.
 
     Parameters
     ----------
-    glass : (H, W) bool
-        Which pixels show glass (`guides.trace_guides`).
-    spp : int
-        Samples of a pixel, on the average.
-    size : int
-        Samples of a group.
-    ratio : float
-        Samples of a pixel that shows glass over those of one that does not; less where the others would else get too
-        few groups.
+    glass, polished : (H, W) bool
+        Which pixels show glass, and a polished surface (`guides.trace_guides`).
+    worth : Worth
+        How many samples they get over the others; less where the others would else get too few groups.
+    groups : float
+        Groups of a pixel, on the average.
 
     Returns
     -------
     (H W,) int64
-        Groups of each pixel; together as many as `spp` asks for, rounded down to whole groups.
+        Groups of each pixel; together as many as asked for, rounded down to a whole number.
     """
-    # A pixel at the outline may show glass between the rays that looked for it.
-    near = cv2.dilate(glass.astype(np.uint8), np.ones((3, 3), np.uint8)).ravel()
-    groups, share = spp / size, near.mean()
-    most = 1.0 + max(groups / _FEWEST - 1.0, 0.0) / share if share > 0.0 else ratio
-    weights = np.where(near > 0, min(ratio, most), 1.0)
-    return _rounded(weights / weights.mean() * groups)
+    extra = np.maximum(_near(glass) * (worth.glass - 1.0), _near(polished) * (worth.polished - 1.0)).ravel()
+    mean = extra.mean()
+    if mean > 0.0:
+        extra *= min(1.0, max(groups / _FEWEST - 1.0, 0.0) / mean)
+    return _rounded((1.0 + extra) / (1.0 + extra.mean()) * groups)
+
+
+def _near(inside: np.ndarray) -> np.ndarray:
+    """Return 1 inside and beside it, else 0: a pixel at the outline may show between its rays what they look for."""
+    return cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
 
 
 def _rounded(shares: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ The denoiser trusts guides, and would draw the moire of too few rays into the pi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import drjit as dr
 import mitsuba as mi
@@ -33,8 +35,18 @@ _SEED = 0x6D15
 _MAX_INTERFACES = 16
 
 
-def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the guides of one eye, and where it sees glass.
+@dataclass(frozen=True, eq=False)
+class Guides:
+    """What the denoiser is guided by, and what pixels show first."""
+
+    albedo: np.ndarray  #: (H, W, 3) float32, reflectance of the first rough surfaces; the sky's exposed radiance
+    normal: np.ndarray  #: (H, W, 3) float32, their normals, world frame
+    glass: np.ndarray  #: (H, W) bool, whether any ray meets glass first ...
+    polished: np.ndarray  #: ... and whether any meets a polished opaque surface first
+
+
+def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> Guides:
+    """Return the guides of one eye, and where it sees glass and polish.
 
     Parameters
     ----------
@@ -47,12 +59,9 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
 
     Returns
     -------
-    albedo : (H, W, 3) float32
-        Reflectance of the first rough surfaces in [0, 1]; the sky's exposed radiance, cut at 1, where there is none.
-    normal : (H, W, 3) float32
-        Their normals, world frame, weighted like the albedo and so shorter than 1 behind glass.
-    glass : (H, W) bool
-        Where any of the rays meets glass first.
+    Guides
+        The albedo lies in [0, 1]; the sky's radiance is cut at 1. Normals are weighted like the albedo, and so shorter
+        than 1 behind glass.
     """
     view, shape = pinhole(camera, eye), (camera.height, camera.width)
     every = np.arange(camera.width * camera.height, dtype=np.uint32)
@@ -62,8 +71,9 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> tuple[np.
     if len(chosen):
         values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _FIRST, _MORE)[0]
         counts[chosen] += _MORE
-    albedo, normal, glass = np.split((values / counts).astype(np.float32).T, (3, 6), axis=1)
-    return albedo.reshape(*shape, 3), normal.reshape(*shape, 3), glass.reshape(shape) > 0.0
+    albedo, normal, glass, polished = np.split((values / counts).astype(np.float32).T, (3, 6, 7), axis=1)
+    first = (x.reshape(shape) > 0.0 for x in (glass, polished))
+    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *first)
 
 
 def _guides(
@@ -71,8 +81,8 @@ def _guides(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Follow `count` rays through each pixel, from number `first` of its sequence on.
 
-    Returns the sums of albedo, normal and whether glass is first, (7, pixels), and how far apart the rays of a pixel
-    are in any of these, (pixels,).
+    Returns the sums of albedo, normal and whether glass or polish is first, (8, pixels), and how far apart the rays of
+    a pixel are in any of these, (pixels,).
     """
     lane = dr.arange(mi.UInt32, len(pixel) * count)
     each = dr.opaque(mi.UInt32, count)
@@ -83,9 +93,10 @@ def _guides(
     u, v, *_ = four(points, mi.UInt32(0))
     ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
     strength = dr.opaque(mi.Float, exposure)
-    albedo, normal, mirrored, share, glass = _followed(kernel, ray, strength)
+    albedo, normal, mirrored, share, glass, polished = _followed(kernel, ray, strength)
     albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
-    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), dr.select(glass, mi.Float(1.0), 0.0))
+    first = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (glass, polished))
+    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), *first)
     dr.eval(columns)
     sums = [dr.block_sum(column, count) for column in columns]
     ranges = [dr.block_reduce(dr.ReduceOp.Max, x, count) - dr.block_reduce(dr.ReduceOp.Min, x, count) for x in columns]
@@ -99,15 +110,15 @@ def _guides(
 @dr.syntax
 def _followed(
     kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
-) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool]:
+) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool, mi.Bool]:
     """Follow rays to the first rough surface.
 
-    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass.
+    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass, or polished.
     """
     scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
     ray, active, bounces = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0)
     weight, albedo, normal = mi.Color3f(1.0), mi.Color3f(0.0), mi.Normal3f(0.0)
-    mirrored, share, glass = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False)
+    mirrored, share, glass, polished = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False), mi.Bool(False)
 
     while dr.hint(active, exclude=[table, scene, exposure, offset]):
         # (The rays of a pixel toss no coins and stay neighbours.)
@@ -122,6 +133,7 @@ def _followed(
         albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
         rough = hit & (opaque | (alpha > 0.0))
         glass |= hit & ~opaque & (bounces == 0)
+        polished |= dr.gather(mi.Bool, table.polished, registry_id(si.shape), hit & (bounces == 0))
         colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
         albedo += dr.select(rough, weight * colour, 0.0)
         # (`dr.mean` would write the number of rays into the kernel.)
@@ -137,4 +149,4 @@ def _followed(
         ray = leave(si, direction, offset)
         bounces += 1
 
-    return albedo, normal, mirrored, share, glass
+    return albedo, normal, mirrored, share, glass, polished

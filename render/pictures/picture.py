@@ -14,8 +14,8 @@ from ...procedural.surroundings.description import Camera
 from ..rays import Pinhole, pinhole, pixel_rays
 from ..scene.kernel import Kernel
 from ..scene.spectrum import draw_wavelengths
-from .allocation import group_counts
-from .guides import trace_guides
+from .allocation import Worth, group_counts
+from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
 from .sampler import Samples, four, samples
 from .tally import Tally
@@ -31,8 +31,8 @@ FEW_VIOLATIONS = 10
 #: noise. A variance from sixteen groups is off by 37 % in one pixel (chi-square with fifteen degrees of freedom), by
 #: 0.1 % over the pixels of a small picture.
 _GROUPS = 16
-#: Samples of a pixel that shows glass over those of one that does not, where paths are traced (docs/performance.md).
-PATHS_RATIO = 4.0
+#: Where samples pay if paths are traced (docs/performance.md).
+PATHS_WORTH = Worth(glass=4.0, polished=1.0)
 #: Samples a pixel below which all pixels get as many.
 LEAST_ADAPTIVE = 4
 
@@ -56,11 +56,11 @@ class Tracer:
 
     #: Given a kernel, rays, their weight, sample points and `Picture`; as `integrator.trace`.
     trace: Callable[[Kernel, mi.Ray3f, mi.UnpolarizedSpectrum, Samples, Picture], Radiance]
-    ratio: float  #: samples of a pixel that shows glass over those of one that does not
+    worth: Worth
 
 
 #: The path tracer, which is what all else is compared with.
-PATHS = Tracer(trace, PATHS_RATIO)
+PATHS = Tracer(trace, PATHS_WORTH)
 
 
 class MediumError(RuntimeError):
@@ -89,20 +89,21 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: T
         If more than hairline cracks let light change its medium.
     """
     picture, pixels = kernel.description.picture, camera.width * camera.height
-    albedo, normal, glass = trace_guides(kernel, camera, eye)
+    guides = trace_guides(kernel, camera, eye)
     source = _Source(kernel, pinhole(camera, eye), seed, tracer)
     tally, counts, spp = Tally(pixels), np.zeros(2, np.int64), 0
     most = _most(picture)
     while spp < most:
         batch = min(picture.spp, most - spp)
-        counts += _one_batch(source, tally, glass, batch)
+        counts += _one_batch(source, tally, guides, batch)
         spp += batch
         check_media(counts, eye)
         if picture.noise is not None and tally.noise(camera.exposure) <= picture.noise:
             break
     shape = (camera.height, camera.width, 3)
     radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (tally.means, tally.variance))
-    return Noisy(radiance, variance, albedo, normal, tally.noise(camera.exposure), spp, float(counts[0] / counts[1]))
+    noise, violations = tally.noise(camera.exposure), float(counts[0] / counts[1])
+    return Noisy(radiance, variance, guides.albedo, guides.normal, noise, spp, violations)
 
 
 def _most(picture: Picture) -> int:
@@ -112,6 +113,10 @@ def _most(picture: Picture) -> int:
 
 def _is_adaptive(picture: Picture, batch: int) -> bool:
     return picture.adaptive and batch >= LEAST_ADAPTIVE
+
+
+def _most_worth(worth: Worth) -> int:
+    return int(max(worth.glass, worth.polished))
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +129,12 @@ class _Source:
     tracer: Tracer
 
 
-def _one_batch(source: _Source, tally: Tally, glass: np.ndarray, batch: int) -> np.ndarray:
+def _one_batch(source: _Source, tally: Tally, guides: Guides, batch: int) -> np.ndarray:
     """Take a batch of samples a pixel on the average; return the violations and the segments."""
-    size, every = max(1, batch // _GROUPS), np.ones(glass.size, np.int64)
+    size, every = max(1, batch // _GROUPS), np.ones(guides.glass.size, np.int64)
     if _is_adaptive(source.kernel.description.picture, batch):
-        counts, larger = group_counts(glass, batch, size, source.tracer.ratio), int(source.tracer.ratio)
+        worth = source.tracer.worth
+        counts, larger = group_counts(guides.glass, guides.polished, worth, batch / size), _most_worth(worth)
         # Where there are many, larger groups tell the noise as well and are fewer numbers to add.
         large = np.where(counts >= 2 * larger, counts // larger, 0)
         some = _some_groups(source, tally, large, larger * size)
@@ -159,7 +165,7 @@ def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -
 def _one_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, size: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = source.kernel.description.picture
-    longest = _most(picture) * (int(source.tracer.ratio) if _is_adaptive(picture, picture.spp) else 1)
+    longest = _most(picture) * (_most_worth(source.tracer.worth) if _is_adaptive(picture, picture.spp) else 1)
     ray, weight, points = camera_paths(source.view, pixel, index, size, longest, source.seed)
     result = source.tracer.trace(source.kernel, ray, weight, points, picture)
     # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.

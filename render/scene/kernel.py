@@ -8,6 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...procedural.description import TABLE_ID, Interface, Prop, Scene, Vessel
+from ...procedural.materials.description import OpaqueMaterial
 from ...procedural.mesh import Mesh, as_trimesh
 from ...procedural.optics.medium import AIR
 from .lighting import area_light, envmap, keep_numbers_out_of_kernels
@@ -20,6 +21,9 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
 #: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
 RAY_OFFSET = 2.0**-20
+#: Roughness up to which opaque surfaces count as polished: lamps in them are sharp (GGX alpha of 0.16) and noisy.
+#: Metals do at any roughness, as all of their light is mirrored.
+POLISHED = 0.4
 
 
 #: Longest edge of opaque meshes at whose vertices light is stored [m], and the most triangles that are still cut.
@@ -113,7 +117,7 @@ def _opaque_body(scene: Scene, row: int, mesh: Mesh, world_T_mesh: np.ndarray, s
 
 
 def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:
-    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, polished=_polished(scene.table.material))
     return [(repeated(scene.table.mesh, scene.table.material), np.eye(4), bsdf, surface)]
 
 
@@ -122,6 +126,11 @@ def _object_bodies(scene: Scene, glass: mi.BSDF | None) -> list[tuple]:
     for index, item in enumerate(scene.objects):
         bodies += _vessel_bodies(item, index, glass) if isinstance(item, Vessel) else [_prop_body(item, index)]
     return bodies
+
+
+def _polished(material: OpaqueMaterial) -> bool:
+    """Return whether pixels that show the material need more samples."""
+    return material.roughness <= POLISHED or material.metallic >= 0.5
 
 
 def _vessel_bodies(vessel: Vessel, index: int, glass: mi.BSDF | None) -> list[tuple]:
@@ -141,7 +150,7 @@ def _glass_bsdf(interface: Interface) -> mi.BSDF:
 
 
 def _prop_body(prop: Prop, index: int) -> tuple:
-    surface = Surface(prop.id, index, True, AIR, AIR, 0.0)
+    surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_polished(prop.material))
     bsdf = mi.load_dict(opaque_bsdf(prop.material))
     return repeated(prop.mesh, prop.material), prop.world_T_object, bsdf, surface
 

@@ -28,6 +28,7 @@ class Surface:
     back: Medium
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
+    polished: bool = False  #: whether it is opaque and mirrors clearly
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class SurfaceTable:
     back: mi.UInt32
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
+    polished: mi.Bool
     eta: mi.Float  #: by medium, at the d line: what labels use
     sigma_a: mi.Float  #: by medium and linear Rec.709 colour, 3 numbers each [1/m]: what labels use
     index: mi.Float  #: by medium, for pictures in the active variant (`spectrum.index_at`)
@@ -72,6 +74,7 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
         back=column(mi.UInt32, [media.index(row.back) for row in rows]),
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
+        polished=column(mi.Bool, [row.polished for row in rows]),
         eta=column(mi.Float, [medium.eta for medium in media]),
         sigma_a=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
         index=column(mi.Float, index.astype(np.float32).ravel()),

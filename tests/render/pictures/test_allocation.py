@@ -16,9 +16,13 @@ SIGNIFICANCE = 1e-3
 
 @pytest.fixture
 def counts():
-    from glassware.render.pictures.allocation import group_counts
+    from glassware.render.pictures.allocation import Worth, group_counts
 
-    return lambda glass, spp, size, ratio=4.0: group_counts(glass, spp, size, ratio)
+    def counts(glass: np.ndarray, spp: int, size: int, polished: np.ndarray | None = None) -> np.ndarray:
+        polished = np.zeros_like(glass) if polished is None else polished
+        return group_counts(glass, polished, Worth(glass=4.0, polished=2.0), spp / size)
+
+    return counts
 
 
 def _spot(height: int = 20, width: int = 30) -> np.ndarray:
@@ -41,6 +45,18 @@ def test_glass_and_what_touches_it_get_four_times_the_rest(counts):
     assert np.ptp(shared[near]) <= 1
     assert np.ptp(shared[~near]) <= 1
     assert shared[near].mean() / shared[~near].mean() == pytest.approx(4.0, rel=1.0 / shared[~near].sum() * near.size)
+
+
+def test_polish_gets_its_share_and_glass_upon_polish_that_of_glass(counts):
+    polished = np.zeros((20, 30), bool)
+    polished[:, :14] = True
+    shared = counts(_spot(), 256, 4, polished).reshape(20, 30)
+    glass, near = np.zeros((2, 20, 30), bool)
+    glass[7:13, 9:16], near[:, :15] = True, True
+    rest = ~glass & ~near
+    rounding = 1.0 / shared[rest].mean()
+    assert shared[near & ~glass].mean() / shared[rest].mean() == pytest.approx(2.0, rel=rounding)
+    assert shared[glass].mean() / shared[rest].mean() == pytest.approx(4.0, rel=rounding)
 
 
 @pytest.mark.parametrize("everywhere", [False, True])

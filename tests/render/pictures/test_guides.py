@@ -16,10 +16,9 @@ def on_table(backend, glasses):
     """(texture, repeats) -> the glasses on a table with it, loaded."""
     from glassware.render.scene.kernel import load
 
-    def make(texture, repeats: float = 1.0):
-        material = glasses.table.material.model_copy(
-            update={"base_colour": texture, "repeats": repeats, "metallic": 0.0}
-        )
+    def make(texture, repeats: float = 1.0, **look: float):
+        looks = {"base_colour": texture, "repeats": repeats, "metallic": 0.0} | look
+        material = glasses.table.material.model_copy(update=looks)
         return load(glasses.model_copy(update={"table": glasses.table.model_copy(update={"material": material})}))
 
     return make
@@ -44,7 +43,7 @@ def _guides(kernel):
 
 def test_glass_is_where_the_geometry_has_it(on_table):
     kernel = on_table(UniformTexture(colour=PLAIN))
-    *_, glass = _guides(kernel)
+    glass = _guides(kernel).glass
     vessels = np.isin(_ids(kernel), [vessel.id for vessel in kernel.description.vessels])
     assert glass[_only(vessels)].all()
     assert not glass[maximum_filter(vessels.astype(int), size=3) == 0].any()
@@ -53,7 +52,8 @@ def test_glass_is_where_the_geometry_has_it(on_table):
 
 def test_a_plain_table_shows_its_colour_and_its_normal(on_table):
     kernel = on_table(UniformTexture(colour=PLAIN))
-    albedo, normal, _ = _guides(kernel)
+    guides = _guides(kernel)
+    albedo, normal = guides.albedo, guides.normal
     table = _only(_ids(kernel) == 1)
     assert table.sum() > 100
     # The principled model's diffuse reflectance is the base colour.
@@ -64,7 +64,7 @@ def test_a_plain_table_shows_its_colour_and_its_normal(on_table):
 def test_a_pattern_finer_than_pixels_shows_its_mean_and_no_moire(on_table):
     chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
     kernel = on_table(chequered, 400.0)
-    albedo = _guides(kernel)[0][_only(_ids(kernel) == 1)][:, 0]
+    albedo = _guides(kernel).albedo[_only(_ids(kernel) == 1)][:, 0]
     # 20 independent places would leave 0.4 / sqrt(20) = 0.09 of noise; four alone leave 0.2.
     assert albedo.std() < 0.4 / np.sqrt(20)
     assert abs(albedo.mean() - 0.5) < 4 * 0.4 / np.sqrt(20 * len(albedo))
@@ -76,14 +76,15 @@ def test_the_first_four_rays_alone_would_not_do(on_table, monkeypatch):
     monkeypatch.setattr(guides, "_DISAGREE", np.inf)
     chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
     kernel = on_table(chequered, 400.0)
-    assert _guides(kernel)[0][_only(_ids(kernel) == 1)][:, 0].std() > 0.4 / np.sqrt(20)
+    assert _guides(kernel).albedo[_only(_ids(kernel) == 1)][:, 0].std() > 0.4 / np.sqrt(20)
 
 
 def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_share(on_table):
     from glassware.render.labels.refraction import trace_refraction
 
     kernel = on_table(UniformTexture(colour=PLAIN))
-    albedo, _, glass = _guides(kernel)
+    guides = _guides(kernel)
+    albedo, glass = guides.albedo, guides.glass
     end = trace_refraction(kernel, [kernel.description.cameras[0]])[0]
     shown = _only(glass) & _only(end.id == 1)
     assert shown.sum() > 30
@@ -93,3 +94,12 @@ def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_
     mirrored = np.median(albedo[shown] - passed, axis=0)
     assert (mirrored > 0.0).all()
     assert (mirrored < 0.2).all()
+
+
+@pytest.mark.parametrize(("roughness", "metallic", "shines"), [(0.2, 0.0, True), (0.6, 0.0, False), (0.7, 1.0, True)])
+def test_polish_is_where_a_smooth_or_metal_table_is_seen_first(on_table, roughness, metallic, shines):
+    kernel = on_table(UniformTexture(colour=PLAIN), roughness=roughness, metallic=metallic)
+    polished, table = _guides(kernel).polished, _ids(kernel) == 1
+    assert _only(table).sum() > 100
+    assert (polished[_only(table)] == shines).all()
+    assert not polished[maximum_filter(table.astype(int), size=3) == 0].any()
