@@ -96,9 +96,7 @@ class Picture(Model):
         description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
     )
     max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
-    adaptive: bool = Field(
-        default=True, description="Whether pixels that show glass get four times the samples of others"
-    )
+    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples than others")
     light: Literal["auto", "path", "shared"] = Field(
         default="auto",
         description="Trace the light anew for every picture (path), store it once per scene and read it in every "

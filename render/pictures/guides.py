@@ -107,7 +107,6 @@ def _guides(
     return np.stack([np.array(x, np.float64) for x in sums]), np.array(differ)
 
 
-@dr.syntax
 def _followed(
     kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
 ) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool, mi.Bool]:
@@ -115,38 +114,49 @@ def _followed(
 
     Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass, or polished.
     """
-    scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
-    ray, active, bounces = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0)
-    weight, albedo, normal = mi.Color3f(1.0), mi.Color3f(0.0), mi.Normal3f(0.0)
-    mirrored, share, glass, polished = mi.Ray3f(ray), mi.Float(0.0), mi.Bool(False), mi.Bool(False)
+    scene, table = kernel.mi_scene, kernel.surfaces
+    ray, pi, weight, mirrored, share, bounces = _through_smooth_glass(kernel, ray, wanted)
+    # What is met is shaded here, once for all: the loop knows glass alone.
+    si = pi.compute_surface_interaction(ray, mi.RayFlags.All, wanted)
+    hit, row = wanted & si.is_valid(), registry_id(si.shape)
+    opaque, _, _, _, ns = met(table, si, ray, hit)
+    rough = opaque | (dr.gather(mi.Float, table.alpha, row, hit) > 0.0)
+    light = exposure * grey_guide(si.emitter(scene, wanted).eval(si, wanted))
+    colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
+    albedo = dr.select(wanted, weight * dr.minimum(light, 1.0), 0.0) + dr.select(hit & rough, weight * colour, 0.0)
+    # (`dr.mean` would write the number of rays into the kernel.)
+    normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * ns, 0.0)
+    direct = hit & (bounces == 0)
+    glass = (wanted & (bounces > 0)) | (direct & ~opaque)
+    return albedo, normal, mirrored, share, glass, dr.gather(mi.Bool, table.polished, row, direct)
 
-    while dr.hint(active, exclude=[table, scene, exposure, offset]):
+
+@dr.syntax
+def _through_smooth_glass(
+    kernel: Kernel, ray: mi.Ray3f, wanted: bool | mi.Bool
+) -> tuple[mi.Ray3f, mi.PreliminaryIntersection3f, mi.Color3f, mi.Ray3f, mi.Float, mi.UInt32]:
+    """Return the last segments of rays, what these meet, their weights, the mirrored rays, and how many they passed."""
+    scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
+    ray, active, bounces, weight = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0), mi.Color3f(1.0)
+    mirrored, share, pi = mi.Ray3f(ray), mi.Float(0.0), dr.zeros(mi.PreliminaryIntersection3f)
+
+    while dr.hint(active, exclude=[table, scene, offset]):
         # (The rays of a pixel toss no coins and stay neighbours.)
-        si = scene.ray_intersect(ray, mi.RayFlags.All, True, active)
+        pi = scene.ray_intersect_preliminary(ray, True, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         opaque, facing, beyond, n, ns = met(table, si, ray, hit)
         weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
         alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape), hit)
+        active = hit & ~opaque & (alpha == 0.0) & (bounces < _MAX_INTERFACES)
 
-        emitter = si.emitter(scene, active)
-        light = exposure * grey_guide(emitter.eval(si, active))
-        albedo += dr.select(active, weight * dr.minimum(light, 1.0), 0.0)
-        rough = hit & (opaque | (alpha > 0.0))
-        glass |= hit & ~opaque & (bounces == 0)
-        polished |= dr.gather(mi.Bool, table.polished, registry_id(si.shape), hit & (bounces == 0))
-        colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
-        albedo += dr.select(rough, weight * colour, 0.0)
-        # (`dr.mean` would write the number of rays into the kernel.)
-        normal += dr.select(rough, dr.sum(weight) / 3.0 * ns, 0.0)
+        if dr.hint(active, exclude=[table, scene, offset]):
+            eta = dr.gather(mi.Float, table.eta, beyond) / dr.gather(mi.Float, table.eta, facing)
+            direction, passed = through(-ray.d, n, ns, eta)
+            mirrored = dr.select(bounces == 0, leave(si, mi.reflect(-ray.d, n), offset), mirrored)
+            share = dr.select(bounces == 0, 1.0 - passed, share)
+            weight *= passed
+            ray = leave(si, direction, offset)
+            bounces += 1
 
-        active = hit & ~rough & (bounces < _MAX_INTERFACES)
-        eta = dr.gather(mi.Float, table.eta, beyond, active) / dr.gather(mi.Float, table.eta, facing)
-        direction, passed = through(-ray.d, n, ns, eta)
-        first = active & (bounces == 0)
-        mirrored = dr.select(first, leave(si, mi.reflect(-ray.d, n), offset), mirrored)
-        share = dr.select(first, 1.0 - passed, share)
-        weight *= passed
-        ray = leave(si, direction, offset)
-        bounces += 1
-
-    return albedo, normal, mirrored, share, glass, polished
+    return ray, pi, weight, mirrored, share, bounces
