@@ -21,8 +21,8 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
 #: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
 RAY_OFFSET = 2.0**-20
-#: Roughness up to which opaque surfaces count as polished: lamps in them are sharp (GGX alpha of 0.16) and noisy.
-#: Metals do at any roughness, as all of their light is mirrored.
+#: Roughness up to which props count as polished: lamps in them are sharp (GGX alpha of 0.16) and noisy. Metals do at any
+#: roughness, as all of their light is mirrored. Tables never do: they are flat, and the denoiser cleans what they mirror.
 POLISHED = 0.4
 
 
@@ -117,7 +117,7 @@ def _opaque_body(scene: Scene, row: int, mesh: Mesh, world_T_mesh: np.ndarray, s
 
 
 def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:
-    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, polished=_polished(scene.table.material))
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
     return [(repeated(scene.table.mesh, scene.table.material), np.eye(4), bsdf, surface)]
 
 
@@ -129,7 +129,7 @@ def _object_bodies(scene: Scene, glass: mi.BSDF | None) -> list[tuple]:
 
 
 def _polished(material: OpaqueMaterial) -> bool:
-    """Return whether pixels that show the material need more samples."""
+    """Return whether pixels that show a prop of the material need more samples."""
     return material.roughness <= POLISHED or material.metallic >= 0.5
 
 

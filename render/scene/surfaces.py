@@ -28,7 +28,7 @@ class Surface:
     back: Medium
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
-    polished: bool = False  #: whether it is opaque and mirrors clearly
+    polished: bool = False  #: whether it is a prop that mirrors clearly
 
 
 @dataclass(frozen=True, eq=False)

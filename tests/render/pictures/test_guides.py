@@ -97,9 +97,22 @@ def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_
 
 
 @pytest.mark.parametrize(("roughness", "metallic", "shines"), [(0.2, 0.0, True), (0.6, 0.0, False), (0.7, 1.0, True)])
-def test_polish_is_where_a_smooth_or_metal_table_is_seen_first(on_table, roughness, metallic, shines):
-    kernel = on_table(UniformTexture(colour=PLAIN), roughness=roughness, metallic=metallic)
-    polished, table = _guides(kernel).polished, _ids(kernel) == 1
-    assert _only(table).sum() > 100
-    assert (polished[_only(table)] == shines).all()
-    assert not polished[maximum_filter(table.astype(int), size=3) == 0].any()
+def test_polish_is_where_a_smooth_or_metal_prop_is_seen_first(backend, drawn, roughness, metallic, shines):
+    from glassware.render.scene.kernel import load
+
+    view = {"views": 1, "width": 96, "height": 64, "slack": (1.0, 1.0)}
+    scene = drawn(12, vessel_count=(0, 0), prop_count=(2, 2), cameras=view)
+    look = {"roughness": roughness, "metallic": metallic}
+    first, *others = scene.props
+    first = first.model_copy(update={"material": first.material.model_copy(update=look)})
+    dull = {"roughness": 0.9, "metallic": 0.0}
+    others = [prop.model_copy(update={"material": prop.material.model_copy(update=dull)}) for prop in others]
+    kernel = load(scene.model_copy(update={"props": (first, *others)}))
+    polished, inside = _guides(kernel).polished, _ids(kernel) == first.id
+    assert _only(inside).sum() > 20
+    assert (polished[_only(inside)] == shines).all()
+    assert not polished[maximum_filter(inside.astype(int), size=3) == 0].any()
+
+
+def test_a_polished_table_counts_as_any_other(on_table):
+    assert not _guides(on_table(UniformTexture(colour=PLAIN), roughness=0.1)).polished.any()
