@@ -95,8 +95,8 @@ def _guides(
     strength = dr.opaque(mi.Float, exposure)
     albedo, normal, mirrored, share, glass, polished = _followed(kernel, ray, strength)
     albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
-    first = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (glass, polished))
-    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), *first)
+    seen = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (glass, polished))
+    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), *seen)
     dr.eval(columns)
     sums = [dr.block_sum(column, count) for column in columns]
     ranges = [dr.block_reduce(dr.ReduceOp.Max, x, count) - dr.block_reduce(dr.ReduceOp.Min, x, count) for x in columns]
