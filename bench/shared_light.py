@@ -156,7 +156,8 @@ def _lit(name: str, options: Options) -> _Lit:
 
 def _curves(lit: _Lit, options: Options) -> tuple[list[Point], list[Point]]:
     """Measure both ways in turn, so that whatever else the machine does meets both."""
-    render(lit.ours, 1, 0, tracer=lit.tracer)  # compiles
+    for tracer in (PATHS, lit.tracer):
+        render(lit.ours, min(options.spp), 0, tracer=tracer)  # compiles, for more samples where glass is as well
     curves: tuple[list[Point], list[Point]] = ([], [])
     for spp in sorted({*options.spp, options.level}):
         figures: tuple[list, list] = ([], [])
