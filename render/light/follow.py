@@ -30,7 +30,7 @@ from ..scene.surfaces import AIR_INDEX, met, registry_id
 from .bright import Bright, bright_map, steered
 from .stored import StoredLight, opaque_light
 
-#: Where samples pay: stored light leaves little noise but in glass and in what polish mirrors (docs/performance.md).
+#: Where samples pay: stored light leaves little noise but in glass and in what polish mirrors (docs/design.md).
 WORTH = Worth(glass=16.0, polished=6.0)
 #: Surfaces that rays meet in the first round. Then those that are left are gathered, and go on to their ends. (More
 #: rounds before that save as much as they cost.)

@@ -24,6 +24,11 @@ class Worth:
     glass: float
     polished: float
 
+    @property
+    def most(self) -> int:
+        """The most that any pixel gets."""
+        return int(max(self.glass, self.polished))
+
 
 def group_counts(glass: np.ndarray, polished: np.ndarray, worth: Worth, groups: float) -> np.ndarray:
     """Share out groups of samples.

@@ -56,7 +56,7 @@ class Tracer:
 
     #: Given a kernel, rays, their weight, sample points and `Picture`; as `integrator.trace`.
     trace: Callable[[Kernel, mi.Ray3f, mi.UnpolarizedSpectrum, Samples, Picture], Radiance]
-    worth: Worth
+    worth: Worth  #: where samples pay then
 
 
 #: The path tracer, which is what all else is compared with.
@@ -115,10 +115,6 @@ def _is_adaptive(picture: Picture, batch: int) -> bool:
     return picture.adaptive and batch >= LEAST_ADAPTIVE
 
 
-def _most_worth(worth: Worth) -> int:
-    return int(max(worth.glass, worth.polished))
-
-
 @dataclass(frozen=True, eq=False)
 class _Source:
     """What the samples of one picture come from."""
@@ -134,7 +130,7 @@ def _one_batch(source: _Source, tally: Tally, guides: Guides, batch: int) -> np.
     size, every = max(1, batch // _GROUPS), np.ones(guides.glass.size, np.int64)
     if _is_adaptive(source.kernel.description.picture, batch):
         worth = source.tracer.worth
-        counts, larger = group_counts(guides.glass, guides.polished, worth, batch / size), _most_worth(worth)
+        counts, larger = group_counts(guides.glass, guides.polished, worth, batch / size), worth.most
         # Where there are many, larger groups tell the noise as well and are fewer numbers to add.
         large = np.where(counts >= 2 * larger, counts // larger, 0)
         some = _some_groups(source, tally, large, larger * size)
@@ -165,7 +161,7 @@ def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -
 def _one_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, size: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = source.kernel.description.picture
-    longest = _most(picture) * (_most_worth(source.tracer.worth) if _is_adaptive(picture, picture.spp) else 1)
+    longest = _most(picture) * (source.tracer.worth.most if _is_adaptive(picture, picture.spp) else 1)
     ray, weight, points = camera_paths(source.view, pixel, index, size, longest, source.seed)
     result = source.tracer.trace(source.kernel, ray, weight, points, picture)
     # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.

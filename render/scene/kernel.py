@@ -21,8 +21,8 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
 #: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
 RAY_OFFSET = 2.0**-20
-#: Roughness up to which props count as polished: lamps in them are sharp (GGX alpha of 0.16) and noisy. Metals do at
-#: any roughness, as all of their light is mirrored. Tables never do: the denoiser cleans what their flat tops mirror.
+#: Roughness up to which props count as polished: lamps in them are sharp (GGX alpha of 0.16) and noisy. What is mostly
+#: metal does at any roughness: its light is mirrored. Tables never do: the denoiser cleans what their flat tops mirror.
 POLISHED = 0.4
 
 

@@ -13,7 +13,7 @@ DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
 
 @pytest.fixture(scope="module")
 def on_table(backend, glasses):
-    """(texture, repeats) -> the glasses on a table with it, loaded."""
+    """(texture, repeats, other looks) -> the glasses on a table with it, loaded."""
     from glassware.render.scene.kernel import load
 
     def make(texture, repeats: float = 1.0, **look: float):
