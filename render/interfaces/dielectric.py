@@ -39,6 +39,7 @@ def scatter(
     coin: mi.Float,
     seed: mi.UInt32,
     odds: Odds | None = None,
+    first: mi.Point3f | None = None,
 ) -> Scattered:
     """Scatter at an interface.
 
@@ -58,6 +59,8 @@ def scatter(
         Seed of the walk on the microsurface, where rough.
     odds : callable, optional
         How often to mirror; by default as often as Fresnel's share says. The weight makes up for it.
+    first : mi.Point3f, optional
+        As in `microsurface.walk`, where rough.
     """
     facet = upright_normal(wi, n, ns, eta)
     cos_i = dr.dot(wi, facet)
@@ -70,7 +73,7 @@ def scatter(
 
     if alpha > 0.0:
         frame = mi.Frame3f(facet)
-        local, transmitted, alive = walk(frame.to_local(wi), alpha, eta, seed)
+        local, transmitted, alive = walk(frame.to_local(wi), alpha, eta, seed, first)
         direction = frame.to_world(local)
         # A shading normal may leave the walk on the wrong side of the real surface: the ray is mirrored back to the
         # side that it chose, which keeps its light.

@@ -19,7 +19,9 @@ MAX_FACETS = 32
 
 
 @dr.syntax
-def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tuple[mi.Vector3f, mi.Bool, mi.Bool]:
+def walk(
+    wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32, first: mi.Point3f | None = None
+) -> tuple[mi.Vector3f, mi.Bool, mi.Bool]:
     """Follow a ray over the microsurface of an interface until it leaves.
 
     Parameters
@@ -32,6 +34,8 @@ def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tu
         Index behind the surface over the index before it.
     seed : mi.UInt32
         Seed of the walk's own random numbers.
+    first : mi.Point3f, optional
+        Numbers for the first facet, two for its normal and one for Fresnel's coin, where better ones are to be had.
 
     Returns
     -------
@@ -54,6 +58,11 @@ def walk(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tu
         walking &= ~leaves
         facet_at = mi.Point2f(numbers.next_float32(), numbers.next_float32())
         coin = numbers.next_float32()
+        if first is not None:
+            given = facets == 0
+            facet_at.x = dr.select(given, first.x, facet_at.x)
+            facet_at.y = dr.select(given, first.y, facet_at.y)
+            coin = dr.select(given, first.z, coin)
         if walking:
             towards = -sign * direction
             facet = visible_facet(towards, alpha, facet_at)

@@ -37,10 +37,21 @@ _HEAVY = 2.0
 
 
 @dataclass(frozen=True, eq=False)
+class Lamp:
+    """A rectangle that shines on the side that `across` x `up` points to."""
+
+    centre: mi.Point3f
+    across: mi.Vector3f  #: from the centre to the middle of an edge, over the square of that distance [1/m]
+    up: mi.Vector3f
+    light: mi.Float  #: luminance
+
+
+@dataclass(frozen=True, eq=False)
 class Bright:
     """Light by direction, as far as it is known without looking at the scene."""
 
     cells: mi.Float  #: (CELLS * CELLS,) luminance by octahedral coordinates, row by row
+    lamps: tuple[Lamp, ...]  #: as they are, for those who know where they stand
 
 
 def bright_map(scene: Scene) -> Bright:
@@ -58,7 +69,17 @@ def bright_map(scene: Scene) -> Bright:
     light = np.where(direction[..., 2] < 0.0, ground, light).mean(-1)
     cells = mi.Float(np.maximum(light, _LEAST * ground).astype(np.float32).ravel())
     dr.make_opaque(cells)
-    return Bright(cells)
+    return Bright(cells, tuple(_lamp(light) for light in scene.lights))
+
+
+def _lamp(light: AreaLight) -> Lamp:
+    pose = light.world_T_light
+    across, up = (2.0 / size * pose[:3, axis] for axis, size in enumerate(light.size))
+    centre, across, up = (tuple(map(float, vector)) for vector in (pose[:3, 3], across, up))
+    shines = mi.Float(float(luminance(np.array(light.radiance))))
+    lamp = Lamp(mi.Point3f(*centre), mi.Vector3f(*across), mi.Vector3f(*up), shines)
+    dr.make_opaque(lamp.centre, lamp.across, lamp.up, lamp.light)
+    return lamp
 
 
 def octahedral(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -97,6 +118,19 @@ def light_from(bright: Bright, direction: mi.Vector3f) -> mi.Float:
     v = dr.select(under, dr.copysign(1.0 - dr.abs(x), y), y)
     column, row = (mi.UInt32(dr.clip((0.5 * c + 0.5) * CELLS, 0.0, CELLS - 1.0)) for c in (u, v))
     return dr.gather(mi.Float, bright.cells, row * CELLS + column)
+
+
+def light_along(bright: Bright, p: mi.Point3f, direction: mi.Vector3f) -> mi.Float:
+    """Return the light that a ray from `p` is likely to meet: of the cell, or of the lamp that stands there."""
+    light = light_from(bright, direction)
+    for lamp in bright.lamps:
+        normal, away = dr.cross(lamp.across, lamp.up), lamp.centre - p
+        towards = dr.dot(direction, normal)
+        t = dr.dot(away, normal) / towards
+        at = t * direction - away
+        inside = (dr.abs(dr.dot(at, lamp.across)) < 1.0) & (dr.abs(dr.dot(at, lamp.up)) < 1.0)
+        light = dr.select((t > 0.0) & (towards < 0.0) & inside, dr.maximum(light, lamp.light), light)
+    return light
 
 
 def steered(

@@ -22,7 +22,7 @@ from ..interfaces.dielectric import scatter
 from ..pictures.allocation import Worth
 from ..pictures.integrator import SURVIVE, Radiance, ran_into, relative_index
 from ..pictures.picture import Tracer
-from ..pictures.sampler import Samples, hashed, one
+from ..pictures.sampler import Samples, four, hashed, one
 from ..rays import leave
 from ..scene.kernel import Kernel
 from ..scene.spectrum import absorption_at
@@ -66,7 +66,8 @@ class Chain:
 
 def reading(kernel: Kernel, stored: StoredLight) -> Tracer:
     """Return the tracer that reads stored light."""
-    surface, bright = opaque_light(kernel, stored), bright_map(kernel.description)
+    bright = bright_map(kernel.description)
+    surface = opaque_light(kernel, stored, bright)
 
     def trace(
         kernel: Kernel, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, points: Samples, picture: Picture
@@ -173,7 +174,7 @@ def _through_glass(
             eta = relative_index(table, facing, beyond, si.wavelengths)
             alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
             odds = steered(bright, dr.gather(mi.Float, table.eta, facing), dr.max(beta) * eta_scale)
-            event = scatter(-ray.d, n, ns, eta, alpha, chance, bits, odds)
+            event = scatter(-ray.d, n, ns, eta, alpha, chance, bits, odds, _first_facet(points, depth, alpha))
             beta *= event.weight
             eta_scale *= event.eta_squared
             medium = dr.select(event.transmitted, beyond, facing)
@@ -185,6 +186,16 @@ def _through_glass(
 
     state = beta, chain.L, eta_scale, pdf, delta, medium, chance, left, depth, violations, active
     return Chain(ray.o, ray.d, *state, chain.pixel, chain.index, chain.lane), pi, outside
+
+
+@dr.syntax
+def _first_facet(points: Samples, depth: mi.UInt32, alpha: mi.Float) -> mi.Point3f:
+    """Return well-spread numbers for the first facet of rough interfaces."""
+    first = mi.Point3f(0.0)
+    if dr.hint(alpha > 0.0, exclude=[points]):
+        u, v, coin, _ = four(points, 2 + 2 * depth)
+        first = mi.Point3f(u, v, coin)
+    return first
 
 
 @dr.syntax

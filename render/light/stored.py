@@ -23,14 +23,15 @@ from ..pictures.integrator import numbers_of, unshadowed
 from ..pictures.sampler import Samples
 from ..scene.kernel import Kernel
 from ..scene.surfaces import registry_id
+from .bright import Bright, light_along
 from .lobes import Gloss, glossy, sampled_gloss, schlick
 from .nodes import Nodes, lookup_of, nodes_round
 
 #: Moments of a node: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
 MOMENTS = 12
-#: Roulette follows a glossy bounce with this many times its weight. The mean stays; what it carries is then at most
-#: a third of the light that it finds.
-_FOLLOW = 3.0
+#: Roulette follows a glossy bounce with this many times its weight, times what it is likely to find over the diffuse
+#: part where that is more than 1, and never with less than `_FOLLOWED`. The mean stays.
+_FOLLOW, _FOLLOWED = 3.0, 0.2
 #: Lamps in the gloss that add less than this share of the diffuse part are looked at by roulette.
 _FAINT = 0.25
 
@@ -44,8 +45,11 @@ class StoredLight:
     samples: np.ndarray  #: (count,) paths that each node is the mean of
 
 
-def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
-    """Return what opaque surfaces do: the radiance towards the eye, and a glossy bounce with its weight and density."""
+def opaque_light(kernel: Kernel, stored: StoredLight, bright: Bright) -> Callable[..., tuple]:
+    """Return what opaque surfaces do: the radiance towards the eye, and a glossy bounce with its weight and density.
+
+    Bounces towards what is bright are seldom left out: a window that a polished table mirrors is most of its noise.
+    """
     table, lookup = kernel.surfaces, lookup_of(stored.nodes)
     values = mi.Float(np.ascontiguousarray(stored.moments, np.float32).ravel())
     look = np.zeros((dr.width(table.instance), 2), np.float32)
@@ -76,15 +80,18 @@ def opaque_light(kernel: Kernel, stored: StoredLight) -> Callable[..., tuple]:
         wi = frame.to_local(eye)
         index, weight = nodes_round(lookup, si, corner, eye, on_table)
         radiance = diffuse(gloss, wi, eye, _moments(values, index, weight))
-        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light, gamble, _FAINT * dr.max(radiance))
+        plain = dr.max(radiance)
+        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light, gamble, _FAINT * plain)
 
         wo = sampled_gloss(gloss, wi, bounce)
         value, pdf = glossy(gloss, wi, wo)
         factor = dr.select(pdf > 0.0, value / pdf, 0.0)
-        follow = dr.clip(_FOLLOW * dr.max(factor), 1e-3, 1.0)
+        direction = frame.to_world(wo)
+        hope = dr.select(plain > 0.0, light_along(bright, si.p, direction) / plain, dr.inf)
+        follow = dr.clip(_FOLLOW * dr.max(factor) * dr.maximum(hope, 1.0), _FOLLOWED, 1.0)
         factor = dr.select(lobe < follow, factor / follow, 0.0)
         radiance, factor = (dr.select(lamp, 0.0, x) for x in (radiance, factor))
-        return radiance, frame.to_world(wo), factor, pdf
+        return radiance, direction, factor, pdf
 
     return event
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import chisquare
+from scipy.stats import chisquare, ks_2samp
 
 #: float32 directions through a square root near total reflection.
 ANGLE_TOLERANCE = 2e-5
@@ -168,3 +168,39 @@ def test_facets_are_drawn_by_how_much_of_them_is_seen(backend, rng, alpha, angle
     assert seen[expected == 0.0].sum() == 0
     expected = expected[kept] / expected[kept].sum() * seen[kept].sum()
     assert chisquare(seen[kept], expected).pvalue > SIGNIFICANCE
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.6])
+def test_walks_leave_alike_whoever_draws_their_first_facet(backend, rng, alpha):
+    import drjit as dr
+    import mitsuba as mi
+
+    from glassware.render.interfaces.microsurface import walk
+
+    count = 40_000
+    seeds = mi.sample_tea_32(dr.arange(mi.UInt32, count), 3)[0]
+    others = mi.sample_tea_32(dr.arange(mi.UInt32, count), 4)[0]
+    wi, numbers = mi.Vector3f(0.6, 0.0, 0.8), mi.Point3f(*rng.uniform(size=(3, count)).astype(np.float32))
+    own = walk(wi, mi.Float(alpha), mi.Float(1.5), seeds)
+    given = walk(wi, mi.Float(alpha), mi.Float(1.5), others, numbers)
+    assert np.isclose(*(np.array(x[1]).mean() for x in (own, given)), atol=4.0 * 0.5 / np.sqrt(count / 2))
+    for axis in range(3):
+        pair = (np.array(x[0][axis]) for x in (own, given))
+        assert ks_2samp(*pair).pvalue > SIGNIFICANCE
+
+
+def test_the_third_of_the_numbers_given_is_the_first_facets_coin(backend, rng):
+    import drjit as dr
+    import mitsuba as mi
+
+    from glassware.render.interfaces.microsurface import walk
+
+    seeds = mi.sample_tea_32(dr.arange(mi.UInt32, 10_000), 4)[0]
+    u, v = rng.uniform(size=(2, 10_000)).astype(np.float32)
+    mirrored, passed = (
+        np.array(walk(mi.Vector3f(0.6, 0.0, 0.8), mi.Float(0.1), mi.Float(1.5), seeds, mi.Point3f(u, v, coin))[1])
+        for coin in (0.0, LARGEST_COIN)
+    )
+    # On a surface as smooth as this one walk in a hundred meets a second facet.
+    assert mirrored.mean() < 0.02
+    assert passed.mean() > 0.98

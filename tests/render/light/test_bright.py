@@ -45,7 +45,7 @@ def test_every_direction_is_looked_up_where_it_was_stored(bright) -> None:
 
     row, column = np.mgrid[:CELLS, :CELLS]
     middle = octahedral((column + 0.5) / CELLS, (row + 0.5) / CELLS).reshape(-1, 3)
-    numbered = Bright(mi.Float(np.arange(CELLS**2, dtype=np.float32)))
+    numbered = Bright(mi.Float(np.arange(CELLS**2, dtype=np.float32)), ())
     np.testing.assert_array_equal(_looked_up(numbered, middle), np.arange(CELLS**2))
 
 
@@ -55,6 +55,29 @@ def test_towards_a_lamp_it_is_bright(bright, lamp_scene) -> None:
         radiance, dim = float(luminance(np.array(lamp.radiance))), np.median(np.array(bright.cells))
         # A cell is wider than some lamps, and it is seen from all over the table: a share of it is left.
         assert _looked_up(bright, towards[None])[0] > dim + 0.05 * radiance
+
+
+def test_a_ray_that_meets_a_lamp_is_told_so_wherever_it_starts(backend, bright, lamp_scene) -> None:
+    import mitsuba as mi
+
+    from glassware.render.light.bright import light_along
+
+    rng = np.random.default_rng(6)
+    starts = rng.uniform((-0.6, -0.6, 0.0), (0.6, 0.6, 0.3), (4096, 3))
+    for lamp in lamp_scene.lights:
+        pose, shines = lamp.world_T_light, float(luminance(np.array(lamp.radiance)))
+        local = rng.uniform(-1.5, 1.5, (4096, 2))
+        aims = pose[:3, 3] + (0.5 * np.array(lamp.size) * local) @ pose[:3, :2].T
+        rays = (aims - starts) / np.linalg.norm(aims - starts, axis=1, keepdims=True)
+        front = rays @ pose[:3, 2] < 0.0
+        p, d = (kind(*np.ascontiguousarray(v.T, np.float32)) for kind, v in ((mi.Point3f, starts), (mi.Vector3f, rays)))
+        known, cell = np.array(light_along(bright, p, d)), _looked_up(bright, rays)
+        meets = front & (np.abs(local) < 1.0).all(1)
+        sure = np.abs(np.abs(local) - 1.0).min(1) > 1e-4  # float32 cannot tell on the very edge
+        assert meets[sure].sum() > 500
+        np.testing.assert_array_equal(known[sure & meets], np.maximum(cell, np.float32(shines))[sure & meets])
+        if len(lamp_scene.lights) == 1:
+            np.testing.assert_array_equal(known[sure & ~meets], cell[sure & ~meets])
 
 
 @pytest.mark.parametrize("index", [1.0, 1.33, 1.52])

@@ -22,7 +22,8 @@ def lit(backend, drawn):
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, cut=True)
     stored = gather_light(kernel, place_nodes(kernel), 16, 1)
-    return kernel, opaque_light(kernel, stored), bright_map(scene)
+    bright = bright_map(scene)
+    return kernel, opaque_light(kernel, stored, bright), bright
 
 
 def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:

@@ -79,7 +79,9 @@ def test_a_roughness_that_differs_by_side_is_found(law, broken, monkeypatch):
     right = dielectric.walk
     # Seen from the glass the surface is a tenth rougher.
     monkeypatch.setattr(
-        dielectric, "walk", lambda wi, alpha, eta, seed: right(wi, alpha * (1.1 if eta[0] < 1.0 else 1.0), eta, seed)
+        dielectric,
+        "walk",
+        lambda wi, alpha, eta, *given: right(wi, alpha * (1.1 if eta[0] < 1.0 else 1.0), eta, *given),
     )
     assert broken(law("microsurface").reciprocity(300_000, alphas=(0.2,)))
 
@@ -92,5 +94,5 @@ def test_light_of_the_first_facet_is_mitsubas_rough_dielectric(law, holds, alpha
 def test_another_roughness_than_mitsubas_is_found(law, broken, monkeypatch):
     dielectric = importlib.import_module("glassware.render.interfaces.dielectric")
     right = dielectric.walk
-    monkeypatch.setattr(dielectric, "walk", lambda wi, alpha, eta, seed: right(wi, alpha * 1.05, eta, seed))
+    monkeypatch.setattr(dielectric, "walk", lambda wi, alpha, eta, *given: right(wi, alpha * 1.05, eta, *given))
     assert broken(law("microsurface").first_facet(500_000, alpha=0.1))
