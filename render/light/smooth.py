@@ -10,6 +10,11 @@ import numpy as np
 import pyoidn
 
 from ..pictures.denoise import check, device
+from ..pictures.fireflies import spread
+
+#: What the filter takes off or adds is spread over squares of this share of the grid's longer side. It takes fireflies
+#: for noise: under an environment map with small bright lights the table lost 0.4 % of its light.
+_SPREAD = 1 / 16
 
 
 def smoothed(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -25,12 +30,15 @@ def smoothed(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     Returns
     -------
     (rows * columns, 12) float32
-        The light >= 0.
+        The light >= 0, and its sum as before but for what that cuts.
     """
-    result = np.empty_like(moments)
+    result, side = np.empty_like(moments), 2 * int(0.5 * _SPREAD * max(shape)) + 1
     for first, directional in ((0, False), (3, False), (6, True), (9, True)):
         image = moments[:, first : first + 3].reshape(*shape, 3)
-        result[:, first : first + 3] = _filtered(image, directional).reshape(-1, 3)
+        filtered = _filtered(image, directional)
+        if not directional:
+            filtered = np.maximum(filtered + spread(image - filtered, side), 0.0)
+        result[:, first : first + 3] = filtered.reshape(-1, 3)
     return result
 
 
