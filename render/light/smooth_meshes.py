@@ -6,7 +6,8 @@ theory", here with powers of one smoothing step), and each scale is weakened as 
 its power that is noise. How much is noise tell two halves of the paths, which are parted in the same way: their
 difference has the noise of their mean, and nothing of the light.
 
-A firefly, found by one path of one half, is all noise by that measure. It is spread over its surroundings.
+A firefly, found by one path of one half, is all noise by that measure, and is spread over its surroundings. What is far
+too bright for that would still make a spot there, and is spread over the whole of its mesh before.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ _NEIGHBOURS, _REACH, _TURN = 12, 0.005, 0.4
 _STEPS = (1, 2, 4, 8, 16, 32)
 #: Steps that powers are averaged over, and how much of the noise's is taken off: its own estimate has noise.
 _AVERAGED, _MARGIN = 3, 1.5
+#: A vertex is a firefly where it is so many times brighter than the darker halves round it, over `_AVERAGED` steps, and
+#: one half of its paths has so many times the light of the other.
+_STANDS_OUT, _LONE = 10.0, 4.0
 
 
 def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -42,11 +46,12 @@ def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.n
     (vertices, 12) float64
         Their mean, filtered. The light >= 0.
     """
-    first, second = halves
+    if len(nodes.positions) <= _NEIGHBOURS:
+        return 0.5 * (halves[0] + halves[1])
+    step = _diffusion(nodes)
+    first, second = _without_fireflies(nodes, step, halves)
     light, noise = 0.5 * (first + second), luminance(0.5 * (first - second)[:, :3])
-    if len(light) <= _NEIGHBOURS:
-        return light
-    step, result = _diffusion(nodes), np.zeros_like(light)
+    result = np.zeros_like(light)
     for steps in _STEPS:
         softer, softer_noise = _repeated(step, steps, light), _repeated(step, steps, noise)
         detail, of_noise = light - softer, noise - softer_noise
@@ -58,6 +63,28 @@ def smoothed_meshes(nodes: Nodes, halves: tuple[np.ndarray, np.ndarray]) -> np.n
     result += light
     result[:, :6] = np.maximum(result[:, :6], 0.0)
     return result
+
+
+def _without_fireflies(
+    nodes: Nodes, step: csr_array, halves: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return both halves with what makes fireflies of vertices spread over their meshes."""
+    levels = luminance(halves[0][:, :3]), luminance(halves[1][:, :3])
+    dark, level = np.minimum(*levels), 0.5 * (levels[0] + levels[1])
+    around = _repeated(step, _AVERAGED, dark)
+    lone = (level > _STANDS_OUT * around) & (np.maximum(*levels) > _LONE * dark)
+    kept = np.divide(around, level, out=np.ones_like(level), where=lone)[:, None]
+    area, mesh = _areas(nodes), 2 * nodes.mesh.astype(np.int64) + nodes.back
+    surplus = (area[:, None] * (1.0 - kept) * 0.5 * (halves[0] + halves[1])).T
+    whole = np.maximum(np.bincount(mesh, area), 1e-12)
+    even = np.stack([np.bincount(mesh, one, len(whole)) / whole for one in surplus], axis=1)[mesh]
+    return kept * halves[0] + even, kept * halves[1] + even
+
+
+def _areas(nodes: Nodes) -> np.ndarray:
+    """Return the area of all vertices, none of them quite 0 [m^2]."""
+    # (Backs have the triangles of their fronts.)
+    return np.maximum(vertex_areas(nodes)[np.arange(len(nodes.positions)) - to_front(nodes)], 1e-12)
 
 
 def _repeated(step: csr_array, steps: int, values: np.ndarray) -> np.ndarray:
@@ -77,8 +104,7 @@ def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:
 def _diffusion(nodes: Nodes) -> csr_array:
     """Return one step of diffusion: rows sum to 1, and what one vertex gives another one gets, by area."""
     count = len(nodes.positions)
-    # (The backs of open meshes have the triangles of their fronts; what is of no triangle has not quite no area.)
-    area = np.maximum(vertex_areas(nodes)[np.arange(count) - to_front(nodes)], 1e-12)
+    area = _areas(nodes)
     # (Surfaces of other meshes are another world.)
     where = np.concatenate([nodes.positions / _REACH, nodes.normals / _TURN, 1e6 * nodes.mesh[:, None]], axis=1)
     distance, other = cKDTree(where).query(where, _NEIGHBOURS + 1, distance_upper_bound=2.0)
