@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pyoidn
 
-from ..pictures.denoise import check, device
+from ..pictures.denoise import run_filter
 from ..pictures.fireflies import spread
 
 #: What the filter takes off or adds is spread over squares of this share of the grid's longer side. It takes fireflies
@@ -45,11 +45,6 @@ def smoothed(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 def _filtered(image: np.ndarray, directional: bool) -> np.ndarray:
     image = np.ascontiguousarray(image, np.float32)
     result = np.zeros_like(image)
-    with pyoidn.Filter(device(), "RTLightmap") as task:
-        task.set_image(pyoidn.OIDN_IMAGE_COLOR, image, pyoidn.OIDN_FORMAT_FLOAT3)
-        task.set_image(pyoidn.OIDN_IMAGE_OUTPUT, result, pyoidn.OIDN_FORMAT_FLOAT3)
-        task.set_bool("directional", directional)
-        task.commit()
-        task.execute()
-        check(device())
+    images = {pyoidn.OIDN_IMAGE_COLOR: image, pyoidn.OIDN_IMAGE_OUTPUT: result}
+    run_filter("RTLightmap", images, directional=directional)
     return result

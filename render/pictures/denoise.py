@@ -34,16 +34,40 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
     }
     images = {name: np.ascontiguousarray(image, dtype=np.float32) for name, image in images.items()}
     result = np.zeros_like(images[pyoidn.OIDN_IMAGE_COLOR])
-    with pyoidn.Filter(device(), pyoidn.OIDN_FILTER_TYPE_RT) as task:
-        for name, image in (*images.items(), (pyoidn.OIDN_IMAGE_OUTPUT, result)):
+    run_filter(pyoidn.OIDN_FILTER_TYPE_RT, {**images, pyoidn.OIDN_IMAGE_OUTPUT: result}, hdr=True, cleanAux=True)
+    return result
+
+
+def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
+    """Run one of Open Image Denoise's filters; it writes into its output image.
+
+    Parameters
+    ----------
+    kind : str
+        ``"RT"`` or ``"RTLightmap"``.
+    images : dict
+        Input and output by the filter's names for them, (H, W, 3) float32 each, C-contiguous.
+    **flags : bool
+        What the filter is told.
+
+    Raises
+    ------
+    RuntimeError
+        With what the filter has to complain of.
+    """
+    # (Not in a `with` block: the context manager of pyoidn 2.5 returns itself on leaving, which silences all errors.)
+    task = pyoidn.Filter(device(), kind)
+    try:
+        for name, image in images.items():
             task.set_image(name, image, pyoidn.OIDN_FORMAT_FLOAT3)
-        task.set_bool("hdr", True)
-        task.set_bool("cleanAux", True)
+        for name, flag in flags.items():
+            task.set_bool(name, flag)
         task.set_quality(pyoidn.OIDN_QUALITY_HIGH)
         task.commit()
         task.execute()
         check(device())
-    return result
+    finally:
+        task.release()
 
 
 @cache
