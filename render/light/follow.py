@@ -35,6 +35,9 @@ WORTH = Worth(glass=16.0, polished=6.0)
 #: Surfaces that rays meet in the first round. Then those that are left are gathered, and go on to their ends. (More
 #: rounds before that save as much as they cost.)
 _FIRST_ROUND = 6
+#: So few rays are followed to their ends at once: a round takes 10 ms, however few it follows, and polished surfaces
+#: send rays to and fro for thirty.
+_FEW = 1 << 17
 #: Rays that have met so few surfaces are traced as neighbours with a common way through the scene: Embree is a third
 #: faster on those of the first three surfaces, and slower on later ones.
 _TOGETHER = 4
@@ -100,7 +103,8 @@ def follow(
     found = chain.L, chain.violations, chain.depth
     which = dr.compress(chain.active)
     while dr.width(which) > 0:
-        chain = _advanced(kernel, _those(chain, which), points, picture, picture.max_depth, surface, bright)
+        on = _advanced if dr.width(which) > _FEW else _to_the_end
+        chain = on(kernel, _those(chain, which), points, picture, picture.max_depth, surface, bright)
         dr.eval(chain)
         for into, value in zip(found, (chain.L, chain.violations, chain.depth), strict=True):
             dr.scatter(into, value, chain.lane, mode=dr.ReduceMode.Permute)
@@ -120,8 +124,29 @@ def _beginning(ray: mi.Ray3f, points: Samples) -> Chain:
 
 
 def _those(chain: Chain, which: mi.UInt32) -> Chain:
-    values = (getattr(chain, field.name) for field in fields(chain))
-    return Chain(*(dr.gather(type(value), value, which) for value in values))
+    return Chain(*(dr.gather(type(value), value, which) for value in _values(chain)))
+
+
+def _values(chain: Chain) -> tuple:
+    return tuple(getattr(chain, field.name) for field in fields(chain))
+
+
+@dr.syntax
+def _to_the_end(
+    kernel: Kernel,
+    chain: Chain,
+    points: Samples,
+    picture: Picture,
+    surfaces: int,
+    surface: Callable[..., tuple],
+    bright: Bright,
+) -> Chain:
+    """Follow rays until all have ended, in one kernel."""
+    state, active = _values(chain), mi.Bool(chain.active)
+    while dr.hint(active, exclude=[kernel, chain, points, picture, surface, bright]):
+        found = _advanced(kernel, Chain(*state), points, picture, surfaces, surface, bright)
+        state, active = _values(found), mi.Bool(found.active)
+    return Chain(*state)
 
 
 def _advanced(

@@ -50,6 +50,16 @@ def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfa
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.parametrize("few", [0, 20, 1 << 20])
+def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, monkeypatch, few) -> None:
+    from glassware.render.light import follow
+
+    usual = _followed(lit)
+    monkeypatch.setattr(follow, "_FEW", few)
+    for one, other in zip(usual, _followed(lit), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_paths_end_at_the_longest_that_is_asked_for(lit) -> None:
     for longest in (1, 4, 9):
         assert _followed(lit, max_depth=longest)[2].max() == longest
