@@ -98,13 +98,17 @@ def follow(
     bright : Bright
         Where light comes from, roughly.
     """
-    chain = _advanced(kernel, _beginning(ray, points), points, picture, _FIRST_ROUND, surface, bright)
+
+    def advanced(chain: Chain, surfaces: int = picture.max_depth) -> Chain:
+        return _advanced(kernel, chain, points, picture, surfaces, surface, bright)
+
+    chain = advanced(_beginning(ray, points), _FIRST_ROUND)
     dr.eval(chain)
     found = chain.L, chain.violations, chain.depth
     which = dr.compress(chain.active)
     while dr.width(which) > 0:
-        on = _advanced if dr.width(which) > _FEW else _to_the_end
-        chain = on(kernel, _those(chain, which), points, picture, picture.max_depth, surface, bright)
+        rest = _those(chain, which)
+        chain = advanced(rest) if dr.width(which) > _FEW else _to_the_end(rest, advanced)
         dr.eval(chain)
         for into, value in zip(found, (chain.L, chain.violations, chain.depth), strict=True):
             dr.scatter(into, value, chain.lane, mode=dr.ReduceMode.Permute)
@@ -132,19 +136,11 @@ def _values(chain: Chain) -> tuple:
 
 
 @dr.syntax
-def _to_the_end(
-    kernel: Kernel,
-    chain: Chain,
-    points: Samples,
-    picture: Picture,
-    surfaces: int,
-    surface: Callable[..., tuple],
-    bright: Bright,
-) -> Chain:
+def _to_the_end(chain: Chain, advanced: Callable[[Chain], Chain]) -> Chain:
     """Follow rays until all have ended, in one kernel."""
     state, active = _values(chain), mi.Bool(chain.active)
-    while dr.hint(active, exclude=[kernel, chain, points, picture, surface, bright]):
-        found = _advanced(kernel, Chain(*state), points, picture, surfaces, surface, bright)
+    while dr.hint(active, exclude=[chain, advanced]):
+        found = advanced(Chain(*state))
         state, active = _values(found), mi.Bool(found.active)
     return Chain(*state)
 
@@ -215,7 +211,7 @@ def _through_glass(
 
 @dr.syntax
 def _first_facet(points: Samples, depth: mi.UInt32, alpha: mi.Float) -> mi.Point3f:
-    """Return well-spread numbers for the first facet of rough interfaces."""
+    """Return well-spread numbers for the first facet of rough interfaces: of the set that gloss has at this depth."""
     first = mi.Point3f(0.0)
     if dr.hint(alpha > 0.0, exclude=[points]):
         u, v, coin, _ = four(points, 2 + 2 * depth)

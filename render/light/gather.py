@@ -33,9 +33,6 @@ GROUP = 4
 _PILOT, _LEAST, _MOST = 2, 0.25, 8.0
 #: Error counts relative to a node's light plus this share of the mean light, so that the dark does not get it all.
 _FLOOR = 0.1
-#: Paths of a vertex over those of an equally uncertain cell of the grid. The filter of meshes takes more noise away
-#: than that of the grid, but a prop has few vertices: with 0.4 the luck of their paths made one 1 % too dark (`hdri`).
-_ON_MESHES = 1.0
 #: Side of the square that the pilot's estimates are averaged over on the grid: two groups alone know little.
 _SMOOTH = 9
 #: First sample numbers of the pilot's paths, which the others never reach.
@@ -108,7 +105,6 @@ def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: f
         values[grid:] = _over_neighbours(nodes, values[grid:])
     # (The filter's running sums leave rounding below zero.)
     error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean()) * _size(nodes)
-    error[grid:] *= _ON_MESHES
     share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
     return 2 * np.maximum(np.rint(0.5 * share / share.mean() * groups), 1).astype(np.int64)
 

@@ -32,12 +32,12 @@ def smoothed(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     (rows * columns, 12) float32
         The light >= 0, and its sum as before but for what that cuts.
     """
-    result, side = np.empty_like(moments), 2 * int(0.5 * _SPREAD * max(shape)) + 1
+    result = np.empty_like(moments)
     for first, directional in ((0, False), (3, False), (6, True), (9, True)):
         image = moments[:, first : first + 3].reshape(*shape, 3)
         filtered = _filtered(image, directional)
         if not directional:
-            filtered = np.maximum(filtered + spread(image - filtered, side), 0.0)
+            filtered = np.maximum(filtered + spread(image - filtered, _SPREAD * max(shape)), 0.0)
         result[:, first : first + 3] = filtered.reshape(-1, 3)
     return result
 

@@ -65,7 +65,7 @@ def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
         task.set_quality(pyoidn.OIDN_QUALITY_HIGH)
         task.commit()
         task.execute()
-        check(device())
+        _check(device())
     finally:
         task.release()
 
@@ -76,11 +76,11 @@ def device() -> pyoidn.Device:
     # The CPU device even where there is a GPU: one machine's pictures then equal another's.
     device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
     device.commit()
-    check(device)
+    _check(device)
     return device
 
 
-def check(device: pyoidn.Device) -> None:
+def _check(device: pyoidn.Device) -> None:
     """Raise what the device has to complain of."""
     message = device.get_error()
     if message is not None:

@@ -41,20 +41,20 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
     lone = (error >= LONE * level) & (level > STANDS_OUT * around)
     kept = np.divide(around, level, out=np.ones_like(level), where=lone)[..., None]
     surplus = (radiance * (1.0 - kept)).astype(np.float32)
-    side = 2 * int(SHARE * surplus.shape[1] / 2) + 1
-    return (radiance * kept + spread(surplus, side)).astype(np.float32)
+    return (radiance * kept + spread(surplus, SHARE * surplus.shape[1])).astype(np.float32)
 
 
-def spread(surplus: np.ndarray, side: int) -> np.ndarray:
+def spread(surplus: np.ndarray, width: float) -> np.ndarray:
     """Return a picture averaged over squares; its sum stays.
 
     Parameters
     ----------
     surplus : (H, W, 3) float32
         What is to be spread.
-    side : int
-        Of the squares [px], odd. At the edge the share that would fall outside stays inside.
+    width : float
+        Of the squares, about [px]. At the edge the share that would fall outside stays inside.
     """
+    side = 2 * int(width / 2) + 1
     ones = np.ones(surplus.shape[:2], np.float32)
     inside = cv2.boxFilter(ones, -1, (side, side), borderType=cv2.BORDER_CONSTANT)
     return cv2.boxFilter(surplus / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
