@@ -46,11 +46,11 @@ $(STAMP): pyproject.toml constraints.txt
 
 # The backend itself finds a working LLVM and says what to install where there is none. Root may install it right here.
 backend: $(STAMP)
-	@$(BIN)/python -P -m glassware.render.machine.backend || { \
+	@$(BIN)/python -P -m glassware.render.backend.variant || { \
 	  test -z "$$DRJIT_LIBLLVM_PATH" && test "$$(id -u)" = 0 && command -v apt-get >/dev/null || exit 2; \
 	  echo "Installing libllvm19 with apt-get" >&2; \
 	  apt-get update --quiet && DEBIAN_FRONTEND=noninteractive apt-get install --yes --quiet libllvm19 && \
-	  $(BIN)/python -P -m glassware.render.machine.backend; }
+	  $(BIN)/python -P -m glassware.render.backend.variant; }
 
 clean: ## Remove the environment, caches and out/.
 	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .ruff_cache

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from ..procedural.description import Scene
-from ..procedural.surroundings.description import Camera
+from ..procedural.description.scene import Scene
+from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .boxes import EDGES, box_corners, modal_box
 from .geometry_checks import check_background, check_disparity, check_ids, check_normals, check_normals_against_depth

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..procedural.description import TABLE_ID, Scene
-from ..procedural.surroundings.description import Camera
+from ..procedural.description.scene import TABLE_ID, Scene
+from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
 from .violation import Violation, at_pixels

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 import trimesh
 
-from ..procedural.description import Prop, Scene
+from ..procedural.description.scene import Prop, Scene
 from .projection import inside_picture, transformed
 from .surface import Object, outside_vertices
 

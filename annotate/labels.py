@@ -8,9 +8,9 @@ from typing import Literal, Protocol
 import numpy as np
 from pydantic import Field
 
-from ..procedural.description import Scene
-from ..procedural.model import Matrix4, Model, Vector3
-from ..procedural.surroundings.description import Camera
+from ..core.model import Matrix4, Model, Vector3
+from ..procedural.description.scene import Scene
+from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry, Sampling
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from ..procedural.description import Prop, Vessel
+from ..procedural.description.scene import Prop, Vessel
 
 Object = Vessel | Prop
 

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from ..procedural.description import Prop, Vessel
-from ..procedural.mesh import Mesh
+from ..core.mesh import Mesh
+from ..procedural.description.scene import Prop, Vessel
 
 #: A vertex moved this far from the nearest one, as a share of the longest side, is still in its place: meshes are cut
 #: to parts of a millimetre.

@@ -94,9 +94,9 @@ def main() -> int:
 
 def _start(options: Options) -> list[Row]:
     from glassware.dataset.builds.manifest import Manifest
-    from glassware.dataset.builds.orders import Order
+    from glassware.dataset.builds.messages import Order
     from glassware.dataset.builds.pool import Pool
-    from glassware.procedural.settings import SceneSettings
+    from glassware.procedural.scene.settings import SceneSettings
 
     order = Order(root=Path.cwd(), seed=options.seed, settings=SceneSettings(), manifest=Manifest(), threads=1)
     seconds = []

@@ -18,11 +18,11 @@ from typing import Any
 
 from table import Row, report
 
-from glassware.dataset.config import preset
-from glassware.procedural.description import Scene, Vessel
-from glassware.procedural.draw import draw_scene
-from glassware.procedural.settings import SceneSettings
-from glassware.render.machine.backend import activate
+from glassware.dataset.settings.config import preset
+from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.backend.variant import activate
 
 #: Most that the kernels of a new scene may take to compile [s].
 BOUND = 0.5

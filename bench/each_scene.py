@@ -9,7 +9,7 @@ from typing import Protocol
 from rich.console import Console
 from table import Row, report
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 
 
 class Options(Protocol):

@@ -24,7 +24,7 @@ import numpy as np
 from scenes import NAMES, bench_scene
 from table import Row, report
 
-from glassware.render.machine.backend import activate
+from glassware.render.backend.variant import activate
 
 #: Least share of the bare rate that the integrator must reach.
 BOUND = 0.5
@@ -94,7 +94,7 @@ def _traced(kernel: Any, spp: int) -> int:
 
     from glassware.render.pictures.integrator import trace
     from glassware.render.pictures.sampler import four, samples
-    from glassware.render.rays import pinhole, pixel_rays
+    from glassware.render.scene.rays import pinhole, pixel_rays
     from glassware.render.scene.spectrum import draw_wavelengths
 
     lane = dr.arange(mi.UInt32, WIDTH * HEIGHT * spp)

@@ -13,11 +13,11 @@ from time import perf_counter
 
 from table import Row, report
 
-from glassware.dataset.config import preset
-from glassware.dataset.ray_files import write_layers, write_refraction
-from glassware.procedural.draw import draw_scene
-from glassware.procedural.settings import SceneSettings
-from glassware.render.machine.backend import activate
+from glassware.dataset.format.ray_files import write_layers, write_refraction
+from glassware.dataset.settings.config import preset
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.backend.variant import activate
 
 #: Most that layers and refraction may take of the pictures' time.
 BOUND = 0.1

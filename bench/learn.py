@@ -20,6 +20,7 @@ from time import perf_counter
 import torch
 from table import Row, report
 
+from glassware.core.randomness import stream
 from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.loading import load_batches
@@ -27,7 +28,6 @@ from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.losses import LossWeights, losses, total_loss
-from glassware.procedural.randomness import stream
 
 HEIGHT, WIDTH, VIEWS = 480, 640, 2
 DEPTH_RANGE = (0.25, 3.0)

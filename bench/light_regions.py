@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.procedural.description import TABLE_ID
-from glassware.procedural.surroundings.description import Camera
+from glassware.procedural.description.scene import TABLE_ID
+from glassware.procedural.description.surroundings import Camera
+from glassware.render.cache.irradiance_cache import StoredLight
 from glassware.render.labels.geometry import trace_straight
-from glassware.render.light.stored import StoredLight
 from glassware.render.pictures.guides import trace_guides
 from glassware.render.scene.kernel import Kernel
 

@@ -13,9 +13,9 @@ import numpy as np
 from references import PASS_SPP, Reference, reference
 from scenes import digest
 
-from glassware.procedural.description import Scene
-from glassware.procedural.materials.description import OpaqueMaterial
-from glassware.render.machine.backend import activate
+from glassware.procedural.description.material import OpaqueMaterial
+from glassware.procedural.description.scene import Scene
+from glassware.render.backend.variant import activate
 from glassware.render.pictures.picture import PATHS, Tracer, trace_picture
 from glassware.render.scene import kernel as render_kernel
 from glassware.render.scene.kernel import Kernel, load

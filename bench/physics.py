@@ -25,8 +25,8 @@ from proofs.check import Check
 from rich.console import Console
 from table import Row, report
 
-from glassware.procedural.errors import InputError
-from glassware.render.machine.backend import activate
+from glassware.core.errors import InputError
+from glassware.render.backend.variant import activate
 
 #: Every measurement by its topic, at the budget of the printed table.
 TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {

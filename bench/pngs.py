@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from glassware.dataset.pictures import srgb8, write_png
+from glassware.dataset.format.pictures import srgb8, write_png
 
 
 def write_exposed(path: Path, *exposed: np.ndarray) -> None:

@@ -20,13 +20,13 @@ from table import Row, report
 
 from glassware.annotate.keypoints import SceneKeypoints, scene_keypoints
 from glassware.annotate.labels import annotate
-from glassware.dataset.config import preset, validated
-from glassware.dataset.dataset_file import DatasetFile, installed_versions
+from glassware.core.errors import InputError
+from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
+from glassware.dataset.settings.config import preset, validated
 from glassware.dataset.writer import View, finish_dataset, start_dataset, write_scene
-from glassware.procedural.draw import draw_scene
-from glassware.procedural.errors import InputError
-from glassware.procedural.settings import SceneSettings
-from glassware.render.machine.backend import activate
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.backend.variant import activate
 
 #: Most that labels may cost of the time of the picture.
 LABEL_SHARE = 0.15

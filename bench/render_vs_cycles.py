@@ -33,7 +33,7 @@ from cycles.speed_rows import speed_rows
 from rich.console import Console
 from table import report
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 
 
 def main() -> int:

@@ -9,14 +9,14 @@ import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
-from glassware.procedural.assets import asset
-from glassware.procedural.description import Interface, Prop, Scene, Vessel
-from glassware.procedural.draw import draw_scene
-from glassware.procedural.errors import InputError
-from glassware.procedural.mesh import Mesh
+from glassware.core.assets import asset
+from glassware.core.errors import InputError
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import Interface, Prop, Scene, Vessel
+from glassware.procedural.description.surroundings import PictureEnvironment
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.settings import SceneSettings
-from glassware.procedural.surroundings.description import PictureEnvironment
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import exposure, irradiance
 from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings

@@ -34,10 +34,10 @@ from scenes import ALL_NAMES, NAMES, bench_scene, digest
 from speed import Point, time_to
 from table import Row
 
-from glassware.render.light.follow import reading
-from glassware.render.light.gather import gather_light
-from glassware.render.light.nodes import place_nodes
-from glassware.render.light.stored import StoredLight
+from glassware.render.cache.cache_points import place_nodes
+from glassware.render.cache.fill_cache import gather_light
+from glassware.render.cache.irradiance_cache import StoredLight
+from glassware.render.cache.trace_cached import reading
 from glassware.render.pictures.guides import trace_guides
 from glassware.render.pictures.picture import PATHS, Tracer
 

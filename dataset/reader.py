@@ -13,22 +13,23 @@ import pyarrow.parquet as pq
 
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
-from ..procedural.description import Scene
-from ..procedural.errors import InputError
-from ..procedural.model import Model
-from ..procedural.scene_file import check_schema, load_scene, parsed, read_json
-from ..procedural.splits import Split
-from ..procedural.surroundings.description import Camera
+from ..core.errors import InputError
+from ..core.json_file import check_schema, parsed, read_json
+from ..core.model import Model
+from ..procedural.description.scene import Scene
+from ..procedural.description.surroundings import Camera
+from ..procedural.scene.scene_file import load_scene
+from ..procedural.scene.splits import Split
 from ..render.frame import Geometry, Layers, Refraction, SurfaceLight
-from . import layout
-from .camera_file import CAMERA_SCHEMA, CameraFile, camera_of
-from .dataset_file import DatasetFile
-from .exr import channel, read_exr, stacked
-from .light_file import read_light
-from .objects_file import OBJECTS_SCHEMA, ObjectsFile
-from .pictures import read_png
-from .ray_files import read_layers, read_refraction
-from .split_file import read_splits
+from .format import layout
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
+from .format.dataset_file import DatasetFile
+from .format.exr import channel, read_exr, stacked
+from .format.light_file import read_light
+from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
+from .format.pictures import read_png
+from .format.ray_files import read_layers, read_refraction
+from .format.split_file import read_splits
 from .writer import read_head
 
 M = TypeVar("M", bound=Model)

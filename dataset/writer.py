@@ -13,25 +13,26 @@ from typing import Any
 
 from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
-from ..procedural.assets import Asset
-from ..procedural.description import Scene
-from ..procedural.errors import InputError
-from ..procedural.model import Model
-from ..procedural.scene_file import assets_of, check_schema, json_text, parsed, read_json, stored_name
-from ..procedural.surroundings.description import Camera
+from ..core.assets import Asset
+from ..core.atomic_io import another_writes, is_leftover, remove_leftovers, whole_folder, write_atomically
+from ..core.errors import InputError
+from ..core.json_file import check_schema, json_text, parsed, read_json
+from ..core.model import Model
+from ..procedural.description.scene import Scene
+from ..procedural.description.surroundings import Camera
+from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
-from . import layout
-from .camera_file import camera_file
-from .checksums import write_checksums
-from .dataset_file import DatasetFile
-from .durable import another_writes, is_leftover, remove_leftovers, whole_folder, write_atomically
-from .exr import unstacked, write_exr
-from .light_file import write_light
-from .objects_file import objects_file
-from .pictures import srgb8, write_png
-from .ray_files import write_layers, write_refraction
-from .scene_ranges import format_scenes, parse_scenes
-from .views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
+from .format import layout
+from .format.camera_file import camera_file
+from .format.checksums import write_checksums
+from .format.dataset_file import DatasetFile
+from .format.exr import unstacked, write_exr
+from .format.light_file import write_light
+from .format.objects_file import objects_file
+from .format.pictures import srgb8, write_png
+from .format.ray_files import write_layers, write_refraction
+from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
+from .settings.scene_ranges import format_scenes, parse_scenes
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +119,7 @@ def write_scene(
     """
     rows = []
     with whole_folder(layout.scene_folder(root, scene.scene_id)) as folder:
-        scene.save(folder / layout.SCENE, root / layout.ASSETS)
+        save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
         write_json(folder / layout.OBJECTS, objects_file(scene, points))
         for view in views:
             write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)

@@ -9,9 +9,9 @@ from typing import Any
 
 from glassware.dataset.commands.build_dataset import BuildDataset
 from glassware.dataset.commands.render_scene import RenderScene
-from glassware.dataset.config import preset, preset_names
+from glassware.dataset.settings.config import preset, preset_names
 from glassware.learn.training.settings import TrainSettings
-from glassware.procedural.settings import SceneSettings
+from glassware.procedural.scene.settings import SceneSettings
 
 PAGE = Path(__file__).with_name("settings.md")
 

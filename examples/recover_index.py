@@ -22,14 +22,14 @@ import numpy as np
 import trimesh
 from rich.console import Console
 
-from glassware.dataset.exr import write_exr
-from glassware.procedural.assets import asset
-from glassware.procedural.description import Interface, Picture, Scene, Vessel
-from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
-from glassware.procedural.mesh import Mesh
+from glassware.core.assets import asset
+from glassware.core.mesh import Mesh
+from glassware.dataset.format.exr import write_exr
+from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
+from glassware.procedural.description.scene import Interface, Picture, Scene, Vessel
+from glassware.procedural.description.surroundings import Camera, PictureEnvironment, Table
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.surroundings.description import Camera, PictureEnvironment, Table
-from glassware.render.machine.backend import activate
+from glassware.render.backend.variant import activate
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -128,8 +128,8 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
     import mitsuba as mi
 
     from glassware.render.pictures.picture import trace_picture
-    from glassware.render.rays import pinhole, pixel_rays
     from glassware.render.scene.kernel import load
+    from glassware.render.scene.rays import pinhole, pixel_rays
 
     scene = ball_scene(TRUTH, COLOUR, pattern)
     kernel, camera = load(scene), scene.cameras[0]

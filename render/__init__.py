@@ -3,7 +3,7 @@
 if __name__ != "glassware.render":
     raise ImportError(f"this package is glassware.render, not {__name__!r}: run from an installed checkout")
 
-from .machine.llvm import export_llvm_path
+from .backend.llvm import export_llvm_path
 
 # Dr.Jit loads its LLVM when it is imported, so the choice has to stand before any module here imports it.
 export_llvm_path()

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from ..procedural.randomness import stream_seed
+from ..core.randomness import stream_seed
 from .frame import Frame, Sampling
 from .labels.geometry import trace_straight
 from .labels.refraction import trace_refraction

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
-from glassware.procedural.description import Interface, Picture, Prop, Scene, Vessel
-from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
+from glassware.procedural.description.scene import Interface, Picture, Prop, Scene, Vessel
+from glassware.procedural.description.surroundings import Camera, SkyEnvironment, Table
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.surroundings.description import Camera, SkyEnvironment, Table
 from glassware.render.frame import Frame, Geometry
 
 SEGMENTS = 256

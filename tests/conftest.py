@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from glassware.render.machine.backend import activate
+from glassware.render.backend.variant import activate
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from glassware.procedural.description import Prop, Scene
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import Prop, Scene
 
 AIR, GLASS, LIQUID = 0, 1, 2
 #: The two media that each kind of interface parts.

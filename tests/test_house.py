@@ -13,25 +13,25 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 
 #: Each folder and the folders it may import, as the flow of data runs.
 MAY_IMPORT = {
-    "procedural": set(),
-    "render": {"procedural"},
-    "annotate": {"procedural", "render"},
-    "dataset": {"procedural", "render", "annotate"},
-    "learn": {"procedural", "annotate", "dataset"},
+    "core": set(),
+    "procedural": {"core"},
+    "render": {"core", "procedural"},
+    "annotate": {"core", "procedural", "render"},
+    "dataset": {"core", "procedural", "render", "annotate"},
+    "learn": {"core", "procedural", "annotate", "dataset"},
 }
 
 #: The same inside `render`, of its rooms and of the files beside them: each may import only what stands before it.
 MAY_IMPORT_IN_RENDER = {
-    "machine": set(),
-    "__init__": {"machine"},
+    "backend": set(),
+    "__init__": {"backend"},
     "frame": set(),
-    "rays": set(),
     "scene": {"frame"},
     "interfaces": set(),
-    "labels": {"frame", "rays", "scene", "interfaces"},
-    "pictures": {"rays", "scene", "interfaces"},
-    "light": {"frame", "rays", "scene", "interfaces", "pictures"},
-    "derivatives": {"rays", "scene", "interfaces", "pictures"},
+    "labels": {"frame", "scene", "interfaces"},
+    "pictures": {"scene", "interfaces"},
+    "cache": {"frame", "scene", "interfaces", "pictures"},
+    "derivatives": {"scene", "interfaces", "pictures"},
     "view": {"frame", "scene", "labels", "pictures"},
 }
 

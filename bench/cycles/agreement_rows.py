@@ -11,7 +11,7 @@ from pngs import write_exposed, write_signed
 from scenes import bench_scene
 from table import Row
 
-from glassware.procedural.description import Vessel
+from glassware.procedural.description.scene import Vessel
 from glassware.render.labels.geometry import trace_geometry
 
 from .comparison import Options, peer_of, say

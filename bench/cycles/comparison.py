@@ -14,7 +14,7 @@ from rich.console import Console
 from scenes import NAMES
 from table import cores
 
-from glassware.procedural.description import Scene
+from glassware.procedural.description.scene import Scene
 
 from .peer import Cycles
 

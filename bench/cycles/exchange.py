@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from glassware.procedural.description import Scene, Vessel
-from glassware.procedural.materials.description import OpaqueMaterial
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.material import OpaqueMaterial
+from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.description.surroundings import Camera
 from glassware.procedural.materials.textures import bake
-from glassware.procedural.mesh import Mesh
-from glassware.procedural.surroundings.description import Camera
 from glassware.procedural.surroundings.environments import bake_environment
 
 

@@ -12,8 +12,8 @@ from types import TracebackType
 import numpy as np
 import OpenEXR
 
-from glassware.procedural.description import Scene
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
+from glassware.procedural.description.scene import Scene
 
 from .exchange import write_exchange
 

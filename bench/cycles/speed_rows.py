@@ -12,7 +12,7 @@ from scenes import bench_scene, digest
 from speed import Point, rate, time_to
 from table import Row
 
-from glassware.procedural.description import Scene
+from glassware.procedural.description.scene import Scene
 
 from .comparison import Options, peer_of, say
 from .peer import Cycles

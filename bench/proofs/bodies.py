@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 
-from glassware.procedural.mesh import Mesh, turned
+from glassware.core.mesh import Mesh, turned
 
 #: An icosphere's axes meet vertices, which are better than any other point. Balls are turned by this rotation vector,
 #: so that rays meet what rays meet.

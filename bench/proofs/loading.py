@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-from glassware.procedural.assets import asset
-from glassware.procedural.description import Interface, Picture, Prop, Scene, Vessel
-from glassware.procedural.materials.description import OpaqueMaterial, UniformTexture
-from glassware.procedural.mesh import Mesh, joined
+from glassware.core.assets import asset
+from glassware.core.mesh import Mesh, joined
+from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
+from glassware.procedural.description.scene import Interface, Picture, Prop, Scene, Vessel
+from glassware.procedural.description.surroundings import Camera, PictureEnvironment, SkyEnvironment, Table
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.surroundings.description import Camera, PictureEnvironment, SkyEnvironment, Table
 from glassware.render.scene.kernel import Kernel, load
 
 from .bodies import box

@@ -11,7 +11,7 @@ import numpy as np
 from glassware.procedural.optics.catalogue import catalogue
 from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE, eta
 from glassware.procedural.optics.medium import Medium
-from glassware.render.machine.backend import activate
+from glassware.render.backend.variant import activate
 
 from .bodies import box, prism
 from .bundles import refracted_rays, rows, traced

@@ -10,10 +10,10 @@ from types import ModuleType
 
 import numpy as np
 
-from glassware.procedural.description import Interface, Scene, Vessel
-from glassware.procedural.draw import draw_scene
+from glassware.procedural.description.scene import Interface, Scene, Vessel
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.settings import SceneSettings
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.scene.kernel import RAY_OFFSET
 
 from .bundles import refracted_rays, rows, traced

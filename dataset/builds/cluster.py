@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import Any
 
-from ...procedural.errors import InputError
-from .orders import Attempt, Machine, Order
+from ...core.errors import InputError
+from .messages import Attempt, Machine, Order
 from .pool import Pool, check_alike
 
 #: How often Ray runs a task again whose node or process was lost, before the scene counts as failed.

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from ..layout import LOG
-from .orders import Attempt
+from ..format.layout import LOG
+from .messages import Attempt
 
 
 class Journal:

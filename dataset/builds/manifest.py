@@ -16,17 +16,17 @@ from typing import Literal
 
 from pydantic import Field
 
-from ...procedural.errors import InputError
-from ...procedural.folders import files_in
+from ...core.atomic_io import write_atomically
+from ...core.errors import InputError
+from ...core.folders import files_in
+from ...core.json_file import check_schema, json_text, parsed, read_json
+from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
-from ...procedural.model import Model
 from ...procedural.props.mesh_files import MESH_SUFFIXES
-from ...procedural.scene_file import check_schema, json_text, parsed, read_json
-from ...procedural.settings import SceneSettings
+from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
-from ..checksums import Sha256, file_digest
-from ..durable import write_atomically
-from ..layout import MANIFEST
+from ..format.checksums import Sha256, file_digest
+from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 

@@ -8,18 +8,18 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...procedural.errors import InputError
-from .. import layout
-from ..checksums import read_checksums
-from ..dataset_file import DatasetFile
-from ..durable import remove_leftovers, whole_file, whole_folder
-from ..scene_ranges import format_scenes, parse_scenes
-from ..split_file import SplitsFile, joined, read_splits
-from ..views_table import scene_views
+from ...core.atomic_io import remove_leftovers, whole_file, whole_folder
+from ...core.errors import InputError
+from ..format import layout
+from ..format.checksums import read_checksums
+from ..format.dataset_file import DatasetFile
+from ..format.split_file import SplitsFile, joined, read_splits
+from ..format.views_table import scene_views
+from ..settings.scene_ranges import format_scenes, parse_scenes
 from ..writer import read_head, write_head
-from .finishing import finish
-from .folder import check_same
+from .finalize import finish
 from .manifest import read_manifest, write_manifest
+from .output_folder import check_same
 
 
 def merge(sources: Sequence[Path], root: Path) -> int:

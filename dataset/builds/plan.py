@@ -7,10 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...procedural.errors import InputError
-from .. import layout
-from ..checksums import faults_of
-from ..views_table import scene_views
+from ...core.errors import InputError
+from ..format import layout
+from ..format.checksums import faults_of
+from ..format.views_table import scene_views
 from .journal import last_attempts
 
 

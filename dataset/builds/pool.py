@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from time import monotonic
 
-from .orders import Attempt, Machine, Order, Refusal
-from .process import Worker
+from .messages import Attempt, Machine, Order, Refusal
+from .worker_process import Worker
 
 #: Workers that may die in a row before one is ready; then the installation is at fault, not chance.
 _FALSE_STARTS = 5

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from ...annotate.keypoints import scene_keypoints
-from ...procedural.draw import draw_scene
-from ...procedural.errors import InputError
-from ...procedural.scene_file import load_scene
-from ...procedural.settings import SceneSettings
-from ...render.machine.backend import activate
-from .. import layout
-from ..dataset_file import DatasetFile, installed_versions
-from ..making import light_scene, make_view
+from ...core.errors import InputError
+from ...procedural.scene.draw import draw_scene
+from ...procedural.scene.scene_file import load_scene, save_scene
+from ...procedural.scene.settings import SceneSettings
+from ...render.backend.variant import activate
+from ..format import layout
+from ..format.dataset_file import DatasetFile, installed_versions
+from ..pipeline import light_scene, make_view
 from ..writer import write_view
 
 
@@ -73,7 +73,7 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         settings = SceneSettings.model_validate(head.config)
         if _folders_are_there(settings):
             drawn = draw_scene(settings, head.seed, scene_id)
-            drawn.save(again / layout.SCENE, Path(name, layout.ASSETS))
+            save_scene(drawn, again / layout.SCENE, Path(name, layout.ASSETS))
             yield from _unlike(again, folder)
         scene = load_scene(folder / layout.SCENE)
         lit, points = light_scene(scene, Silent()), scene_keypoints(scene)

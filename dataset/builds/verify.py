@@ -11,18 +11,18 @@ import pyarrow.parquet as pq
 from pyarrow import ArrowException
 from pydantic import ValidationError
 
-from ...procedural.assets import checked_path
-from ...procedural.description import Scene
-from ...procedural.errors import InputError
-from ...procedural.settings import SceneSettings
-from ...procedural.splits import split_of
-from .. import layout
-from ..checksums import faults_of
-from ..dataset_file import DatasetFile, digest_of
+from ...core.assets import checked_path
+from ...core.errors import InputError
+from ...procedural.description.scene import Scene
+from ...procedural.scene.settings import SceneSettings
+from ...procedural.scene.splits import split_of
+from ..format import layout
+from ..format.checksums import faults_of
+from ..format.dataset_file import DatasetFile, digest_of
+from ..format.split_file import read_splits
+from ..format.views_table import SCHEMA, read_scene_views, scene_views
 from ..reader import StoredScene, StoredView
-from ..scene_ranges import format_scenes, parse_scenes
-from ..split_file import read_splits
-from ..views_table import SCHEMA, read_scene_views, scene_views
+from ..settings.scene_ranges import format_scenes, parse_scenes
 from .manifest import read_manifest
 
 #: Files that each view has.

@@ -33,15 +33,15 @@ from typing import TextIO
 
 import cv2
 
-from ...procedural.asset_files import asset_files
-from ...procedural.draw import draw_scene
-from ...procedural.errors import InputError
-from ...procedural.sanity import check_scene
-from ...render.machine.backend import activate
-from ..dataset_file import installed_versions
-from ..making import Made, make_scene
+from ...core.errors import InputError
+from ...procedural.scene.asset_files import asset_files
+from ...procedural.scene.draw import draw_scene
+from ...procedural.scene.validate import check_scene
+from ...render.backend.variant import activate
+from ..format.dataset_file import installed_versions
+from ..pipeline import Made, make_scene
 from . import manifest
-from .orders import UNWRITABLE, Attempt, Machine, Order
+from .messages import UNWRITABLE, Attempt, Machine, Order
 
 #: Number of the operation "signal me when my parent dies" (prctl(2), linux/prctl.h).
 _PR_SET_PDEATHSIG = 1

@@ -12,27 +12,27 @@ from typing import Annotated, Literal, Protocol
 from pydantic import Field
 from rich.console import Console
 
-from ...procedural.asset_files import AssetFiles, asset_files
-from ...procedural.errors import InputError
-from ...procedural.inputs import check_inputs
-from ...procedural.settings import SceneSettings
-from ...procedural.user_text import UserPath, UserText
-from .. import layout
-from ..builds.campaign import Makers, Result, run
-from ..builds.finishing import finish
-from ..builds.folder import check_request, opened, taken
+from ...core.atomic_io import remove_leftovers
+from ...core.errors import InputError
+from ...core.exit_codes import WorkFailed, outcome
+from ...core.user_text import UserPath, UserText
+from ...procedural.scene.asset_files import AssetFiles, asset_files
+from ...procedural.scene.check_inputs import check_inputs
+from ...procedural.scene.settings import SceneSettings
+from ..builds.finalize import finish
 from ..builds.journal import Journal
 from ..builds.manifest import Manifest, check_same, read_manifest, scan, write_manifest
-from ..builds.orders import Machine, Order
+from ..builds.messages import Machine, Order
+from ..builds.output_folder import check_request, opened, taken
 from ..builds.plan import Plan, planned
 from ..builds.pool import Pool
-from ..config import layered, parsed
-from ..dataset_file import DatasetFile, digest_of, new_head
-from ..durable import remove_leftovers
-from ..scene_ranges import format_scenes, parse_scenes, shard
-from ..split_file import splits_file
+from ..builds.scheduler import Makers, Result, run
+from ..format import layout
+from ..format.dataset_file import DatasetFile, digest_of, new_head
+from ..format.split_file import splits_file
+from ..settings.config import layered, parsed
+from ..settings.scene_ranges import format_scenes, parse_scenes, shard
 from .build_progress import BuildProgress
-from .outcome import WorkFailed, outcome
 
 _DESCRIPTION = """Build a data set of many scenes. Run the same command again to go on where it was stopped.
 

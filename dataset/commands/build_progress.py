@@ -9,8 +9,8 @@ from time import perf_counter
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from ..builds.orders import Attempt
-from .stopping import check_stop
+from ...core.stopping import check_stop
+from ..builds.messages import Attempt
 
 
 class BuildProgress:

@@ -8,9 +8,9 @@ from importlib.metadata import EntryPoint, entry_points
 
 from rich.console import Console
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
+from ...core.exit_codes import outcome
 from . import build_dataset, merge, render_scene, verify
-from .outcome import outcome
 
 #: Name of each command, what it does, and its entry point.
 _COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {

@@ -10,14 +10,14 @@ import tyro
 from pydantic import Field
 from rich.console import Console
 
-from ...procedural.errors import InputError
-from ...procedural.model import Model
-from ...procedural.user_text import UserPath
-from .. import layout
-from ..builds.folder import taken
+from ...core.errors import InputError
+from ...core.exit_codes import outcome
+from ...core.model import Model
+from ...core.user_text import UserPath
 from ..builds.merge import merge
-from ..config import parsed
-from .outcome import outcome
+from ..builds.output_folder import taken
+from ..format import layout
+from ..settings.config import parsed
 
 _DESCRIPTION = """Merge data sets of one seed and one configuration, such as the shards of a build.
 

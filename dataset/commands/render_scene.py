@@ -9,20 +9,20 @@ from pathlib import Path
 from pydantic import Field
 from rich.console import Console
 
-from ...procedural.draw import draw_scene
-from ...procedural.inputs import check_inputs
-from ...procedural.sanity import check_scene
-from ...procedural.settings import SceneSettings
-from ...procedural.user_text import UserPath, UserText
-from ...render.machine.backend import activate
-from .. import layout
-from ..config import layered, parsed
-from ..dataset_file import installed_versions, new_head
-from ..making import make_scene
-from ..pictures import write_png
-from ..preview import chosen_views, contact_sheet
+from ...core.exit_codes import outcome
+from ...core.user_text import UserPath, UserText
+from ...procedural.scene.check_inputs import check_inputs
+from ...procedural.scene.draw import draw_scene
+from ...procedural.scene.settings import SceneSettings
+from ...procedural.scene.validate import check_scene
+from ...render.backend.variant import activate
+from ..format import layout
+from ..format.dataset_file import installed_versions, new_head
+from ..format.pictures import write_png
+from ..pipeline import make_scene
+from ..preview.contact_sheet import chosen_views, contact_sheet
+from ..settings.config import layered, parsed
 from ..writer import check_output, finish_dataset, read_head, start_dataset
-from .outcome import outcome
 from .progress import Stages
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.

@@ -15,17 +15,17 @@ from pydantic import Field
 from rich.console import Console
 from rich.progress import track
 
-from ...procedural.errors import InputError
-from ...procedural.model import Model
-from ...procedural.user_text import UserPath
-from .. import layout
+from ...core.errors import InputError
+from ...core.exit_codes import WorkFailed, outcome
+from ...core.model import Model
+from ...core.stopping import check_stop
+from ...core.user_text import UserPath
 from ..builds.rerender import chosen, ready, rerendered
 from ..builds.verify import head_faults, index_faults, scene_faults
-from ..config import parsed
-from ..dataset_file import DatasetFile
+from ..format import layout
+from ..format.dataset_file import DatasetFile
+from ..settings.config import parsed
 from ..writer import read_head
-from .outcome import WorkFailed, outcome
-from .stopping import check_stop
 
 _DESCRIPTION = """Check a data set: schema, completeness, checksums and index from its files alone.
 

@@ -10,14 +10,14 @@ import tyro
 from pydantic import Field
 from rich.console import Console
 
-from ...dataset.commands.outcome import outcome
-from ...dataset.config import layered, parsed
-from ...procedural.errors import InputError
-from ...procedural.model import Model
-from ...procedural.user_text import UserPath
+from ...core.errors import InputError
+from ...core.exit_codes import outcome
+from ...core.model import Model
+from ...core.user_text import UserPath
+from ...dataset.settings.config import layered, parsed
 from ..evaluation.report import tables
 from ..evaluation.run import evaluate
-from ..machine import use
+from ..networks.device import use
 
 _DESCRIPTION = """Evaluate a network: glassware evaluate CKPT DATA --split val
 

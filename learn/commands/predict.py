@@ -10,13 +10,13 @@ import tyro
 from pydantic import Field
 from rich.console import Console
 
-from ...dataset.commands.outcome import outcome
-from ...dataset.config import layered, parsed
-from ...procedural.errors import InputError
-from ...procedural.model import Model
-from ...procedural.user_text import UserPath
+from ...core.errors import InputError
+from ...core.exit_codes import outcome
+from ...core.model import Model
+from ...core.user_text import UserPath
+from ...dataset.settings.config import layered, parsed
 from ..evaluation.predict import predict
-from ..machine import use
+from ..networks.device import use
 
 _DESCRIPTION = """Find objects and depth in pictures: glassware predict CKPT IMAGE IMAGE ...
 

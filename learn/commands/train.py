@@ -10,10 +10,10 @@ import tyro
 from pydantic import Field
 from rich.console import Console
 
-from ...dataset.commands.outcome import outcome
-from ...dataset.config import layered, parsed
-from ...procedural.errors import InputError
-from ...procedural.user_text import UserPath
+from ...core.errors import InputError
+from ...core.exit_codes import outcome
+from ...core.user_text import UserPath
+from ...dataset.settings.config import layered, parsed
 from ..training.run import train
 from ..training.settings import TrainSettings
 

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from torch.utils.data import DataLoader
 from torch.utils.data import Dataset as TorchDataset
 
-from ...dataset.commands.outcome import WorkFailed
-from ...procedural.errors import InputError
+from ...core.errors import InputError
+from ...core.exit_codes import WorkFailed
 from .samples import Batch, Sample, SampleDataset, batched
 
 

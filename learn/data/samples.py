@@ -11,19 +11,19 @@ import torch
 from torch import Tensor
 from torch.utils.data import Dataset as TorchDataset
 
-from ...dataset.camera_file import CameraFile
-from ...dataset.objects_file import ObjectsFile
+from ...core.errors import InputError
+from ...core.randomness import stream
+from ...dataset.format.camera_file import CameraFile
+from ...dataset.format.objects_file import ObjectsFile
 from ...dataset.reader import Dataset, Eye, StoredScene, StoredView
-from ...procedural.errors import InputError
-from ...procedural.randomness import stream
 from ..targets.encoding import Encoding
 from ..targets.view import view_targets
 from .augment import augmented
+from .ground_truth import Truth, read_truth
 from .neighbours import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from .scaling import scaled_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import scenes_of
-from .truth import Truth, read_truth
 from .views import CameraView, check_picture, check_sizes, read_camera, read_view
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ..objects import ViewObject
-from .truth import Truth
+from ..targets.objects import ViewObject
+from .ground_truth import Truth
 from .views import CameraView
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ...procedural.model import Model, Ordered
+from ...core.model import Model, Ordered
 from ..networks.inputs import MULTIPLE
 
 _Side = Annotated[int, Field(ge=MULTIPLE, le=8192, multiple_of=MULTIPLE)]

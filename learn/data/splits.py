@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import get_args
 
+from ...core.errors import InputError
 from ...dataset.reader import Dataset, StoredScene
-from ...procedural.errors import InputError
-from ...procedural.splits import Split
+from ...procedural.scene.splits import Split
 
 #: Every scene, for data sets that have no splits.
 ALL = "all"

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ...dataset import layout
-from ...dataset.camera_file import CAMERA_SCHEMA, CameraFile
+from ...core.errors import InputError
+from ...core.json_file import check_schema, parsed, read_json
+from ...dataset.format import layout
+from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
 from ...dataset.reader import Eye, StoredView
-from ...procedural.errors import InputError
-from ...procedural.scene_file import check_schema, parsed, read_json
 from ..networks.inputs import MULTIPLE
 
 #: How far from 1 the rows of a rotation may be, and from 0 their products: our poses are stored with 16 digits, but

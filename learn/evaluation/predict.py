@@ -11,23 +11,23 @@ import cv2
 import numpy as np
 import torch
 
-from ...dataset import layout
-from ...dataset.camera_file import CAMERA_SCHEMA, CameraFile
-from ...dataset.complaints import shortened
-from ...dataset.durable import write_atomically
-from ...dataset.exr import write_exr
-from ...dataset.pictures import write_png
-from ...procedural.errors import InputError
-from ...procedural.quiet import quiet
-from ...procedural.scene_file import check_schema, json_text, parsed, read_json
-from ..checkpoint import load_network
+from ...core.atomic_io import write_atomically
+from ...core.errors import InputError
+from ...core.json_file import check_schema, json_text, parsed, read_json
+from ...core.setting_errors import shortened
+from ...core.silence import quiet
+from ...dataset.format import layout
+from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.format.exr import write_exr
+from ...dataset.format.pictures import write_png
 from ..data.samples import picture_tensor
 from ..data.scaling import scaled_view
 from ..data.views import MOST, CameraView, check_camera, check_picture, check_sizes
+from ..data.visualise import coloured_depth, depth_limits, with_boxes
 from ..decoding.decode import Detections, decode
-from ..out_folder import made_folder
-from ..pictures import coloured_depth, depth_limits, with_boxes
 from ..targets.encoding import encoding_of
+from ..training.checkpoint import load_network
+from ..training.out_folder import made_folder
 from .score import check_finite, frozen
 
 

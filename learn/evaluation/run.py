@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 import torch
 
-from ...dataset.commands.stopping import check_stop
-from ...dataset.durable import write_atomically
-from ...dataset.pictures import write_png
+from ...core.atomic_io import write_atomically
+from ...core.json_file import json_text
+from ...core.stopping import check_stop
+from ...dataset.format.pictures import write_png
 from ...dataset.reader import Dataset
-from ...procedural.scene_file import json_text
-from ..checkpoint import data_digest, load_network
 from ..data.loading import load_batches
 from ..data.samples import SampleDataset
+from ..data.visualise import sample_picture
 from ..networks.build import Network
-from ..out_folder import made_folder
-from ..pictures import sample_picture
 from ..targets.encoding import encoding_of
+from ..training.checkpoint import data_digest, load_network
+from ..training.out_folder import made_folder
 from .report import figures
 from .score import SampleScore, frozen, score_sample
 

@@ -9,16 +9,16 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ...procedural.errors import InputError
-from ..data.truth import Truth
+from ...core.errors import InputError
+from ..data.ground_truth import Truth
 from ..decoding.decode import Detections, decode
 from ..metrics.box_iou import object_iou
 from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors
 from ..metrics.detection import PictureOverlaps, matches
 from ..metrics.instances import PictureMasks, picture_masks
 from ..metrics.pose import PoseErrors, pose_errors
-from ..objects import ViewObject
 from ..targets.encoding import Encoding
+from ..targets.objects import ViewObject
 from ..targets.view import NOTHING, OPAQUE, TABLE, TRANSPARENT, findable, semantic
 
 #: Overlap of the boxes from which an object counts as found (the released code's value).

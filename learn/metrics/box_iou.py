@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from ...annotate.boxes import CORNER_SIGNS, EDGES
 from ...annotate.symmetries import Symmetry
-from ..objects import box_points
+from ..targets.objects import box_points
 
 #: A point this far outside a box, as a share of its half side, is still on its surface: rounding of float64 products.
 _ON_SURFACE = 1e-9

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
 from .context import ContextDecoder
 from .heads import DenseHead, FieldHead, Pyramid
 from .inputs import check_inputs

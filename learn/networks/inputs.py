@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from torch import Tensor
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
 
 #: The last features are at this fraction of the picture's size.
 MULTIPLE = 32

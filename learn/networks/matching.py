@@ -7,7 +7,7 @@ import math
 import torch
 from torch import Tensor, nn
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
 from .layers import conv_norm_3d, norm
 from .settings import NetworkSettings
 from .sweep import plane_grid, quarter_intrinsics, sampled, source_T_reference

@@ -20,7 +20,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
 from .context import ContextDecoder, UpConv
 from .dilated_backbone import ReferenceBackbone
 from .heads import DenseHead, FieldHead

@@ -12,8 +12,8 @@ from typing import Literal
 import torch
 from torch import Tensor, nn
 
-from ...procedural.errors import InputError
-from ..state_file import read_tensors
+from ...core.errors import InputError
+from .weights_file import read_tensors
 
 Depth = Literal["resnet18", "resnet50"]
 

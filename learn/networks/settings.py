@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ...procedural.model import Model, Ordered
+from ...core.model import Model, Ordered
 from .layers import Norm
 from .resnet import Depth
 

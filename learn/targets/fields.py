@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...annotate.projection import project_camera
-from ..objects import ViewObject
 from .encoding import Encoding, encoded_covariance, encoded_depth, encoded_vertices
 from .heatmap import THRESHOLD, Normal, hottest_pixel, log_heat
+from .objects import ViewObject
 
 #: Pixels between two cells; cell (i, j) stands for the pixel in row 8 i and column 8 j.
 STRIDE = 8

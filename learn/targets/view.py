@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...annotate.projection import project_camera
-from ..objects import ViewObject
 from .encoding import Encoding
 from .fields import STRIDE, object_fields, owners
 from .heatmap import Normal, heatmap, normal_of
+from .objects import ViewObject
 
 #: Classes of pixels.
 NOTHING, TABLE, TRANSPARENT, OPAQUE = range(4)

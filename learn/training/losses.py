@@ -12,7 +12,7 @@ from pydantic import Field
 from torch import Tensor
 from torch.nn import functional
 
-from ...procedural.model import Model
+from ...core.model import Model
 from ..networks.settings import NetworkSettings
 from ..targets.view import TRANSPARENT
 

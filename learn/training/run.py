@@ -13,19 +13,19 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
-from ...dataset.commands.outcome import WorkFailed
-from ...dataset.commands.stopping import check_stop
+from ...core.errors import InputError
+from ...core.exit_codes import WorkFailed
+from ...core.stopping import check_stop
 from ...dataset.reader import Dataset
-from ...procedural.errors import InputError
-from ..checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from ..data.loading import load_batches
 from ..data.samples import Batch, batched
 from ..networks.build import Network, build_network
-from ..out_folder import made_folder
+from .checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from .losses import losses, total_loss
-from .preparing import Parts, load_first_weights, prepared
-from .records import Records
-from .resuming import restore_parts, resumable
+from .out_folder import made_folder
+from .prepare import Parts, load_first_weights, prepared
+from .resume import restore_parts, resumable
+from .run_log import Records
 from .schedule import StepBatches, rate_at
 from .settings import TrainSettings
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...procedural.randomness import stream
+from ...core.randomness import stream
 from .settings import OptimiserSettings
 
 #: Exponent of the polynomial schedule (the released code's).

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ...procedural.model import Model
-from ...procedural.user_text import UserPath
+from ...core.model import Model
+from ...core.user_text import UserPath
 from ..data.settings import AugmentSettings, ViewSettings
 from ..networks.settings import NetworkSettings
 from .losses import LossWeights

@@ -17,9 +17,9 @@ from typing import Literal
 
 import numpy as np
 
-from ..assets import asset
-from ..model import Reflectance
-from .description import OpaqueMaterial, PictureTexture, ProceduralTexture, Texture, UniformTexture
+from ...core.assets import asset
+from ...core.model import Reflectance
+from ..description.material import OpaqueMaterial, PictureTexture, ProceduralTexture, Texture, UniformTexture
 from .picture_files import srgb_to_linear
 
 #: Darkest and brightest reflectance of a dielectric, linear: sRGB 30 and 240 (McDermott 2018).

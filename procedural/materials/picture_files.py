@@ -8,9 +8,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..errors import InputError
-from ..folders import files_in
-from ..quiet import quiet
+from ...core.errors import InputError
+from ...core.folders import files_in
+from ...core.silence import quiet
 
 #: Formats that OpenCV's wheel reads on every platform and that hold 8 or 16 bits a channel.
 PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..assets import checked_path
-from .description import PictureTexture, ProceduralTexture, Texture, UniformTexture
+from ...core.assets import checked_path
+from ..description.material import PictureTexture, ProceduralTexture, Texture, UniformTexture
 from .noise import tile_grid
 from .patterns import PATTERNS
 from .picture_files import read_picture

@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import OptimizeResult, root_scalar
 from scipy.special import i0e, i1e
 
-from ..errors import InputError
+from ...core.errors import InputError
 
 #: Standard gravity [m/s^2], CGPM 1901.
 GRAVITY = 9.80665

@@ -6,7 +6,7 @@ from math import radians
 
 import numpy as np
 
-from ..errors import InputError
+from ...core.errors import InputError
 from .colour import LIQUID_LENGTH, WALL_LENGTH, rgb_absorption
 from .dispersion import D_LINE, SODIUM_LINE, Cauchy, Dispersion, Power, Scaled, Sellmeier, abbe_number, index
 from .medium import ETA_DIGITS, Absorber, Medium

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from ..errors import InputError
-from ..model import Model
+from ...core.errors import InputError
+from ...core.model import Model
 
 if TYPE_CHECKING:
     from .medium import Medium

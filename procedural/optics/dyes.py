@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
-from ..model import Model
+from ...core.model import Model
 
 #: A specific absorbance E(1 %, 1 cm) is decadic, per cm and per 10 g/L. Times this it is Napierian, per m and per g/L.
 PER_SPECIFIC_ABSORBANCE = np.log(10.0) * 100.0 / 10.0

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from ..errors import InputError
-from ..model import Model
+from ...core.errors import InputError
+from ...core.model import Model
 from .dispersion import D_LINE, Dispersion, index
 
 #: `Medium.eta` is stored rounded to this many digits, so it may differ from its formula by half of the last one.

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from ..errors import InputError
-from ..model import Model
+from ...core.errors import InputError
+from ...core.model import Model
 from . import absorption_tables as tables
 from .dispersion import in_range
 from .dyes import DYES, PIGMENTS, Dye

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import Mesh
+from ...core.mesh import Mesh
 from .normals import creased
 
 #: Steps across a quarter of a rounded edge: 7.5 degrees each, as `revolution.ARC_STEP`.

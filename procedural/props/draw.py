@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..description import Prop
-from ..materials.description import OpaqueMaterial
+from ...core.mesh import Mesh
+from ..description.material import OpaqueMaterial
+from ..description.scene import Prop
 from ..materials.draw import draw_material, draw_plain_material
-from ..mesh import Mesh
 from .mesh_files import MeshFile, box_mapped, read_mesh
 from .settings import PropSettings
 from .shapes import draw_shape

@@ -18,11 +18,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..assets import asset
-from ..errors import InputError
-from ..materials.description import PictureTexture, UniformTexture
+from ...core.assets import asset
+from ...core.errors import InputError
+from ...core.user_text import usable_path, usable_text
+from ..description.material import PictureTexture, UniformTexture
 from ..materials.picture_files import read_picture
-from ..user_text import usable_path, usable_text
 
 #: Chunk types of the GLB container (glTF 2.0 specification, section 4.4).
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from ..errors import InputError
-from ..folders import files_in
-from ..mesh import Mesh
+from ...core.errors import InputError
+from ...core.folders import files_in
+from ...core.mesh import Mesh
 from .file_looks import Look, default_picture_folder, glb_look, obj_look
 from .normals import creased
 

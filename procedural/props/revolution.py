@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..mesh import Mesh
+from ...core.mesh import Mesh
 
 #: Steps round the axis. The chord of 1/96 of a turn lies 0.05 % of the radius inside the circle: 0.05 mm at 10 cm.
 #: A multiple of four, so that the bounding box is that of the round solid.

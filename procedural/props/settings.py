@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from ..model import Model
+from ...core.model import Model
 
 
 class PropSettings(Model):

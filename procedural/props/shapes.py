@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import Mesh
+from ...core.mesh import Mesh
 from .blocks import extrusion, rounded_box, stone, superellipsoid
 from .revolution import arc, revolve, rounded
 

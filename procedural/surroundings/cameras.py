@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from ..errors import InputError
+from ...core.errors import InputError
+from ..description.surroundings import Camera
 from .aim import aimed_frame
-from .description import Camera
 from .settings import CameraSettings
 
 RINGS, RING_VIEWS = 4, 14

@@ -9,8 +9,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..assets import asset
-from .description import Environment, PictureEnvironment, RoomEnvironment
+from ...core.assets import asset
+from ..description.surroundings import Environment, PictureEnvironment, RoomEnvironment
 from .hdri import hdri_files, read_hdri
 from .rooms import bake_room, draw_room
 from .settings import EnvironmentSettings

@@ -15,10 +15,10 @@ import numpy as np
 import OpenEXR
 from scipy.ndimage import maximum_filter
 
-from ..assets import Asset, checked_path
-from ..errors import InputError
-from ..folders import files_in
-from ..quiet import quiet
+from ...core.assets import Asset, checked_path
+from ...core.errors import InputError
+from ...core.folders import files_in
+from ...core.silence import quiet
 from .colour import luminance
 from .metering import irradiance
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from ..description.surroundings import AreaLight
 from .aim import aimed_frame
 from .colour import black_body
-from .description import AreaLight
 from .metering import form_factor
 from .settings import LightSettings
 

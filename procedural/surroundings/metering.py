@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..description.surroundings import AreaLight
 from .colour import luminance
-from .description import AreaLight
 from .sphere import cosine_weights
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .description import RoomEnvironment
+from ..description.surroundings import RoomEnvironment
 
 #: The face of the room that each name of a wall stands for.
 WALL_FACES = {"+x": 0, "-x": 1, "+y": 2, "-y": 3, "ceiling": 4}

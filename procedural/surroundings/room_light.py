@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from .description import RoomEnvironment, Window
+from ..description.surroundings import RoomEnvironment, Window
 from .noise import fractal_noise
 from .room_geometry import (
     WALL_FACES,

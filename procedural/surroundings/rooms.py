@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import Reflectance
+from ...core.model import Reflectance
+from ..description.surroundings import Block, Panel, RoomEnvironment, Wall, Window
 from .colour import black_body
-from .description import Block, Panel, RoomEnvironment, Wall, Window
 from .noise import fractal_noise, lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, in_rectangle
 from .room_light import bar_radiance, glow, sample, solve

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..model import Model, Ordered, Unit
-from ..user_text import UserPath
+from ...core.model import Model, Ordered, Unit
+from ...core.user_text import UserPath
 
 # Smallest and largest value of a uniform draw, with the limits of both.
 # Sides from a bare LED die to the largest soft boxes [m].

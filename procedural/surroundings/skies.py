@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from ..description.surroundings import SkyEnvironment
 from .colour import black_body, rgb_of_xyy
-from .description import SkyEnvironment
 from .noise import fractal_noise
 from .preetham import sky_xyy, zenith_xyy
 from .sphere import cosine_weights, texel_directions

@@ -9,12 +9,12 @@ import numpy as np
 from pydantic import Field, model_validator
 from scipy.spatial import ConvexHull
 
+from ...core.mesh import Mesh
+from ...core.model import Model
+from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
-from ..mesh import Mesh
-from ..model import Model
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
-from .description import Table
 
 #: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
 THICKNESS = (0.02, 0.05)

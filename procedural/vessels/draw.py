@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..description import Liquid, Vessel
-from ..model import Profile
+from ...core.model import Profile
+from ..description.scene import Liquid, Vessel
 from ..optics.medium import Medium
 from .curve import Curve
 from .families import FAMILIES, Family, Size, draw_size

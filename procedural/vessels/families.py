@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..errors import InputError
+from ...core.errors import InputError
 from .outline import Outline, Piece, bulging, easing, levelling, linear, waved
 from .settings import Category, VesselSettings
 

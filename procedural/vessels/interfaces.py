@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..description import Interface
+from ..description.scene import Interface
 from ..optics.medium import AIR, Medium
 from .curve import Curve, backwards, chained
 from .revolve import revolved

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import root_scalar
 
-from ..errors import InputError
+from ...core.errors import InputError
 
 #: Least distance of the contact line below the rim's crown [m]: clear of the rim's rounding, which takes half of the
 #: thickest wall (2 mm).

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import Mesh
+from ...core.mesh import Mesh
 from .curve import Curve
 
 

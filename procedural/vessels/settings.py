@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from ..model import Model, Ordered
+from ...core.model import Model, Ordered
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import root_scalar
 
-from ..errors import InputError
+from ...core.errors import InputError
 from ..optics.capillary import Meniscus, capillary_length, meniscus
 from ..optics.medium import Medium
 from .curve import Curve, directions, simplified

@@ -16,13 +16,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.errors import InputError
-from ...procedural.surroundings.description import Camera
+from ...core.errors import InputError
+from ...procedural.description.surroundings import Camera
 from ..pictures.integrator import Radiance, trace
 from ..pictures.picture import camera_paths, check_media
 from ..pictures.sampler import Samples
-from ..rays import pinhole
 from ..scene.kernel import Kernel
+from ..scene.rays import pinhole
 from .replay import replay
 from .tape import Slots, slots, tape
 

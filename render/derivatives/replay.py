@@ -11,12 +11,12 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
-from ...procedural.description import Picture
+from ...procedural.description.scene import Picture
 from ..interfaces.dielectric import scatter, upright_normal
 from ..pictures.integrator import SURVIVE, numbers_of, opaque_event, ran_into, relative_index
 from ..pictures.sampler import Samples, hashed
-from ..rays import leave
 from ..scene.kernel import Kernel
+from ..scene.rays import leave
 from ..scene.spectrum import absorption_at
 from ..scene.surfaces import met, registry_id
 from .tape import Tape, add_absorption, add_chosen, add_emitter, add_roughness

@@ -11,10 +11,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.surroundings.description import Camera
+from ...procedural.description.surroundings import Camera
 from ..frame import Geometry, Layers
-from ..rays import clearance, leave, pinhole, pixel_rays
 from ..scene.kernel import Kernel
+from ..scene.rays import clearance, leave, pinhole, pixel_rays
 from ..scene.surfaces import registry_id
 from .layers import Recorder, layers_of, record, recorder
 

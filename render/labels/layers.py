@@ -8,11 +8,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.description import Prop
-from ...procedural.materials_of import materials_of
+from ...procedural.description.materials_of import materials_of
+from ...procedural.description.scene import Prop
 from ..frame import Layers
-from ..rays import Pinhole
 from ..scene.kernel import Kernel
+from ..scene.rays import Pinhole
 from ..scene.surfaces import SurfaceTable, registry_id
 
 # A layer's small numbers share one 32-bit word: 16 bits of id, 2 of part, 1 of entering, 13 of material.

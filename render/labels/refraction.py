@@ -13,12 +13,12 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.errors import InputError
-from ...procedural.surroundings.description import Camera
+from ...core.errors import InputError
+from ...procedural.description.surroundings import Camera
 from ..frame import HIT, LOST, SURROUNDINGS, Refraction
 from ..interfaces.dielectric import through
-from ..rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.kernel import Kernel
+from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.surfaces import met, registry_id
 
 #: Most interfaces that a ray may meet; one that is still under way is given up. In eight drawn scenes (32 views) 4 % of

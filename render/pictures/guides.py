@@ -18,10 +18,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.surroundings.description import Camera
+from ...procedural.description.surroundings import Camera
 from ..interfaces.dielectric import through
-from ..rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.kernel import Kernel
+from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import grey_guide
 from ..scene.surfaces import met, registry_id
 from .sampler import four, samples

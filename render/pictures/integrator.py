@@ -8,11 +8,11 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from ...procedural.description import Picture
+from ...procedural.description.scene import Picture
 from ..interfaces.dielectric import Scattered, scatter
 from ..interfaces.polarised import analyser_of, in_world, scatter_polarised
-from ..rays import leave
 from ..scene.kernel import Kernel
+from ..scene.rays import leave
 from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolarised
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
 from .sampler import Samples, four, hashed

@@ -9,16 +9,16 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.description import Picture
-from ...procedural.surroundings.description import Camera
-from ..rays import Pinhole, pinhole, pixel_rays
+from ...procedural.description.scene import Picture
+from ...procedural.description.surroundings import Camera
 from ..scene.kernel import Kernel
+from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
-from .allocation import Worth, group_counts
+from .film import Tally
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
+from .sample_weights import Worth, group_counts
 from .sampler import Samples, four, samples
-from .tally import Tally
 
 #: Paths traced at a time. Each holds 20 bytes of results, so a pass stays under 100 MB.
 PATHS_PER_PASS = 1 << 22

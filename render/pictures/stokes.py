@@ -13,10 +13,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.errors import InputError
-from ...procedural.surroundings.description import Camera
-from ..rays import Pinhole, pinhole
+from ...core.errors import InputError
+from ...procedural.description.surroundings import Camera
 from ..scene.kernel import Kernel
+from ..scene.rays import Pinhole, pinhole
 from .integrator import trace
 from .picture import PATHS_PER_PASS, camera_paths, check_media
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.description import TABLE_ID, Interface, Prop, Scene, Vessel
-from ...procedural.materials.description import OpaqueMaterial
-from ...procedural.mesh import Mesh, as_trimesh
+from ...core.mesh import Mesh, as_trimesh
+from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene, Vessel
 from ...procedural.optics.medium import AIR
 from .lighting import area_light, envmap, keep_numbers_out_of_kernels
 from .opaque import opaque_bsdf, repeated
@@ -56,7 +56,7 @@ class Kernel:
 
 
 def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> Kernel:
-    """Load a scene into Mitsuba (the variant must be active: `render.machine.backend.activate`).
+    """Load a scene into Mitsuba (the variant must be active: `render.backend.variant.activate`).
 
     Parameters
     ----------

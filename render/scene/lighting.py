@@ -6,7 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.surroundings.description import AreaLight, Environment
+from ...procedural.description.surroundings import AreaLight, Environment
 from ...procedural.surroundings.environments import bake_environment
 
 #: Our equirectangular axes (z up, azimuth from +x towards +y) seen from Mitsuba's (y up), whose azimuth runs the other

@@ -7,9 +7,9 @@ from dataclasses import replace
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.materials.description import OpaqueMaterial
+from ...core.mesh import Mesh
+from ...procedural.description.material import OpaqueMaterial
 from ...procedural.materials.textures import bake
-from ...procedural.mesh import Mesh
 
 
 def opaque_bsdf(material: OpaqueMaterial) -> dict:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...procedural.mesh import Mesh
+from ...core.mesh import Mesh
 
 #: Rounds after which cutting stops: each halves the longest edges, so these take one of 4 m below 1 mm.
 _MOST_ROUNDS = 12

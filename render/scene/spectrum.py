@@ -9,7 +9,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.errors import InputError
+from ...core.errors import InputError
 from ...procedural.optics.dispersion import eta
 from ...procedural.optics.medium import Medium
 from ...procedural.optics.spectra import absorption

@@ -5,7 +5,7 @@ import trimesh
 
 from glassware.annotate.keypoints import keypoint_states, keypoints, scene_keypoints
 from glassware.annotate.surface import outside_vertices
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
 
 
 def test_keypoints_of_a_block_are_its_corners(analytic):

@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from glassware.annotate.symmetries import is_ball, motions_of
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
 from glassware.procedural.props.blocks import extrusion
 from glassware.procedural.props.shapes import SHAPES, draw_shape
 

@@ -4,7 +4,7 @@ import pytest
 
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
-from glassware.dataset.dataset_file import DatasetFile, installed_versions
+from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
 from glassware.dataset.writer import View, finish_dataset, start_dataset, write_scene
 
 

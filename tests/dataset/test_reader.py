@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from glassware.dataset.pictures import write_png
+from glassware.core.errors import InputError
+from glassware.dataset.format.pictures import write_png
 from glassware.dataset.reader import Dataset
-from glassware.procedural.errors import InputError
 
 
 def _edit(path, change):

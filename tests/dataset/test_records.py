@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.annotate.keypoints import scene_keypoints
-from glassware.dataset.camera_file import CameraFile, camera_file, camera_of
-from glassware.dataset.objects_file import ObjectsFile, objects_file
-from glassware.procedural.description import Liquid
+from glassware.dataset.format.camera_file import CameraFile, camera_file, camera_of
+from glassware.dataset.format.objects_file import ObjectsFile, objects_file
+from glassware.procedural.description.scene import Liquid
 from glassware.procedural.optics.medium import Medium
 
 

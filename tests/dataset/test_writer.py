@@ -12,12 +12,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from glassware.annotate.checks import check_view
+from glassware.core.assets import asset
+from glassware.core.errors import InputError
+from glassware.dataset.format.views_table import SCHEMA
 from glassware.dataset.reader import Dataset
-from glassware.dataset.views_table import SCHEMA
 from glassware.dataset.writer import finish_dataset, start_dataset, write_scene
-from glassware.procedural.assets import asset
-from glassware.procedural.errors import InputError
-from glassware.procedural.surroundings.description import PictureEnvironment
+from glassware.procedural.description.surroundings import PictureEnvironment
 
 TESTS = Path(__file__).parents[1]
 
@@ -203,7 +203,7 @@ sys.modules["analytic"] = analytic
 spec.loader.exec_module(analytic)
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
-from glassware.dataset.dataset_file import DatasetFile
+from glassware.dataset.format.dataset_file import DatasetFile
 from glassware.dataset.writer import View, start_dataset, write_scene
 signal.signal(signal.SIGINT, signal.default_int_handler)  # also where the parent ignores it
 root, scene = pathlib.Path(sys.argv[1]), analytic.scene(2)

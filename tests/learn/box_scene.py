@@ -6,7 +6,7 @@ import numpy as np
 
 from glassware.annotate.projection import inverse_pose, pixel_rays
 from glassware.annotate.symmetries import ASYMMETRIC, REVOLUTION
-from glassware.learn.objects import ViewObject, canonical_pose
+from glassware.learn.targets.objects import ViewObject, canonical_pose
 from glassware.procedural.surroundings.cameras import look_at
 
 

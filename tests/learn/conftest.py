@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from glassware.dataset.commands.render_scene import main as render_scene
-from glassware.dataset.split_file import SplitsFile, write_splits
+from glassware.dataset.format.split_file import SplitsFile, write_splits
 from glassware.learn import NetworkSettings
 
 

@@ -6,12 +6,12 @@ import pytest
 
 from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings
-from glassware.learn.checkpoint import load_network
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.evaluation.report import figures
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.targets.encoding import CORRECTED
+from glassware.learn.training.checkpoint import load_network
 from glassware.learn.training.losses import LossWeights
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings

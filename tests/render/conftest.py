@@ -10,9 +10,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from glassware.procedural.description import Scene, Vessel
-from glassware.procedural.draw import draw_scene
-from glassware.procedural.settings import SceneSettings
+from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
 
 
 def write_exr_map(path: Path, pixels: np.ndarray) -> Path:

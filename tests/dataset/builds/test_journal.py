@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 
 from glassware.dataset.builds.journal import Journal, last_attempts, lines
-from glassware.dataset.builds.orders import Attempt
+from glassware.dataset.builds.messages import Attempt
 
 
 def test_the_last_try_of_each_scene_is_found(tmp_path):

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from glassware.core.errors import InputError
 from glassware.dataset.builds import manifest
-from glassware.procedural.errors import InputError
-from glassware.procedural.settings import SceneSettings
+from glassware.procedural.scene.settings import SceneSettings
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from glassware.dataset.builds.manifest import Manifest
-from glassware.dataset.builds.orders import Order
+from glassware.dataset.builds.messages import Order
 from glassware.dataset.builds.pool import Pool
 from glassware.dataset.commands.glassware import main
-from glassware.procedural.settings import SceneSettings
+from glassware.procedural.scene.settings import SceneSettings
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from glassware.dataset.checksums import write_checksums
 from glassware.dataset.commands.verify import main
+from glassware.dataset.format.checksums import write_checksums
 
 
 @pytest.fixture

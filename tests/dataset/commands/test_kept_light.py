@@ -7,7 +7,7 @@ import pytest
 
 from glassware.dataset.commands.verify import main as verify
 from glassware.dataset.reader import Dataset
-from glassware.procedural.description import TABLE_ID
+from glassware.procedural.description.scene import TABLE_ID
 from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import irradiance
 

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from glassware.dataset.reader import Dataset
-from glassware.procedural.description import Scene
 
 #: Longest that a child process may take [s]; it takes about five on an idle core.
 PATIENCE = 120
@@ -52,11 +51,12 @@ def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path)
 
 
 def test_a_picture_rendered_again_from_the_scene_file_is_the_first(made):
+    from glassware.procedural.scene.scene_file import load_scene
     from glassware.render.scene.kernel import load
     from glassware.render.view import render_view
 
     (stored,) = Dataset.open(made).scenes
-    kernel = load(Scene.load(made / "scenes" / "000000" / "scene.json"))
+    kernel = load(load_scene(made / "scenes" / "000000" / "scene.json"))
     # Last view first: what was rendered before must not matter either.
     for number, view in reversed(list(enumerate(stored.views))):
         frame = render_view(kernel, number)
@@ -102,8 +102,8 @@ def test_the_number_of_views_changes_nothing_else_of_the_scene(made, layered):
     [("fast", (320, 240), 5), ("standard", (640, 480), 10), ("syn-todd", (640, 480), 57)],
 )
 def test_the_presets_are_those_promised(name, size, views):
-    from glassware.dataset.config import preset
-    from glassware.procedural.settings import SceneSettings
+    from glassware.dataset.settings.config import preset
+    from glassware.procedural.scene.settings import SceneSettings
 
     cameras = SceneSettings.model_validate(preset(name)).cameras
     assert ((cameras.width, cameras.height), cameras.views) == (size, views)

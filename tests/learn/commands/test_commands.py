@@ -8,8 +8,8 @@ import torch
 import yaml
 
 from glassware.dataset.commands.glassware import main
-from glassware.dataset.exr import read_exr
-from glassware.dataset.pictures import read_png
+from glassware.dataset.format.exr import read_exr
+from glassware.dataset.format.pictures import read_png
 from glassware.dataset.reader import Dataset
 
 

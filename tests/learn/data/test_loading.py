@@ -5,11 +5,11 @@ import pickle
 import pytest
 import torch
 
+from glassware.core.errors import InputError
 from glassware.learn.data.loading import load_batches
 from glassware.learn.data.samples import SampleDataset, batched
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
-from glassware.procedural.errors import InputError
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])

@@ -8,13 +8,13 @@ import torch
 from torch.utils.data import DataLoader
 
 from glassware.annotate.projection import project, unproject
-from glassware.dataset.exr import read_exr, write_exr
-from glassware.dataset.pictures import read_png, write_png
+from glassware.core.errors import InputError
+from glassware.dataset.format.exr import read_exr, write_exr
+from glassware.dataset.format.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
 from glassware.learn.data.samples import SampleDataset, batched, picture_tensor
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED, REFERENCE
-from glassware.procedural.errors import InputError
 
 SCENE = "scenes/000000"
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from glassware.annotate.projection import project
+from glassware.core.errors import InputError
+from glassware.learn.data.ground_truth import Truth
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.scaling import scaled_K, scaled_truth, scaled_view
 from glassware.learn.data.settings import ViewSettings
-from glassware.learn.data.truth import Truth
 from glassware.learn.data.views import CameraView
 from glassware.learn.targets.encoding import CORRECTED
-from glassware.procedural.errors import InputError
 
 SIZES = [(96, 128), (64, 192), (224, 320)]
 OLD = (96, 128)

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from glassware.annotate.symmetries import REVOLUTION
+from glassware.core.errors import InputError
 from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, batched
@@ -14,10 +15,9 @@ from glassware.learn.data.settings import ViewSettings
 from glassware.learn.evaluation.report import content, figures, pose_figures
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
-from glassware.learn.objects import ViewObject
 from glassware.learn.targets.encoding import CORRECTED
+from glassware.learn.targets.objects import ViewObject
 from glassware.learn.targets.view import OPAQUE, findable
-from glassware.procedural.errors import InputError
 
 
 @pytest.fixture(scope="module")

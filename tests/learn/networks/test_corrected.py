@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import torch
 
+from glassware.core.errors import InputError
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.networks.matching import Concatenation
 from glassware.learn.networks.regularisation import windowed_expectation
-from glassware.procedural.errors import InputError
 from glassware.procedural.surroundings.cameras import look_at
 
 OUTPUTS = {

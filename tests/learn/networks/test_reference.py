@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from glassware.core.errors import InputError
 from glassware.learn import ReferenceNetwork, load_reference
-from glassware.procedural.errors import InputError
 
 GOLDEN = Path(__file__).resolve().parents[4] / "shared" / "reference" / "golden"
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 import torch
 
+from glassware.core.errors import InputError
 from glassware.learn.networks.resnet import ResNet, load_pretrained
-from glassware.procedural.errors import InputError
 
 #: Parameters of torchvision's networks with their classifiers, as its documentation gives them.
 PUBLISHED = {"resnet18": 11_689_512, "resnet50": 25_557_032}

@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 
 from glassware.annotate.projection import project_camera
 from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry, motions_of
-from glassware.learn.objects import ViewObject, box_points, canonical_pose
+from glassware.core.mesh import Mesh
 from glassware.learn.targets.encoding import (
     CORRECTED,
     REFERENCE,
@@ -22,8 +22,8 @@ from glassware.learn.targets.encoding import (
 )
 from glassware.learn.targets.fields import STRIDE, box_covariance, owners
 from glassware.learn.targets.heatmap import Normal, heatmap, normal_of
+from glassware.learn.targets.objects import ViewObject, box_points, canonical_pose
 from glassware.learn.targets.view import FEWEST_PIXELS, findable, view_targets
-from glassware.procedural.mesh import Mesh
 
 HEIGHT, WIDTH = 96, 128
 #: Heat in float32.

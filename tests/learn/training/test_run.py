@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 import torch
 
-from glassware.dataset.commands.outcome import WorkFailed
-from glassware.learn.checkpoint import load_checkpoint, load_network, save_checkpoint
+from glassware.core.errors import InputError
+from glassware.core.exit_codes import WorkFailed
 from glassware.learn.networks.build import build_network
+from glassware.learn.training.checkpoint import load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
-from glassware.procedural.errors import InputError
 
 
 @pytest.fixture

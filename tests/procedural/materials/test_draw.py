@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.materials.description import OpaqueMaterial
+from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.materials.draw import draw_material, draw_plain_material, draw_table_material
 
 #: Draws enough to meet every family.

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.materials.picture_files import LONGEST_SIDE, check_pictures, picture_files, read_picture
 
 

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.assets import asset
-from glassware.procedural.errors import InputError
-from glassware.procedural.materials.description import PictureTexture, ProceduralTexture, UniformTexture
+from glassware.core.assets import asset
+from glassware.core.errors import InputError
+from glassware.procedural.description.material import PictureTexture, ProceduralTexture, UniformTexture
 from glassware.procedural.materials.patterns import PATTERNS
 from glassware.procedural.materials.textures import bake
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.optics.capillary import GRAVITY, capillary_length, meniscus
 
 WATER = {"density": 998.2, "surface_tension": 0.07274}

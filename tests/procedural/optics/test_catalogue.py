@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.optics.catalogue import (
     BOROSILICATE,
     PET,

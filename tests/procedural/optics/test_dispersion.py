@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.optics.catalogue import FUSED_SILICA, LEAD_CRYSTAL, catalogue, water
 from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE, Scaled, abbe_number, eta, index
 from glassware.procedural.optics.medium import AIR, Medium

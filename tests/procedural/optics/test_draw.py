@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import chisquare
 
+from glassware.core.randomness import stream
 from glassware.procedural.optics.catalogue import catalogue
 from glassware.procedural.optics.draw import GLASS_WEIGHTS, LIQUID_WEIGHTS, draw_dyes, draw_glass, draw_liquid
 from glassware.procedural.optics.dyes import DYES
-from glassware.procedural.randomness import stream
 
 DRAWS = 800
 # A right sampler fails a chi-square test at this level once in a thousand seeds; the seed is fixed.

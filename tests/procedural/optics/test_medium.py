@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
+from glassware.core.randomness import stream
 from glassware.procedural.optics.catalogue import catalogue
 from glassware.procedural.optics.draw import draw_liquid
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.randomness import stream
 
 
 @pytest.mark.parametrize("eta", [0.99, -1.0, float("nan"), float("inf")])

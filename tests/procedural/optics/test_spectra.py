@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.optics.catalogue import catalogue, sugar_solution, tinted_soda_lime, water
 from glassware.procedural.optics.dyes import DYES, PIGMENTS
 from glassware.procedural.optics.medium import AIR, Absorber

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
+from glassware.core.mesh import as_trimesh
 from glassware.procedural.materials.textures import bake
-from glassware.procedural.mesh import as_trimesh
 from glassware.procedural.props.mesh_files import FileMesh, box_mapped, check_meshes, mesh_files, read_mesh
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "meshes"

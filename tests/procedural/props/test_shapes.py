@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from glassware.procedural.mesh import Mesh, as_trimesh
+from glassware.core.mesh import Mesh, as_trimesh
 from glassware.procedural.props.blocks import extrusion, rounded_box, superellipsoid
 from glassware.procedural.props.revolution import SEGMENTS, arc, revolve, rounded
 from glassware.procedural.props.shapes import SHAPES, draw_shape

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.surroundings.cameras import (
     draw_cameras,
     fit_distance,

@@ -8,7 +8,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.surroundings.environments import bake_environment, draw_environment
 from glassware.procedural.surroundings.rooms import bake_room
 from glassware.procedural.surroundings.settings import EnvironmentSettings

@@ -9,8 +9,8 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from glassware.procedural.assets import asset
-from glassware.procedural.errors import InputError
+from glassware.core.assets import asset
+from glassware.core.errors import InputError
 from glassware.procedural.surroundings.hdri import hdri_files, read_hdri
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "hdri"

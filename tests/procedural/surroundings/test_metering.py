@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from glassware.procedural.description.surroundings import AreaLight
 from glassware.procedural.surroundings.colour import luminance
-from glassware.procedural.surroundings.description import AreaLight
 from glassware.procedural.surroundings.lights import aimed
 from glassware.procedural.surroundings.metering import exposure, form_factor, irradiance
 from glassware.procedural.surroundings.sphere import cosine_weights, solid_angles, texel_directions

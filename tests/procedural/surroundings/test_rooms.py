@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from glassware.procedural.description.surroundings import Block, RoomEnvironment, Window
 from glassware.procedural.surroundings.colour import luminance
-from glassware.procedural.surroundings.description import Block, RoomEnvironment, Window
 from glassware.procedural.surroundings.room_geometry import boxes_of, cast
 from glassware.procedural.surroundings.room_light import solve
 from glassware.procedural.surroundings.rooms import bake_room, draw_room

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from glassware.procedural.description.surroundings import SkyEnvironment
 from glassware.procedural.surroundings.colour import luminance
-from glassware.procedural.surroundings.description import SkyEnvironment
 from glassware.procedural.surroundings.preetham import sky_xyy, zenith_xyy
 from glassware.procedural.surroundings.skies import bake_sky, disc_solid_angle, draw_sky, sun_direction
 from glassware.procedural.surroundings.sphere import solid_angles, texel_directions

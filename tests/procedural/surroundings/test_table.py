@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from glassware.procedural.mesh import as_trimesh
-from glassware.procedural.surroundings.description import Table
+from glassware.core.mesh import as_trimesh
+from glassware.procedural.description.surroundings import Table
 from glassware.procedural.surroundings.table import EDGE_RADIUS, THICKNESS, TableSettings, draw_table, outline
 
 SEEDS = range(20)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.description import Vessel
+from glassware.core.randomness import stream
+from glassware.procedural.description.scene import Vessel
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.randomness import stream
 from glassware.procedural.vessels.draw import draw_vessel
 from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
 

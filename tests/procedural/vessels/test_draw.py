@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from glassware.procedural.description import Vessel, glass_solid
-from glassware.procedural.errors import InputError
-from glassware.procedural.mesh import as_trimesh
+from glassware.core.errors import InputError
+from glassware.core.mesh import as_trimesh
+from glassware.core.randomness import stream
+from glassware.procedural.description.scene import Vessel, glass_solid
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.randomness import stream
 from glassware.procedural.vessels.curve import MAX_TURN
 from glassware.procedural.vessels.draw import draw_vessel
 from glassware.procedural.vessels.families import draw_size

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.description import Vessel, glass_solid, liquid_solid
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import Vessel, glass_solid, liquid_solid
 from glassware.procedural.optics.medium import AIR, Medium
 from glassware.procedural.vessels.curve import Curve, arc
 from glassware.procedural.vessels.interfaces import cut_at

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.description import liquid_solid
-from glassware.procedural.errors import InputError
-from glassware.procedural.mesh import as_trimesh
+from glassware.core.errors import InputError
+from glassware.core.mesh import as_trimesh
+from glassware.procedural.description.scene import liquid_solid
 from glassware.procedural.vessels.liquid import (
     RIM_MARGIN,
     brimful_volume,

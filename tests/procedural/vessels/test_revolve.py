@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.mesh import as_trimesh
+from glassware.core.mesh import as_trimesh
 from glassware.procedural.vessels.curve import Curve, arc
 from glassware.procedural.vessels.revolve import revolved, segments_for, unit_circle
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 from glassware.procedural.optics.capillary import GRAVITY, capillary_length
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.vessels.curve import Curve, arc, chained

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from glassware.procedural.assets import asset
-from glassware.procedural.description import Picture
-from glassware.procedural.errors import InputError
-from glassware.procedural.mesh import Mesh
-from glassware.procedural.surroundings.description import AreaLight, PictureEnvironment
+from glassware.core.assets import asset
+from glassware.core.errors import InputError
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.surroundings import AreaLight, PictureEnvironment
 
 #: The two pictures of a central difference are float32 sums: 2^-24 each, over a step that changes them by some 0.1 to
 #: 1 %, and what the step leaves out is its square over 6. The project promises 1 %.
@@ -90,7 +90,7 @@ def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     from glassware.render.derivatives.tape import slots, tape
     from glassware.render.pictures.integrator import trace
     from glassware.render.pictures.picture import camera_paths
-    from glassware.render.rays import pinhole
+    from glassware.render.scene.rays import pinhole
 
     camera, picture = rough_drawn.description.cameras[0], rough_drawn.description.picture
     pixels = camera.width * camera.height

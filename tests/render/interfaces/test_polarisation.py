@@ -36,7 +36,7 @@ def proofs() -> Callable[[str], ModuleType]:
 @pytest.fixture(scope="module", params=["llvm_ad_mono_polarized", "llvm_ad_spectral_polarized"])
 def polarised(request, backend) -> Iterator[str]:
     """A polarised variant, active; afterwards the one that all other tests expect."""
-    from glassware.render.machine.backend import activate
+    from glassware.render.backend.variant import activate
 
     yield activate(request.param)
     activate(backend)

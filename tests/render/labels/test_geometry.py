@@ -12,8 +12,8 @@ from glassware.annotate.checks import check_view
 from glassware.annotate.geometry_checks import check_disparity
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
-from glassware.procedural.description import TABLE_ID
-from glassware.procedural.mesh import Mesh
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import TABLE_ID
 
 SIZE = {"width": 160, "height": 120}
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.description import glass_solid, liquid_solid
-from glassware.procedural.materials_of import materials_of
-from glassware.procedural.mesh import as_trimesh
+from glassware.core.mesh import as_trimesh
+from glassware.procedural.description.materials_of import materials_of
+from glassware.procedural.description.scene import glass_solid, liquid_solid
 from glassware.render.frame import PARTS
 
 #: Middles of segments shorter than this are nearer to a surface than the winding number can tell [m].
@@ -137,7 +137,7 @@ def test_a_slab_has_its_two_faces_as_layers(backend, optical_bench):
 
 
 def test_layers_and_refraction_come_back_from_their_files(traced, loaded_glasses, tmp_path):
-    from glassware.dataset.ray_files import read_layers, read_refraction, write_layers, write_refraction
+    from glassware.dataset.format.ray_files import read_layers, read_refraction, write_layers, write_refraction
     from glassware.render.labels.refraction import trace_refraction
 
     _, camera, _, layers = traced

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.errors import InputError
+from glassware.core.errors import InputError
 
 #: The slab's derivative is float32 arithmetic on a closed form, and the ray offset moves it by 1e-5 of the wall.
 CLOSED_FORM = 1e-3

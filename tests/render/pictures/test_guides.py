@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import maximum_filter, minimum_filter
 
-from glassware.procedural.materials.description import ProceduralTexture, UniformTexture
+from glassware.procedural.description.material import ProceduralTexture, UniformTexture
 
 DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
 

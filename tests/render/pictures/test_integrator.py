@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from glassware.procedural.description import Picture
+from glassware.procedural.description.scene import Picture
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 16
@@ -48,7 +48,7 @@ def _theirs(kernel, seed: int) -> np.ndarray:
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.rays import pinhole, pixel_rays
+    from glassware.render.scene.rays import pinhole, pixel_rays
 
     camera = kernel.description.cameras[0]
     count = camera.width * camera.height * SPP

@@ -9,9 +9,9 @@ import pytest
 import trimesh
 from scipy.stats import t as student
 
-from glassware.procedural.description import Picture
-from glassware.procedural.errors import InputError
-from glassware.procedural.mesh import Mesh
+from glassware.core.errors import InputError
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.scene import Picture
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 256
@@ -29,7 +29,7 @@ ROUNDING = 64 * 2.0**-24
 @pytest.fixture(scope="module")
 def polarised(backend) -> Iterator[str]:
     """One channel with polarisation, active; afterwards the variant that all other tests expect."""
-    from glassware.render.machine.backend import activate
+    from glassware.render.backend.variant import activate
 
     yield activate("llvm_ad_mono_polarized")
     activate(backend)
@@ -183,8 +183,8 @@ def plate() -> Mesh:
 @pytest.fixture(scope="module")
 def mirror(polarised, optical_bench, panorama):
     """A plate in a dark room with a ceiling of radiance 1, loaded."""
-    from glassware.procedural.assets import asset
-    from glassware.procedural.surroundings.description import PictureEnvironment
+    from glassware.core.assets import asset
+    from glassware.procedural.description.surroundings import PictureEnvironment
     from glassware.render.scene.kernel import load
 
     sky = np.zeros((16, 32, 3))
@@ -271,7 +271,7 @@ def test_a_picture_has_a_sample_at_least(mirror):
 
 
 def test_stokes_vectors_need_a_polarised_variant(backend, loaded_glasses):
-    from glassware.render.machine.backend import activate
+    from glassware.render.backend.variant import activate
     from glassware.render.pictures.stokes import trace_stokes
 
     activate(backend)

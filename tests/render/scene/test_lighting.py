@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.assets import asset
-from glassware.procedural.surroundings.description import AreaLight, PictureEnvironment
+from glassware.core.assets import asset
+from glassware.procedural.description.surroundings import AreaLight, PictureEnvironment
 from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import irradiance
 from glassware.procedural.surroundings.sphere import texel_directions

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.description import glass_solid, liquid_solid
-from glassware.procedural.mesh import as_trimesh
+from glassware.core.mesh import as_trimesh
+from glassware.procedural.description.scene import glass_solid, liquid_solid
 
 #: Rays through each vessel, and most surfaces that each is followed through.
 RAYS, SURFACES = 150, 24
@@ -31,7 +31,7 @@ def _segments(kernel, index: int, origin: np.ndarray, direction: np.ndarray):
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.rays import leave
+    from glassware.render.scene.rays import leave
     from glassware.render.scene.surfaces import registry_id
 
     table = kernel.surfaces

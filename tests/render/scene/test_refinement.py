@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from glassware.procedural.mesh import Mesh, as_trimesh
+from glassware.core.mesh import Mesh, as_trimesh
 
 #: Longest edge that is asked for; the ball's are 0.1 to 0.2.
 LONGEST = 0.04

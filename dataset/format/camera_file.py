@@ -1,0 +1,71 @@
+"""``camera.json``: one view's stereo pair."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ...core.model import Matrix4, Model
+from ...procedural.description.surroundings import Camera
+
+CAMERA_SCHEMA = "glassware/camera/1"
+#: Said in every file, because no two projects mean the same.
+CONVENTIONS = {
+    "axes": "OpenCV: x right, y down, z forward",
+    "pixels": "pixel (0, 0) has its centre at image coordinate (0, 0); it covers -0.5 to 0.5",
+    "poses": "a_T_b takes coordinates in b to coordinates in a; metres",
+    "world": "right-handed, z up, table top at z = 0",
+    "pair": "rectified: the right camera has the same axes and K, and stands at +baseline along the left camera's x",
+    "Z": "planar depth along the optical axis, metres; +inf where there is nothing",
+    "colour": "EXR linear Rec.709 radiance; PNG sRGB of radiance times exposure, clipped",
+}
+
+Row3 = tuple[float, float, float]
+
+
+class CameraFile(Model):
+    """Intrinsics, pose and exposure of a view."""
+
+    schema_version: Literal["glassware/camera/1"] = CAMERA_SCHEMA
+    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both cameras [px]")
+    width: int = Field(ge=1, description="[px]")
+    height: int = Field(ge=1, description="[px]")
+    world_T_camera: Matrix4 = Field(description="Pose of the left camera")
+    world_T_right: Matrix4 = Field(description="Pose of the right camera")
+    baseline: float = Field(gt=0.0, description="[m]")
+    distortion: Literal["none"] = Field(default="none", description="The lens is a pinhole")
+    exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    grid_index: int = Field(description="Position in the 57-view grid: 0 zenith, then 4 rings of 14")
+    conventions: dict[str, str] = Field(description="What the numbers mean")
+
+
+def camera_file(camera: Camera) -> CameraFile:
+    """Return the record of a camera."""
+    cx, cy = camera.centre
+    return CameraFile(
+        K=((camera.focal, 0.0, cx), (0.0, camera.focal, cy), (0.0, 0.0, 1.0)),
+        width=camera.width,
+        height=camera.height,
+        world_T_camera=camera.world_T_camera,
+        world_T_right=camera.world_T_right,
+        baseline=camera.baseline,
+        exposure=camera.exposure,
+        grid_index=camera.grid_index,
+        conventions=CONVENTIONS,
+    )
+
+
+def camera_of(record: CameraFile) -> Camera:
+    """Return the camera that a record describes."""
+    (focal, _, cx), (_, _, cy), _ = record.K
+    return Camera(
+        width=record.width,
+        height=record.height,
+        focal=focal,
+        centre=(cx, cy),
+        world_T_camera=record.world_T_camera,
+        baseline=record.baseline,
+        exposure=record.exposure,
+        grid_index=record.grid_index,
+    )

@@ -1,0 +1,91 @@
+"""OpenEXR pictures of named channels, float32 or, where that is enough, half."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+from ...core.errors import InputError
+from ...core.silence import quiet
+
+#: Ids are stored as floats as well, which more programs read. Float32 holds every whole number below 2^24 exactly.
+_LARGEST_WHOLE = 1 << 24
+#: Why a system may refuse to write.
+_REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
+
+
+def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
+    """Write channels, each (H, W), with ZIP compression; the same channels give the same bytes.
+
+    Float16 arrays are written as half, everything else as float32. Infinities and NaN survive. The header has no date
+    and no name, so files can be compared.
+    """
+    shapes = {values.shape for values in channels.values()}
+    if len(shapes) != 1 or len(next(iter(shapes))) != 2:
+        raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
+    try:
+        OpenEXR.File(header, stored).write(str(path))
+    except RuntimeError as error:  # the library keeps the system's reason in words alone
+        number = next((number for number in _REFUSED if os.strerror(number) in str(error)), None)
+        if number is None:
+            raise
+        raise OSError(number, os.strerror(number), str(path)) from error
+
+
+def read_exr(path: Path) -> dict[str, np.ndarray]:
+    """Return the channels of a file, each (H, W) float32 or float16; InputError where it is missing or damaged."""
+    if not path.is_file():
+        raise InputError(path, "a readable EXR file", "none")
+    try:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+    except (RuntimeError, ValueError) as error:  # a file cut short is one or the other
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
+    for name, values in channels.items():
+        if values.dtype not in (np.float32, np.float16):
+            raise InputError(f"{path}: channel {name}", "float32 or half", values.dtype)
+    return channels
+
+
+def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:
+    """Return channels side by side, (H, W, n).
+
+    Parameters
+    ----------
+    channels : dict of (H, W) arrays
+        From `read_exr`.
+    names : str
+        Prefix and last letters: ``"noisy.RGB"`` is ``noisy.R``, ``noisy.G``, ``noisy.B``.
+    path : Path
+        The file, to be named where a channel is missing.
+    """
+    prefix, _, letters = names.rpartition(".")
+    full = [f"{prefix}.{letter}" if prefix else letter for letter in letters]
+    return np.stack([channel(channels, name, path) for name in full], axis=-1)
+
+
+def unstacked(values: np.ndarray, names: str) -> dict[str, np.ndarray]:
+    """Return the channels of an array, (H, W, n), named as `stacked` takes them."""
+    prefix, _, letters = names.rpartition(".")
+    return {f"{prefix}.{letter}" if prefix else letter: values[..., i] for i, letter in enumerate(letters)}
+
+
+def channel(channels: dict[str, np.ndarray], name: str, path: Path) -> np.ndarray:
+    """Return one channel, (H, W); InputError where the file has none of that name."""
+    if name not in channels:
+        raise InputError(path, f"a channel {name}", f"{sorted(channels)}")
+    return channels[name]
+
+
+def _stored(values: np.ndarray) -> np.ndarray:
+    if values.dtype == np.float16:
+        return np.ascontiguousarray(values)
+    if np.issubdtype(values.dtype, np.integer) and values.size and int(values.max()) >= _LARGEST_WHOLE:
+        raise ValueError(f"ids: expected below {_LARGEST_WHOLE}, got {values.max()}")
+    return np.ascontiguousarray(values, dtype=np.float32)

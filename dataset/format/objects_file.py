@@ -1,0 +1,145 @@
+"""``objects.json``: what is the same of each object in all views of a scene."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from ...annotate.keypoints import SceneKeypoints
+from ...annotate.symmetries import symmetry_of
+from ...core.model import Matrix4, Model, Vector3
+from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.materials_of import materials_of
+from ...procedural.description.scene import Prop, Scene, Vessel
+from ...procedural.optics.medium import Medium
+
+OBJECTS_SCHEMA = "glassware/objects/1"
+
+
+class GlassMaterial(Model):
+    """A transparent solid."""
+
+    kind: Literal["glass"] = "glass"
+    medium: Medium = Field(description="Optical constants")
+    roughness: float = Field(description="GGX alpha; 0 is smooth")
+
+
+class OpaqueSurface(Model):
+    """An opaque surface; its texture is in ``scene.json``."""
+
+    kind: Literal["opaque"] = "opaque"
+    name: str
+    roughness: float = Field(description="Principled roughness")
+    metallic: float = Field(description="0 dielectric, 1 metal")
+
+
+class MediumRecord(Model):
+    """A transparent medium as rays cross it."""
+
+    kind: Literal["medium"] = "medium"
+    medium: Medium = Field(description="Optical constants")
+
+
+class LiquidRecord(Model):
+    """What a vessel holds."""
+
+    medium: Medium = Field(description="Optical constants")
+    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
+    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
+    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
+    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
+    fill: float = Field(description="Share of the vessel's brimful volume")
+    volume: float = Field(description="Volume [m^3]")
+
+
+class ContinuousSymmetry(Model):
+    """A symmetry under every turn about an axis, as BOP's ``symmetries_continuous`` has it."""
+
+    axis: Vector3 = Field(description="Direction in the object frame")
+    offset: Vector3 = Field(description="A point on the axis, object frame [m]")
+
+
+class Part(Model):
+    """A part of an instance: a vessel and its liquid share one instance id."""
+
+    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid")
+    name: Literal["glass", "liquid", "body"]
+
+
+class ObjectRecord(Model):
+    """One object."""
+
+    id: int = Field(description="Instance id, as in instances.png")
+    name: str
+    category: str
+    parts: tuple[Part, ...]
+    material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")]
+    liquid: LiquidRecord | None
+    world_T_object: Matrix4
+    size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
+    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(description="Two for a ball: z and x make all turns")
+    symmetries_discrete: tuple[Matrix4, ...] = Field(
+        default=(), description="Other motions that leave the shape as it is, but for none at all, object frame [m]"
+    )
+    keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
+
+
+class ObjectsFile(Model):
+    """All objects of a scene, by ascending id."""
+
+    schema_version: Literal["glassware/objects/1"] = OBJECTS_SCHEMA
+    objects: tuple[ObjectRecord, ...]
+    materials: tuple[Annotated[MediumRecord | OpaqueSurface, Field(discriminator="kind")], ...] = Field(
+        default=(), description="What `material` in layers.exr counts: air, then what the table and the objects are of"
+    )
+
+
+def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
+    """Return the records of a scene's objects, with the keypoints that its views are labelled with."""
+    rows = zip(scene.objects, points.local, strict=True)
+    return ObjectsFile(
+        objects=tuple(_record(item, local) for item, local in rows),
+        materials=tuple(_substance(material) for material in materials_of(scene)),
+    )
+
+
+def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
+    return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
+
+
+def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
+    liquid = item.liquid if isinstance(item, Vessel) else None
+    symmetry = symmetry_of(item)
+    axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
+    return ObjectRecord(
+        id=item.id,
+        name=item.name,
+        category=item.category,
+        parts=_parts(item),
+        material=_material(item),
+        liquid=liquid and LiquidRecord(**{name: getattr(liquid, name) for name in LiquidRecord.model_fields}),
+        world_T_object=item.world_T_object,
+        size=item.size,
+        symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
+        symmetries_discrete=tuple(symmetry.motions[1:]),
+        keypoints=tuple(tuple(point) for point in local.tolist()),
+    )
+
+
+def _parts(item: Vessel | Prop) -> tuple[Part, ...]:
+    if isinstance(item, Prop):
+        return (Part(id=1, name="body"),)
+    glass = Part(id=1, name="glass")
+    return (glass,) if item.liquid is None else (glass, Part(id=2, name="liquid"))
+
+
+def _material(item: Vessel | Prop) -> GlassMaterial | OpaqueSurface:
+    if isinstance(item, Vessel):
+        return GlassMaterial(medium=item.glass, roughness=item.roughness)
+    return _opaque(item.material)
+
+
+def _opaque(surface: OpaqueMaterial) -> OpaqueSurface:
+    return OpaqueSurface(name=surface.name, roughness=surface.roughness, metallic=surface.metallic)

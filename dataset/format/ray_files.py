@@ -1,0 +1,109 @@
+"""``layers.exr`` and ``refraction.exr``: a view's straight and refracted rays as channels of a picture.
+
+``layers.exr`` has for layer 00, 01, ... the channels ``layer00.Z`` (planar depth [m], +inf for an empty layer),
+``layer00.N.X,Y,Z`` (camera frame), ``layer00.id``, ``layer00.part`` (index into `render.frame.PARTS`),
+``layer00.material`` (index into the materials of ``objects.json``: what the ray goes on in) and ``layer00.entering``
+(1 against the surface's own normal), and ``count``, the surfaces that each ray really meets. There are as many layers
+as the view's deepest ray has, or as were asked for.
+
+``refraction.exr`` has ``state`` (0 left for the surroundings, 1 hit an opaque surface, 2 lost after too many
+interfaces), ``hit.X,Y,Z`` (world: a point [m], for state 0 the unit direction of leaving), ``Z`` (planar depth of the
+point, +inf for none), ``id``, ``flow.U,V`` (where the hit appears without glass less the pixel [px], NaN for nowhere),
+``bounces`` (interfaces met) and ``transmittance.R,G,B``.
+
+Depths, points and flow are float32. Small whole numbers, normals and transmittances are half, which is exact to whole
+numbers of 2048 and to 2^-11 of a normal's component.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...core.errors import InputError
+from ...render.frame import LOST, PARTS, SURROUNDINGS, Layers, Refraction
+from .exr import channel, read_exr, stacked, unstacked, write_exr
+
+#: Half holds every whole number up to here exactly.
+_LARGEST_HALF = 2048
+
+
+def write_layers(path: Path, layers: Layers) -> None:
+    """Write ``layers.exr``, leaving out layers that are empty in the whole view."""
+    depth = min(len(layers.Z), int(layers.count.max(initial=0)))
+    channels = {"count": _half(layers.count, "count")}
+    for i in range(depth):
+        name = f"layer{i:02d}"
+        channels |= {f"{name}.Z": layers.Z[i], **unstacked(layers.normal[i], f"{name}.N.XYZ")}
+        for field in ("id", "part", "material", "entering"):
+            channels[f"{name}.{field}"] = _half(getattr(layers, field)[i], field)
+    write_exr(path, channels)
+
+
+def read_layers(path: Path) -> Layers:
+    """Read ``layers.exr``; InputError where it is missing or wrong. It has as many layers as the file."""
+    channels = read_exr(path)
+    count = _whole(channel(channels, "count", path), np.uint16, "count", path)
+    names = sorted({name.split(".")[0] for name in channels if name.startswith("layer")})
+    if names != [f"layer{i:02d}" for i in range(len(names))]:
+        raise InputError(path, "layers numbered from 00 without a gap", names)
+
+    def every(field: str, dtype: type) -> np.ndarray:
+        rows = [_whole(channel(channels, f"{name}.{field}", path), dtype, field, path) for name in names]
+        return np.array(rows, dtype).reshape(-1, *count.shape)
+
+    part = every("part", np.uint8)
+    if part.max(initial=0) >= len(PARTS):
+        raise InputError(f"{path}: part", f"0 to {len(PARTS) - 1}", int(part.max()))
+    normals = [stacked(channels, f"{name}.N.XYZ", path) for name in names]
+    return Layers(
+        Z=np.array([channel(channels, f"{name}.Z", path) for name in names], np.float32).reshape(-1, *count.shape),
+        normal=np.array(normals, np.float16).reshape(-1, *count.shape, 3),
+        id=every("id", np.uint16),
+        part=part,
+        material=every("material", np.uint16),
+        entering=every("entering", bool),
+        count=count,
+    )
+
+
+def write_refraction(path: Path, refraction: Refraction) -> None:
+    """Write ``refraction.exr``."""
+    numbers = {field: _half(getattr(refraction, field), field) for field in ("state", "id", "bounces")}
+    channels = {
+        "Z": refraction.Z,
+        **unstacked(refraction.hit, "hit.XYZ"),
+        **unstacked(refraction.flow, "flow.UV"),
+        **unstacked(refraction.transmittance, "transmittance.RGB"),
+    }
+    write_exr(path, numbers | channels)
+
+
+def read_refraction(path: Path) -> Refraction:
+    """Read ``refraction.exr``; InputError where it is missing or wrong."""
+    channels = read_exr(path)
+    state = _whole(channel(channels, "state", path), np.uint8, "state", path)
+    if state.max(initial=SURROUNDINGS) > LOST:
+        raise InputError(f"{path}: state", f"{SURROUNDINGS} to {LOST}", int(state.max()))
+    return Refraction(
+        state=state,
+        hit=stacked(channels, "hit.XYZ", path),
+        Z=channel(channels, "Z", path),
+        id=_whole(channel(channels, "id", path), np.uint16, "id", path),
+        flow=stacked(channels, "flow.UV", path),
+        bounces=_whole(channel(channels, "bounces", path), np.uint16, "bounces", path),
+        transmittance=stacked(channels, "transmittance.RGB", path).astype(np.float16),
+    )
+
+
+def _half(values: np.ndarray, field: str) -> np.ndarray:
+    if values.size and int(values.max()) > _LARGEST_HALF:
+        raise ValueError(f"{field}: expected at most {_LARGEST_HALF}, got {values.max()}")
+    return values.astype(np.float16)
+
+
+def _whole(values: np.ndarray, dtype: type, field: str, path: Path) -> np.ndarray:
+    if not (np.isfinite(values) & (values >= 0) & (values == np.floor(values))).all():
+        raise InputError(f"{path}: {field}", "whole numbers of at least 0", "others")
+    return values.astype(dtype)

@@ -1,0 +1,154 @@
+"""The index of views: ``views.json`` in each scene's folder, gathered into ``views.parquet``.
+
+A scene's rows are written with the scene, so the index of a whole data set can be made again at any time from what is
+really there, and never names a scene that is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from ...annotate.labels import Labels
+from ...core.assets import Asset
+from ...core.atomic_io import whole_file
+from ...core.errors import InputError
+from ...core.json_file import parsed, read_json
+from ...core.model import Model
+from ...procedural.description.scene import Scene
+from ...render.frame import Frame, LightCheck
+from . import layout
+
+#: Scenes in one row group of the index: with Syn-TODD's 57 views about 4,000 rows.
+SCENES_A_GROUP = 64
+
+#: One row per view. Lists run over the scene's objects by ascending id.
+SCHEMA = pa.schema(
+    [
+        ("scene_id", pa.int64()),
+        ("view", pa.int32()),
+        ("seed", pa.int64()),
+        ("path", pa.string()),
+        ("left", pa.string()),
+        ("right", pa.string()),
+        ("width", pa.int32()),
+        ("height", pa.int32()),
+        ("grid_index", pa.int32()),
+        ("vessels", pa.int32()),
+        ("props", pa.int32()),
+        ("objects_in_view", pa.int32()),
+        ("object_ids", pa.list_(pa.int32())),
+        ("visible_pixels", pa.list_(pa.int64())),
+        ("visible_fractions", pa.list_(pa.float64())),
+        ("seen_through_fractions", pa.list_(pa.float64())),
+        ("spp_left", pa.int32()),
+        ("spp_right", pa.int32()),
+        ("noise_left", pa.float64()),
+        ("noise_right", pa.float64()),
+    ],
+    metadata={"schema_version": "glassware/views/1"},
+)
+
+
+class ViewRow(Model):
+    """One view in the index; the columns of `SCHEMA`."""
+
+    scene_id: int
+    view: int
+    seed: int
+    path: str  #: folder of the view, relative to the data set
+    left: str  #: left picture, relative to the data set
+    right: str
+    width: int
+    height: int
+    grid_index: int
+    vessels: int
+    props: int
+    objects_in_view: int  #: objects with a pixel of silhouette in the frame
+    object_ids: tuple[int, ...]
+    visible_pixels: tuple[int, ...]
+    visible_fractions: tuple[float | None, ...]  #: null where an object is out of the frame
+    seen_through_fractions: tuple[float | None, ...]
+    spp_left: int | None  #: samples per pixel that were taken
+    spp_right: int | None
+    noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
+    noise_right: float | None
+
+
+class SceneViews(Model):
+    """What one scene adds to the index of its data set."""
+
+    views: tuple[ViewRow, ...]
+    assets: tuple[Asset, ...]  #: paths relative to the data set
+    light: LightCheck | None = None  #: of pictures from stored light; null where none was stored
+
+
+def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
+    """Return the row of one view."""
+    camera = scene.cameras[view]
+    path = f"{layout.SCENES}/{layout.scene_name(scene.scene_id)}/{layout.view_name(view)}"
+    shares = [label.fractions for label in labels.objects]
+    return ViewRow(
+        scene_id=scene.scene_id,
+        view=view,
+        seed=scene.seed,
+        path=path,
+        left=f"{path}/left.png",
+        right=f"{path}/right.png",
+        width=camera.width,
+        height=camera.height,
+        grid_index=camera.grid_index,
+        vessels=len(scene.vessels),
+        props=len(scene.props),
+        objects_in_view=sum(share is not None for share in shares),
+        object_ids=tuple(label.id for label in labels.objects),
+        visible_pixels=tuple(label.pixels.visible for label in labels.objects),
+        visible_fractions=tuple(None if share is None else share.visible for share in shares),
+        seen_through_fractions=tuple(None if share is None else share.seen_through for share in shares),
+        **_sampling(frame),
+    )
+
+
+def _sampling(frame: Frame) -> dict[str, Any]:
+    left, right = frame.sampling or (None, None)
+    columns = {}
+    for eye, taken in (("left", left), ("right", right)):
+        columns[f"spp_{eye}"] = None if taken is None else taken.spp
+        columns[f"noise_{eye}"] = None if taken is None or isnan(taken.noise) else taken.noise
+    return columns
+
+
+def scene_views(root: Path, scene_id: int) -> SceneViews:
+    """Return the record of one scene; InputError where it is missing, damaged or that of another scene."""
+    path = layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS
+    record = parsed(SceneViews, read_json(path), path)
+    others = sorted({row.scene_id for row in record.views} - {scene_id})
+    if others:  # a folder that was renamed would bring its views into the index under paths that do not exist
+        raise InputError(path, f"the views of scene {scene_id}", f"those of scene {others[0]}")
+    return record
+
+
+def read_scene_views(root: Path) -> Iterator[SceneViews]:
+    """Go through the records of all scenes that are there, in the order of their ids."""
+    return (scene_views(root, scene_id) for scene_id in layout.scene_ids(root))
+
+
+def write_views_table(root: Path, scenes: Iterable[SceneViews]) -> int:
+    """Write ``views.parquet`` from the records of all scenes, a few at a time; return the number of views.
+
+    What is held at once is a row group, however many scenes there are. Groups are counted in scenes, so the same scenes
+    give the same bytes.
+    """
+    views, waiting = 0, iter(scenes)
+    with whole_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
+        while group := list(islice(waiting, SCENES_A_GROUP)):
+            rows = [row.model_dump() for scene in group for row in scene.views]
+            writer.write_table(pa.Table.from_pylist(rows, schema=SCHEMA))
+            views += len(rows)
+    return views

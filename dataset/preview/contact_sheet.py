@@ -1,0 +1,274 @@
+"""The contact sheet of a scene: a row per view, a column per kind of label."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ...annotate.boxes import EDGES
+from ...annotate.labels import Labels, ObjectLabel
+from ...annotate.projection import project_camera
+from ...procedural.description.scene import FIRST_OBJECT_ID, TABLE_ID
+from ...procedural.description.surroundings import Camera
+from ...render.frame import Geometry
+
+#: Most rows of a sheet, so that it fits a screen.
+MOST_VIEWS = 5
+#: Width of a picture in the sheet, gap between pictures, height of a line of captions, room for row captions [px].
+_CELL, _GAP, _CAPTION, _GUTTER = 320, 6, 30, 56
+_PAPER, _INK, _NOTHING = (24, 24, 27), (225, 225, 228), (45, 45, 48)
+_TABLE_COLOUR = (105, 105, 110)
+#: Fifteen colours far apart in hue and lightness, red, green, blue; objects beyond take them again.
+_COLOURS = (
+    (230, 80, 70),
+    (70, 150, 235),
+    (250, 190, 50),
+    (90, 200, 100),
+    (185, 105, 225),
+    (60, 205, 205),
+    (245, 130, 45),
+    (240, 120, 185),
+    (165, 210, 60),
+    (115, 115, 235),
+    (200, 155, 105),
+    (25, 145, 125),
+    (255, 215, 150),
+    (175, 65, 110),
+    (160, 195, 235),
+)
+_AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
+_STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
+_COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
+#: Sizes of an instance's number, the first that fits its region is taken; the last is the smallest one can read.
+_NUMBER_SIZES = (0.5, 0.42, 0.35, 0.3)
+#: Radius of a keypoint's disc, and width of the dark ring about it [px].
+_DISC, _RING = _CELL / 150, _CELL / 400
+#: Drawing coordinates carry this many fractional bits, so overlays are not rounded to pixels.
+_SHIFT = 4
+
+
+@dataclass(frozen=True, eq=False)
+class PreviewRow:
+    """One view as the sheet shows it."""
+
+    name: str  #: caption, such as "000"
+    picture: np.ndarray  #: (H, W, 3) uint8, the left picture
+    camera: Camera
+    geometry: Geometry
+    labels: Labels
+
+
+def chosen_views(count: int, most: int = MOST_VIEWS) -> list[int]:
+    """Return which of ``count`` views a sheet shows: evenly spread, first and last among them."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(count, most))})
+
+
+def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
+    """Return the sheet of some views, (H, W, 3) uint8.
+
+    Columns: left picture; depth over the objects' range, near is bright; normals (x red, up green, towards the camera
+    blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility.
+    """
+    bands = [_header(title)]
+    for row in rows:
+        cells = _cells(row)
+        height = cells[0].shape[0]
+        band = np.full((height + _GAP, _sheet_width(), 3), _PAPER, np.uint8)
+        _text(band, row.name, (10, height // 2 + 5))
+        for column, cell in enumerate(cells):
+            band[:height, _left(column) : _left(column) + _CELL] = cell
+        bands.append(band)
+    return np.concatenate(bands)
+
+
+def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
+    """Return depth as colours, (H, W, 3) uint8, and the range shown [m]: that of the objects, else of everything."""
+    hit = np.isfinite(Z)
+    shown = hit & (ids >= FIRST_OBJECT_ID) if (hit & (ids >= FIRST_OBJECT_ID)).any() else hit
+    if not shown.any():
+        return np.full((*Z.shape, 3), _NOTHING, np.uint8), (0.0, 0.0)
+    near, far = float(Z[shown].min()), float(Z[shown].max())
+    share = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
+    level = np.rint(255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)
+    colours = cv2.applyColorMap(level, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
+    colours[~hit] = _NOTHING
+    return colours, (near, far)
+
+
+def depth_caption(Z: np.ndarray, near: float, far: float) -> str:
+    """Return what the ends of the colours stand for: a depth [m], with a sign where what lies beyond has it too."""
+    hit = Z[np.isfinite(Z)]
+    # The range is made of these very numbers, so none of the objects' is beyond it.
+    nearer, farther = (hit < near).any(), (hit > far).any()
+    return f"{'<= ' if nearer else ''}{near:.2f} m to {'>= ' if farther else ''}{far:.2f} m"
+
+
+def place_of_number(region: np.ndarray, width: int, height: int) -> tuple[tuple[int, int], bool]:
+    """Return where the middle of a text goes in a region, (x, y), and whether all of the text lies in it.
+
+    Of the places where the text's rectangle is inside the region, the one farthest from the region's border is taken;
+    where there is none, the one farthest of all.
+
+    Parameters
+    ----------
+    region : (H, W) bool
+        With at least one pixel; the picture's edge is a border too.
+    width, height : int
+        Extent of the text [px].
+    """
+    inside = np.pad(region, 1).astype(np.uint8)
+    distance = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    fitting = cv2.erode(inside, np.ones((height | 1, width | 1), np.uint8)) > 0
+    fits = bool(fitting.any())
+    y, x = np.unravel_index(np.argmax(np.where(fitting, distance, 0.0) if fits else distance), distance.shape)
+    return (int(x) - 1, int(y) - 1), fits
+
+
+def normal_colours(normal: np.ndarray) -> np.ndarray:
+    """Return normals as colours, (H, W, 3) uint8: right is red, up is green, towards the camera is blue."""
+    colours = np.rint(127.5 * (1.0 + normal * np.array([1.0, -1.0, -1.0]))).astype(np.uint8)
+    colours[(normal == 0.0).all(axis=-1)] = _NOTHING
+    return colours
+
+
+def id_colours(ids: np.ndarray) -> np.ndarray:
+    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
+    table = np.array([_NOTHING, _TABLE_COLOUR, *(_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
+    return table[ids]
+
+
+def _cells(row: PreviewRow) -> list[np.ndarray]:
+    geometry, camera = row.geometry, row.camera
+    scale = _CELL / camera.width
+    left = _resized(row.picture, scale, smooth=True)
+    depth, (near, far) = depth_colours(geometry.Z, geometry.id)
+    depth, ids = _resized(depth, scale), _resized(id_colours(geometry.id), scale)
+    numbers = _resized(geometry.id, scale)
+    _tag(depth, depth_caption(geometry.Z, near, far))
+    # Overlays are read more easily on a picture that steps back a little.
+    boxes, points = _dimmed(left), _dimmed(left)
+    for label in row.labels.objects:
+        _draw_id(ids, numbers == label.id, str(label.id))
+        _draw_box(boxes, label, camera, scale)
+    for label in row.labels.objects:
+        _draw_axes(boxes, label, camera, scale)
+        _draw_keypoints(points, label, scale)
+    return [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
+
+
+def _header(title: str) -> np.ndarray:
+    band = np.full((2 * _CAPTION + 8, _sheet_width(), 3), _PAPER, np.uint8)
+    _text(band, title, (10, 24), 0.6)
+    for column, caption in enumerate(_COLUMNS):
+        _text(band, caption, (_left(column) + 2, _CAPTION + 28))
+    x = _left(len(_COLUMNS) - 1) + 90
+    for state, colour in _STATES.items():
+        _disc(band, (x << _SHIFT, (_CAPTION + 23) << _SHIFT), 2.0 * _DISC, colour)
+        x = _text(band, {"through_glass": "glass"}.get(state, state), (x + 8, _CAPTION + 28), 0.4) + 10
+    return band
+
+
+def _draw_id(picture: np.ndarray, region: np.ndarray, text: str) -> None:
+    """Write a number inside a region, (H, W) bool, as large as it fits; none in one that it would cover altogether."""
+    for size in _NUMBER_SIZES:
+        (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)
+        if np.count_nonzero(region) < width * height:
+            continue
+        (x, y), fits = place_of_number(region, width, height)
+        if fits or size == _NUMBER_SIZES[-1]:
+            _text(picture, text, (x - width // 2, y + height // 2), size, (20, 20, 20))
+            return
+
+
+def _draw_box(picture: np.ndarray, label: ObjectLabel, camera: Camera, scale: float) -> None:
+    pixels, Z = project_camera(np.array(label.box3d), camera.K)
+    if (Z <= 0.0).any():
+        return
+    for a, b in EDGES:
+        _line(picture, pixels[a], pixels[b], scale, _colour(label.id), 1)
+
+
+def _draw_axes(picture: np.ndarray, label: ObjectLabel, camera: Camera, scale: float) -> None:
+    corners = np.array(label.box3d)
+    length = 0.5 * np.linalg.norm(corners[7] - corners[0]) / np.sqrt(3.0)
+    ends = label.camera_T_object[:3, 3] + length * np.vstack([np.zeros(3), label.camera_T_object[:3, :3].T])
+    pixels, Z = project_camera(ends, camera.K)
+    if (Z <= 0.0).any():
+        return
+    for axis, colour in enumerate(_AXES):
+        _line(picture, pixels[0], pixels[1 + axis], scale, colour, 2)
+
+
+def _draw_keypoints(picture: np.ndarray, label: ObjectLabel, scale: float) -> None:
+    for point in label.keypoints:
+        if point.pixel is None or point.state == "outside":
+            continue
+        centre = _fixed(point.pixel, scale)
+        _disc(picture, centre, _DISC + _RING, (15, 15, 15))
+        _disc(picture, centre, _DISC, _STATES[point.state])
+
+
+def _disc(picture: np.ndarray, centre: tuple[int, int], radius: float, colour: tuple[int, ...]) -> None:
+    # OpenCV draws circles of less than three pixels as squares on their corners.
+    angles = np.arange(24) * (np.pi / 12)
+    outline = centre + (radius * (1 << _SHIFT)) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    cv2.fillConvexPoly(picture, np.rint(outline).astype(np.int32), colour, cv2.LINE_AA, _SHIFT)
+
+
+def _line(
+    picture: np.ndarray, start: np.ndarray, end: np.ndarray, scale: float, colour: tuple[int, ...], width: int
+) -> None:
+    cv2.line(picture, _fixed(start, scale), _fixed(end, scale), colour, width, cv2.LINE_AA, _SHIFT)
+
+
+def _fixed(pixel: np.ndarray | tuple[float, float], scale: float) -> tuple[int, int]:
+    """Return where an image coordinate lies in a picture of another size, with `_SHIFT` fractional bits.
+
+    Pixel edges, not centres, stay in place: ``u' + 0.5 = (u + 0.5) scale``.
+    """
+    # Far outside the picture OpenCV would overflow.
+    limit = 1 << 14
+    x, y = (max(-limit, min(limit, (float(value) + 0.5) * scale - 0.5)) for value in pixel)
+    return round(x * (1 << _SHIFT)), round(y * (1 << _SHIFT))
+
+
+def _resized(picture: np.ndarray, scale: float, smooth: bool = False) -> np.ndarray:
+    """Return a picture at the cells' width; labels are never blended."""
+    blend = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+    height = max(1, round(picture.shape[0] * scale))
+    return cv2.resize(picture, (_CELL, height), interpolation=blend if smooth else cv2.INTER_NEAREST)
+
+
+def _dimmed(picture: np.ndarray) -> np.ndarray:
+    return (picture * 0.75).astype(np.uint8)
+
+
+def _tag(picture: np.ndarray, text: str) -> None:
+    """Write in the lower left corner, on a dark ground."""
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.42, 1)
+    bottom = picture.shape[0]
+    picture[max(0, bottom - height - 12) :, : width + 12] = _PAPER
+    _text(picture, text, (6, bottom - 7), 0.42)
+
+
+def _text(
+    picture: np.ndarray, text: str, at: tuple[int, int], size: float = 0.48, colour: tuple[int, ...] = _INK
+) -> int:
+    """Write text with its base line's start at a point; return where it ends."""
+    cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)
+    return at[0] + cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)[0][0]
+
+
+def _colour(object_id: int) -> tuple[int, int, int]:
+    return _COLOURS[(object_id - FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > TABLE_ID else _TABLE_COLOUR
+
+
+def _left(column: int) -> int:
+    return _GUTTER + column * (_CELL + _GAP)
+
+
+def _sheet_width() -> int:
+    return _left(len(_COLUMNS))

@@ -1,0 +1,1 @@
+"""Settings from presets, YAML files and the command line."""

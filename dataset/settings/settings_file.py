@@ -1,0 +1,76 @@
+"""A YAML file of settings: a small regular file, plain data, every name once."""
+
+from __future__ import annotations
+
+import stat
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import TypeAdapter, ValidationError
+
+from ...core.errors import InputError
+from ...core.setting_errors import complaint
+from ...core.user_text import UserPath
+
+#: Largest file that is read [bytes]: all settings with their descriptions are under a hundredth of it.
+LARGEST = 1_000_000
+
+
+def yaml_settings(path: str | Path) -> dict[str, Any]:
+    """Return the settings of a YAML file; InputError where it is not one."""
+    text = _text(_checked(path))
+    try:
+        _check_names(path, yaml.compose(text, yaml.SafeLoader), set())
+        settings = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise InputError(path, "valid YAML", str(error)) from error
+    except InputError:
+        raise
+    except ValueError as error:  # dates and numbers that only look like such
+        raise InputError(path, "valid YAML values", str(error)) from error
+    except RecursionError as error:
+        raise InputError(path, "valid YAML", "too deep a nesting") from error
+    if not isinstance(settings, dict | None):
+        raise InputError(path, "a mapping of settings", type(settings).__name__)
+    return settings or {}
+
+
+def _check_names(path: str | Path, node: yaml.Node | None, seen: set[int]) -> None:
+    """Raise InputError where a mapping says a name twice: PyYAML would take the last and say nothing."""
+    if node is None or id(node) in seen:  # an alias leads to a node that was met before, or is met now
+        return
+    seen.add(id(node))
+    if isinstance(node, yaml.MappingNode):
+        names = Counter(key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+        for name, times in names.most_common(1):
+            if times > 1:
+                raise InputError(path, "each setting once", f"{name} {times} times")
+        for _, value in node.value:
+            _check_names(path, value, seen)
+    elif isinstance(node, yaml.SequenceNode):
+        for value in node.value:
+            _check_names(path, value, seen)
+
+
+def _checked(path: str | Path) -> Path:
+    try:
+        return TypeAdapter(UserPath).validate_python(path)
+    except ValidationError as error:
+        raise complaint("--config", error) from error
+
+
+def _text(path: Path) -> str:
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
+            raise InputError(path, "a regular file with YAML", kind)
+        if status.st_size > LARGEST:
+            raise InputError(path, f"a YAML file of at most {LARGEST} bytes", status.st_size)
+        return path.read_text("utf-8")
+    except OSError as error:
+        raise InputError(path, "a readable YAML file", error.strerror) from error
+    except UnicodeDecodeError as error:
+        raise InputError(path, "a YAML file in UTF-8", "other bytes") from error

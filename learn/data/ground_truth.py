@@ -1,0 +1,111 @@
+"""What is known of a reference view: its objects, their pixels and its depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...annotate.labels import ObjectLabel
+from ...annotate.symmetries import Symmetry
+from ...core.errors import InputError
+from ...dataset.format import layout
+from ...dataset.format.exr import channel, read_exr
+from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
+from ...dataset.format.pictures import read_png
+from ...dataset.reader import StoredView
+from ..targets.objects import ViewObject, canonical_pose
+from .views import check_rigid
+
+#: Farthest depth and longest side that a label may have [m]: more were not metres.
+FARTHEST = 1000.0
+#: Axes of revolution that an object may have: z, and another one where it is a ball.
+_AXES = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The labels of a view."""
+
+    instances: np.ndarray  #: (H, W) uint16, ids of the first surface
+    Z: np.ndarray  #: (H, W) float32 [m]; +inf for none
+    objects: tuple[ViewObject, ...]
+    keypoints: dict[int, np.ndarray]  #: by object id, (k, 3) float64 in the object's frame [m]
+
+
+def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) -> Truth:
+    """Return the labels of a view; InputError that names file and field where one is missing.
+
+    Parameters
+    ----------
+    view : StoredView
+        The view.
+    objects : ObjectsFile
+        Its scene's.
+    size : (int, int)
+        Height and width of its pictures [px].
+    """
+    path = view.folder / layout.GEOMETRY
+    Z = channel(read_exr(path), "Z", path)
+    instances = read_png(view.folder / layout.INSTANCES)
+    for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
+        if values.shape != size:
+            raise InputError(view.folder / name, f"{size[0]} x {size[1]} px", values.shape)
+    wrong = ~((Z > 0.0) & ((Z <= FARTHEST) | np.isposinf(Z)))  # NaN as well
+    if wrong.any():
+        found = f"{Z[wrong][0]:g} in {int(wrong.sum())} pixels"
+        raise InputError(f"{path}: Z", f"depths above 0 and up to {FARTHEST:g} m, or +inf for none", found)
+    records = {record.id: record for record in objects.objects}
+    labels = view.labels().objects
+    numbers = [label.id for label in labels]
+    if len(set(numbers)) < len(numbers):
+        raise InputError(view.folder / layout.LABELS, "each object once", sorted(numbers))
+    for label in labels:
+        if label.id not in records:
+            where = view.folder.parent / layout.OBJECTS
+            raise InputError(where, f"an object {label.id}, which {layout.LABELS} has", f"{sorted(records)}")
+    found = tuple(_object(records[label.id], label, instances, view) for label in labels)
+    known = {0, 1, *(item.id for item in found)}
+    strange = sorted(set(np.unique(instances).tolist()) - known)
+    if strange:
+        raise InputError(view.folder / layout.LABELS, f"an object {strange[0]}, which {layout.INSTANCES} has", "none")
+    keypoints = {record.id: np.array(record.keypoints, np.float64).reshape(-1, 3) for record in objects.objects}
+    return Truth(instances, Z, found, keypoints)
+
+
+def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:
+    symmetry = _symmetry(record, view.folder.parent / layout.OBJECTS)
+    pose = np.array(label.camera_T_object)
+    check_rigid(pose, f"{view.folder / layout.LABELS}: object {label.id} camera_T_object")
+    if not all(0.0 < side < FARTHEST for side in record.size):
+        where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} size"
+        raise InputError(where, f"sides above 0 and up to {FARTHEST:g} m", record.size)
+    return ViewObject(
+        id=record.id,
+        category=record.category,
+        transparent=record.material.kind == "glass",
+        symmetry=symmetry,
+        fill=None if record.liquid is None else record.liquid.fill,
+        camera_T_object=canonical_pose(pose, symmetry),
+        size=np.array(record.size),
+        visible=int((instances == record.id).sum()),
+    )
+
+
+def _symmetry(record: ObjectRecord, path: Path) -> Symmetry:
+    """Return what an object's record says of its symmetry: turns about z, all turns, and single motions."""
+    where = f"{path}: object {record.id} symmetries"
+    axes = [(axis.axis, axis.offset) for axis in record.symmetries_continuous]
+    for axis, offset in axes:
+        if tuple(map(abs, axis)) not in _AXES or any(o for a, o in zip(axis, offset, strict=True) if not a):
+            raise InputError(
+                f"{where}_continuous", "the z axis of the object, or x and z of a ball", f"{axis}, {offset}"
+            )
+    known = {tuple(map(abs, axis)) for axis, _ in axes}
+    if known and _AXES[0] not in known:
+        raise InputError(f"{where}_continuous", "the z axis of the object", axes[0])
+    motions = [np.eye(4), *(np.array(motion) for motion in record.symmetries_discrete)]
+    for motion in motions:
+        check_rigid(motion, f"{where}_discrete")
+    return Symmetry(turns=bool(known), ball=len(known) > 1, motions=np.stack(motions))

@@ -1,0 +1,75 @@
+"""Pictures for people: what a network finds in a view."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+import torch
+from torch import Tensor
+
+from ...annotate.boxes import EDGES
+from ...annotate.projection import project_camera
+from ..decoding.decode import Detections, decode
+from ..targets.encoding import encoding_of
+from ..targets.objects import box_points
+from .samples import Batch
+
+#: Colours of classes (nothing, table, transparent, opaque), and of objects in turn, sRGB.
+_CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60]], np.uint8)
+_OBJECTS = ((255, 80, 80), (80, 220, 80), (90, 140, 255), (255, 210, 60), (220, 90, 255), (60, 220, 220))
+
+
+def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: str) -> np.ndarray:
+    """Return the first sample of a batch, what the network gives for it and what it should, (H', W', 3) uint8."""
+    first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if name != "planes"}
+    (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(variant))
+    picture = rgb(batch.images[0, 0])
+    true = {name: value[0].detach().cpu().numpy() for name, value in batch.targets.items()}
+    limits = depth_limits(true["depth"])
+    top = [with_boxes(picture, found, batch.K[0, 0].cpu().numpy()), coloured_depth(first["depth"][0].numpy(), limits)]
+    top += [_CLASSES[first["seg"][0].argmax(0).numpy()], _grey(first["heatmap"][0].numpy())]
+    bottom = [picture, coloured_depth(true["depth"], limits), _CLASSES[true["seg"]], _grey(true["heatmap"])]
+    return np.concatenate([np.concatenate(top, axis=1), np.concatenate(bottom, axis=1)], axis=0)
+
+
+def rgb(image: Tensor) -> np.ndarray:
+    """Return a picture in [0, 1], (3, H, W), as (H, W, 3) uint8."""
+    return (image.detach().cpu().clamp(0.0, 1.0) * 255.0).round().to(torch.uint8).movedim(0, -1).contiguous().numpy()
+
+
+def depth_limits(depth: np.ndarray) -> tuple[float, float]:
+    """Return the least and the greatest known depth [m], apart."""
+    known = depth[(depth > 0.0) & np.isfinite(depth)]
+    if not known.size:
+        return 0.0, 1.0
+    return float(known.min()), max(float(known.max()), float(known.min()) + 1e-3)
+
+
+def coloured_depth(depth: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+    """Return depth in colours, near bright, (H, W, 3) uint8; black where it is unknown."""
+    near, far = limits
+    share = np.clip((far - depth) / (far - near), 0.0, 1.0)
+    colours = cv2.applyColorMap((np.nan_to_num(share) * 255.0).astype(np.uint8), cv2.COLORMAP_TURBO)[..., ::-1]
+    return np.where(((depth > 0.0) & np.isfinite(depth))[..., None], colours, 0).astype(np.uint8)
+
+
+def with_boxes(picture: np.ndarray, found: Detections, K: np.ndarray) -> np.ndarray:
+    """Return a picture with the boxes and masks of what was found, (H, W, 3) uint8."""
+    drawn = picture.copy()
+    for index in range(len(found)):
+        colour = _OBJECTS[index % len(_OBJECTS)]
+        mask = found.mask[index].cpu().numpy()
+        drawn[mask] = (0.6 * drawn[mask] + 0.4 * np.array(colour)).astype(np.uint8)
+        corners = box_points(found.camera_T_object[index].cpu().numpy(), found.size[index].cpu().numpy())
+        pixels, Z = project_camera(corners, np.asarray(K, np.float64))
+        if (Z > 0.0).all() and np.abs(pixels).max() < 1e6:
+            ends = np.rint(pixels).astype(int).tolist()
+            for a, b in EDGES:
+                cv2.line(drawn, ends[a], ends[b], colour, 1, cv2.LINE_AA)
+    return drawn
+
+
+def _grey(heat: np.ndarray) -> np.ndarray:
+    return np.repeat((np.clip(heat, 0.0, 1.0) * 255.0).astype(np.uint8)[..., None], 3, axis=-1)

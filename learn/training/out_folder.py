@@ -1,0 +1,27 @@
+"""The folder that a command of networks writes to."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ...core.atomic_io import remove_leftovers
+from ...core.errors import InputError
+
+
+def made_folder(out: Path) -> Path:
+    """Make a folder, and remove what killed processes left half-written in it.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be made or written to: before any work is done, and not after it.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(out, "a folder that can be made and written to", error.strerror) from error
+    if not os.access(out, os.W_OK):
+        raise InputError(out, "a folder that can be written to", "one that cannot")
+    remove_leftovers(out)
+    return out

@@ -1,0 +1,64 @@
+"""What is told of a run while it runs: lines, and TensorBoard's curves and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from time import perf_counter
+
+from lightning_fabric import Fabric
+from torch import Tensor
+from torch.utils.tensorboard.writer import SummaryWriter
+
+from ..data.samples import Batch
+from ..data.visualise import sample_picture
+from .settings import TrainSettings
+
+
+class Records:
+    """Logs of a run. Only the first process of several writes."""
+
+    def __init__(
+        self, out: Path, start: int, settings: TrainSettings, fabric: Fabric, say: Callable[[str], None]
+    ) -> None:
+        self._settings, self._say = settings, say
+        # What an earlier process noted of steps that are taken again is dropped.
+        again = start + 1 if start else None
+        self._writer = SummaryWriter(str(out), purge_step=again) if fabric.is_global_zero else None
+        self._since, self._step = perf_counter(), start
+
+    def step(
+        self,
+        step: int,
+        total: Tensor,
+        found: Mapping[str, Tensor],
+        rate: float,
+        batch: Batch,
+        outputs: Mapping[str, Tensor],
+    ) -> None:
+        """Note a step, where its number asks for that."""
+        if self._writer is None:
+            return
+        if step % self._settings.log_every == 0 or step == self._settings.steps:
+            for name, value in {"total": total, **found}.items():
+                self._writer.add_scalar(f"loss/{name}", float(value.detach()), step)
+            self._writer.add_scalar("rate", rate, step)
+            seconds = (perf_counter() - self._since) / max(step - self._step, 1)
+            self._since, self._step = perf_counter(), step
+            left = seconds * (self._settings.steps - step)
+            line = f"step {step}/{self._settings.steps}: loss {float(total.detach()):.4g}"
+            self._say(f"{line}, {seconds:.2f} s a step, {left / 60.0:.0f} min left")
+        if step % self._settings.pictures_every == 0:
+            picture = sample_picture(batch, outputs, self._settings.network.variant)
+            self._writer.add_image("sample", picture, step, dataformats="HWC")
+
+    def validation(self, step: int, loss: float) -> None:
+        """Note a look at the validation samples."""
+        if self._writer is not None:
+            self._writer.add_scalar("loss/validation", loss, step)
+            self._say(f"step {step}: validation loss {loss:.4g}")
+
+    def close(self) -> None:
+        """Write what is still held."""
+        if self._writer is not None:
+            self._writer.close()

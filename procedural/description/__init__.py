@@ -1,0 +1,1 @@
+"""Frozen types of a scene description, free of any renderer."""

@@ -1,0 +1,164 @@
+"""The description of a scene: frozen, typed, free of any renderer.
+
+Metres, radians; world frame right-handed, z up, table top at z = 0. ``a_T_b`` takes coordinates in b to coordinates
+in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` reads and writes it).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from ...core.mesh import Mesh, joined, turned
+from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
+from ..optics.medium import Medium
+from .material import OpaqueMaterial
+from .surroundings import AreaLight, Camera, Environment, Table
+
+#: Version of the description; the last part changes when an old reader would be misled.
+SCENE_SCHEMA = "glassware/scene/1"
+#: Instance ids: 0 is nothing, 1 the table, objects from 2 (a vessel and its liquid are one instance).
+TABLE_ID, FIRST_OBJECT_ID = 1, 2
+
+
+class Interface(Model):
+    """A surface between two media. Its normals point from `back` to `front`."""
+
+    part: Literal["outside", "wet_wall", "liquid_surface"] = Field(
+        description="air|glass, glass|liquid, liquid|air: which two media it parts"
+    )
+    mesh: MeshField
+    front: Medium = Field(description="The medium that the normals point into")
+    back: Medium = Field(description="The medium behind")
+    roughness: float = Field(default=0.0, ge=0.0, le=1.0, description="GGX alpha; 0 is smooth")
+
+
+class Liquid(Model):
+    """What a vessel holds."""
+
+    medium: Medium
+    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
+    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
+    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
+    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
+    fill: float = Field(gt=0.0, le=1.0, description="Share of the vessel's brimful volume")
+    volume: float = Field(gt=0.0, description="Volume [m^3]")
+
+
+class Vessel(Model):
+    """A glass solid of revolution about its z axis; the frame's origin is the centre of its bounding box."""
+
+    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
+    name: str = Field(description="Unique in the scene")
+    category: str = Field(description="Such as 'tumbler', 'bowl', 'bottle'")
+    glass: Medium
+    roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
+    wall: float = Field(gt=0.0, description="Smallest thickness of the glass, across the wall [m]")
+    outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
+    inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
+    liquid: Liquid | None = None
+    interfaces: tuple[Interface, ...] = Field(
+        description="The surfaces that light meets, each once; normals of outside and wet_wall point out of the glass, "
+        "those of liquid_surface into the air"
+    )
+    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
+    world_T_object: Matrix4
+
+
+class Prop(Model):
+    """An opaque object; the frame's origin is the centre of its bounding box."""
+
+    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
+    name: str = Field(description="Unique in the scene")
+    category: str = Field(description="Shape, or the file that the mesh came from")
+    mesh: MeshField
+    material: OpaqueMaterial
+    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
+    symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    world_T_object: Matrix4
+
+
+class Picture(Model):
+    """How the pictures are computed."""
+
+    spp: int = Field(
+        default=64,
+        ge=1,
+        le=1_048_576,
+        description="Samples per pixel on the average over the picture; with `noise`, of each pass",
+    )
+    noise: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
+    )
+    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
+    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples than others")
+    light: Literal["auto", "path", "shared"] = Field(
+        default="auto",
+        description="Trace the light anew for every picture (path), store it once per scene and read it in every "
+        "picture (shared), or what takes less time (auto)",
+    )
+    keep_light: bool = Field(
+        default=False, description="Whether the light that is stored is written with the scene; it is stored then"
+    )
+    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
+    denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
+    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
+    refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
+    spectral: bool = Field(default=False, description="Whether light has wavelengths instead of red, green and blue")
+    dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> Picture:
+        if self.dispersion and not self.spectral:
+            raise ValueError("dispersion: expected spectral to be on as well, found it off")
+        if self.light == "shared" and self.spectral:
+            raise ValueError("light: expected path or auto where spectral is on, found shared")
+        if self.keep_light and (self.light == "path" or self.spectral):
+            found = "path" if self.light == "path" else "spectral on"
+            raise ValueError(f"keep_light: expected light to be stored, found {found}")
+        return self
+
+
+class Scene(Model):
+    """Everything that light can meet, and how it is looked at."""
+
+    schema_version: Literal["glassware/scene/1"] = SCENE_SCHEMA
+    seed: int = Field(ge=0, description="Seed of the data set")
+    scene_id: int = Field(ge=0, description="Number of the scene in the data set")
+    table: Table
+    vessels: tuple[Vessel, ...]
+    props: tuple[Prop, ...]
+    environment: Environment
+    lights: tuple[AreaLight, ...]
+    cameras: tuple[Camera, ...] = Field(min_length=1)
+    picture: Picture
+
+    @property
+    def objects(self) -> tuple[Vessel | Prop, ...]:
+        """Vessels and props in the order of their ids."""
+        return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
+
+
+def glass_solid(vessel: Vessel) -> Mesh:
+    """Return the closed surface of the glass alone, object frame, normals out of the glass."""
+    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    return joined([mesh for part, mesh in parts.items() if part != "liquid_surface"], f"{vessel.name}-glass")
+
+
+def liquid_solid(vessel: Vessel) -> Mesh:
+    """Return the closed surface of the liquid's body, object frame, normals out of the liquid.
+
+    Raises
+    ------
+    ValueError
+        Where the vessel holds no liquid.
+    """
+    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    if "wet_wall" not in parts:
+        raise ValueError(f"vessel {vessel.name}: expected a liquid in it, found none")
+    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{vessel.name}-liquid")

@@ -1,0 +1,137 @@
+"""Table, environment, area lights and cameras, as data."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from ...core.assets import Asset
+from ...core.model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
+from .material import OpaqueMaterial
+
+Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
+
+
+class Table(Model):
+    """The table: a board whose top is at z = 0. Texture coordinates are in metres."""
+
+    mesh: MeshField
+    material: OpaqueMaterial
+    size: tuple[float, float, float] = Field(description="Extent along x and y, and thickness [m]")
+
+
+class Window(Model):
+    """A bright rectangle on a wall or the ceiling of a room."""
+
+    kind: Literal["window", "lamp"] = Field(
+        default="window", description="A view to the outside, or an evenly lit diffuser (ceiling lamp, soft box)"
+    )
+    wall: Wall
+    centre: tuple[float, float] = Field(
+        description="Centre on the wall, from the room's corner: along it and up (ceiling: x, y) [m]"
+    )
+    size: tuple[float, float] = Field(description="Width and height [m]")
+    radiance: Rgb = Field(description="Radiance of the sky outside or of the lamp, linear Rec.709 [kcd/m^2]")
+    bars: int = Field(default=0, ge=0, le=6, description="Number of mullions across each direction")
+
+
+class Panel(Model):
+    """A flat opaque rectangle on a wall: a door, a picture, a board."""
+
+    wall: Wall
+    centre: tuple[float, float] = Field(description="Centre on the wall, as for `Window` [m]")
+    size: tuple[float, float] = Field(description="Width and height [m]")
+    colour: Reflectance = Field(description="Linear Rec.709 reflectance")
+
+
+class Block(Model):
+    """An opaque box that stands in a room: a cupboard, a shelf, a sofa's part."""
+
+    lower: Vector3 = Field(description="Smallest coordinates, from the room's corner [m]")
+    upper: Vector3 = Field(description="Largest coordinates, from the room's corner [m]")
+    colour: Reflectance = Field(description="Linear Rec.709 reflectance")
+
+
+class RoomEnvironment(Model):
+    """A box-shaped room with windows and lamps, seen from the table, as an environment map."""
+
+    kind: Literal["room"] = "room"
+    size: Vector3 = Field(description="Inner extent along x, y, z [m]")
+    eye: Vector3 = Field(description="Where the table's centre is in the room, from a corner [m]")
+    wall_colours: tuple[Reflectance, ...] = Field(
+        min_length=6, max_length=6, description="Reflectance of +x -x +y -y ceiling floor"
+    )
+    windows: tuple[Window, ...] = Field(min_length=1, description="Everything that shines")
+    panels: tuple[Panel, ...] = ()
+    blocks: tuple[Block, ...] = ()
+    board_width: float = Field(default=0.0, ge=0.0, description="Width of the floor's boards [m]; 0 for none")
+    seed: int = Field(ge=0, description="Seed of the small variation on walls and floor")
+    rotation: float = Field(default=0.0, description="Turn about +z [rad]")
+    strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
+
+
+class SkyEnvironment(Model):
+    """An open sky with a soft sun and a ground."""
+
+    kind: Literal["sky"] = "sky"
+    sun_elevation: float = Field(gt=0.0, le=1.5707963267948966, description="Elevation of the sun [rad]")
+    sun_radiance: float = Field(ge=0.0, description="Luminance of the blurred disc's middle, relative to the zenith's")
+    sun_radius: float = Field(gt=0.0, description="Angular radius of the blurred disc [rad]")
+    turbidity: float = Field(ge=1.7, le=10.0, description="Haze (Preetham et al. 1999), 2 clear to 10 hazy")
+    cloudiness: Unit = Field(description="Share of the sky under clouds")
+    ground: Reflectance = Field(description="Reflectance of the ground, lit by this sky")
+    seed: int = Field(ge=0, description="Seed of the clouds and the skyline")
+    rotation: float = Field(default=0.0, description="Turn about +z [rad]; 0 has the sun at azimuth 0")
+    strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
+
+
+class PictureEnvironment(Model):
+    """An equirectangular environment map from a file (EXR or HDR), +z up."""
+
+    kind: Literal["picture"] = "picture"
+    asset: Asset
+    rotation: float = 0.0
+    strength: float = Field(default=1.0, gt=0.0)
+
+
+Environment = Annotated[RoomEnvironment | SkyEnvironment | PictureEnvironment, Field(discriminator="kind")]
+
+
+class AreaLight(Model):
+    """A rectangle that shines from one side: along its local +z."""
+
+    world_T_light: Matrix4
+    size: tuple[float, float] = Field(description="Extent along its local x and y [m]")
+    radiance: Rgb = Field(description="Linear Rec.709")
+
+
+class Camera(Model):
+    """A stereo pair of pinhole cameras with OpenCV axes (x right, y down, z forward).
+
+    Pixel (0, 0) has its centre at image coordinate (0, 0). The right camera stands at ``+baseline`` along the left
+    camera's x axis and has the same axes.
+    """
+
+    width: int = Field(ge=1, description="[px]")
+    height: int = Field(ge=1, description="[px]")
+    focal: float = Field(gt=0.0, description="Focal length, both directions [px]")
+    centre: tuple[float, float] = Field(description="Principal point (cx, cy) [px]")
+    world_T_camera: Matrix4 = Field(description="Pose of the left camera")
+    baseline: float = Field(gt=0.0, description="Distance between the two cameras [m]")
+    exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    grid_index: int = Field(ge=0, le=56, description="Position in the 57-view grid: 0 zenith, then 4 rings of 14")
+
+    @property
+    def K(self) -> np.ndarray:
+        """Intrinsic matrix, (3, 3) float64 [px]."""
+        cx, cy = self.centre
+        return np.array([[self.focal, 0.0, cx], [0.0, self.focal, cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def world_T_right(self) -> np.ndarray:
+        """Pose of the right camera, (4, 4) float64."""
+        shift = np.eye(4)
+        shift[0, 3] = self.baseline
+        return self.world_T_camera @ shift

@@ -1,0 +1,1 @@
+"""Where objects stand: resting poses, footprints and overlap."""

@@ -1,0 +1,120 @@
+"""Where objects stand: resting on the table, apart from each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic import Field
+from scipy.spatial import ConvexHull
+
+from ...core.errors import InputError
+from ...core.mesh import Mesh
+from ...core.model import Model
+
+#: Height of every object over the table [m]. Dry glass on wood is held off by roughness and dust: there is air, not
+#: optical contact, between them. A tenth of a millimetre is far above the renderer's ray offset (1e-6 m) and far below
+#: what a picture or a label shows.
+CONTACT_GAP = 1e-4
+#: Tries for one object before the disc grows, and growth of the disc.
+_TRIES, _GROWTH = 60, 1.15
+#: Fresh starts before a crowd is called too large for its table.
+_RESTARTS = 20
+
+
+class PlacementSettings(Model):
+    """How objects are spread over the table."""
+
+    radius: float = Field(
+        default=0.16,
+        gt=0.0,
+        le=2.0,
+        description="Objects are centred in a disc of this radius [m]; it grows if they need more",
+    )
+    gap: float = Field(
+        default=0.005, ge=0.001, le=0.2, description="Smallest distance between two objects, seen from above [m]"
+    )
+    edge: float = Field(default=0.03, ge=0.0, le=0.5, description="Smallest distance to the edge of the table [m]")
+
+
+def footprint(mesh: Mesh, pose: np.ndarray) -> np.ndarray:
+    """Return the convex outline seen from above, (k, 2) float64, counter-clockwise [m]."""
+    points = mesh.vertices.astype(np.float64) @ pose[:2, :3].T + pose[:2, 3]
+    return points[ConvexHull(points).vertices]
+
+
+def apart(a: np.ndarray, b: np.ndarray, gap: float) -> bool:
+    """Return whether a straight strip of width `gap` parts two convex polygons (separating axis over their edges)."""
+    for polygon in (a, b):
+        edges = np.roll(polygon, -1, axis=0) - polygon
+        normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        along_a, along_b = a @ normals.T, b @ normals.T
+        clear = np.maximum(along_b.min(0) - along_a.max(0), along_a.min(0) - along_b.max(0))
+        if (clear >= gap).any():
+            return True
+    return False
+
+
+def spread(
+    footprints: Sequence[np.ndarray], board: np.ndarray, settings: PlacementSettings, rng: np.random.Generator
+) -> np.ndarray:
+    """Return where each footprint's origin goes, so that all lie on the board and apart.
+
+    Parameters
+    ----------
+    footprints : sequence of (k, 2) float
+        Convex outlines about each object's own origin [m].
+    board : (m, 2) float
+        Convex outline of the table's top [m].
+    settings : PlacementSettings
+        Disc, gap and edge.
+    rng : numpy.random.Generator
+        Draws positions.
+
+    Returns
+    -------
+    (n, 2) float64
+        Shift of each footprint [m].
+
+    Raises
+    ------
+    InputError
+        If the objects do not fit on the table.
+    """
+    order = sorted(range(len(footprints)), key=lambda i: -np.ptp(footprints[i], axis=0).max())
+    for _ in range(_RESTARTS):
+        shifts = _one_spread(footprints, order, board, settings, rng)
+        if shifts is not None:
+            return shifts
+    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
+
+
+def _one_spread(footprints, order, board, settings, rng) -> np.ndarray | None:
+    placed: dict[int, np.ndarray] = {}
+    shifts = np.zeros((len(footprints), 2))
+    radius, limit = settings.radius, float(np.linalg.norm(board, axis=1).max())
+    for index in order:
+        while index not in placed:
+            if radius > limit:
+                return None
+            for _ in range(_TRIES):
+                angle, share = rng.uniform(0.0, 2.0 * np.pi), np.sqrt(rng.uniform())
+                shifts[index] = radius * share * np.array([np.cos(angle), np.sin(angle)])
+                outline = footprints[index] + shifts[index]
+                if _inside(outline, board, settings.edge) and all(
+                    apart(outline, b, settings.gap) for b in placed.values()
+                ):
+                    placed[index] = outline
+                    break
+            else:
+                radius *= _GROWTH
+    return shifts
+
+
+def _inside(outline: np.ndarray, board: np.ndarray, edge: float) -> bool:
+    sides = np.roll(board, -1, axis=0) - board
+    normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    depth = (outline @ normals.T) - (board * normals).sum(1)
+    return bool((depth >= edge).all())

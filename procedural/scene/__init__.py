@@ -1,0 +1,1 @@
+"""Whole scenes: settings, drawing, validation, and scene files."""

@@ -1,0 +1,137 @@
+"""From settings, a seed and a number to the description of a scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.mesh import Mesh
+from ...core.randomness import stream
+from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, Vessel, glass_solid
+from ..optics.draw import draw_glass, draw_liquid
+from ..placement.placement import CONTACT_GAP, footprint, spread
+from ..placement.resting import lowered, resting_pose, turn_about_z
+from ..props.draw import draw_prop
+from ..props.settings import PropSettings
+from ..surroundings.cameras import draw_cameras, reach
+from ..surroundings.colour import luminance
+from ..surroundings.environments import bake_environment, draw_environment
+from ..surroundings.lights import draw_lights
+from ..surroundings.metering import exposure, irradiance
+from ..surroundings.table import draw_table, outline
+from ..vessels.draw import draw_vessel
+from ..vessels.settings import VesselSettings
+from .asset_files import AssetFiles, asset_files, files_for
+from .settings import SceneSettings
+from .splits import families_of, split_of
+
+
+def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFiles | None = None) -> Scene:
+    """Draw a scene.
+
+    Parameters
+    ----------
+    settings : SceneSettings
+        What may be drawn.
+    seed : int
+        Seed of the data set.
+    scene_id : int
+        Number of the scene. Nothing but these three, and the files in the settings' folders, decides the scene.
+    files : AssetFiles, optional
+        What `asset_files` found in the settings' folders, for many scenes; they are searched without it.
+
+    Raises
+    ------
+    InputError
+        Where a folder of the settings or a file in it cannot be used, or the objects do not fit on the table.
+    """
+    split = split_of(settings.splits, seed, scene_id)
+    files = files_for(settings, files or asset_files(settings), seed, split)
+    counts = stream(seed, scene_id, "counts")
+    vessel_count = int(counts.integers(settings.vessel_count[0], settings.vessel_count[1] + 1))
+    prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
+    families = families_of(settings.splits, seed, split, settings.vessels.categories)
+    vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
+    props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
+    objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
+
+    centre, radius = _workspace(objects)
+    environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
+    pixels = bake_environment(environment)
+    ambient = float(luminance(irradiance(pixels, environment.strength, ())))
+    far = reach(settings.cameras, centre, radius)
+    lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, ambient)
+    exposed = exposure(irradiance(pixels, environment.strength, lights))
+    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, centre, radius, exposed)
+    return Scene(
+        seed=seed,
+        scene_id=scene_id,
+        table=table,
+        vessels=tuple(item for item in objects if isinstance(item, Vessel)),
+        props=tuple(item for item in objects if isinstance(item, Prop)),
+        environment=environment,
+        lights=lights,
+        cameras=cameras,
+        picture=settings.picture,
+    )
+
+
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
+    vessels = []
+    for i in range(count):
+        media = stream(seed, scene_id, f"media/{i}")
+        glass, liquid = draw_glass(media), draw_liquid(media)
+        rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
+        vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
+    return vessels
+
+
+def _props(
+    settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
+) -> list[Prop]:
+    return [
+        draw_prop(
+            stream(seed, scene_id, f"props/{i}"),
+            settings,
+            id=first_id + i,
+            name=f"prop-{i:02d}",
+            mesh_files=files.meshes,
+            texture_files=files.textures,
+        )
+        for i in range(count)
+    ]
+
+
+def _placed(
+    objects: list[Vessel | Prop], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
+) -> list[Vessel | Prop]:
+    """Return the objects in their places: vessels upright, props as they would come to rest."""
+    poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
+    outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
+    shifts = spread(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
+    placed = []
+    for item, pose, shift in zip(objects, poses, shifts, strict=True):
+        world_T_object = pose.copy()
+        world_T_object[:3, 3] += [*shift, CONTACT_GAP]
+        placed.append(item.model_copy(update={"world_T_object": world_T_object}))
+    return placed
+
+
+def _pose(item: Vessel | Prop, rng: np.random.Generator) -> np.ndarray:
+    if isinstance(item, Vessel):
+        return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
+    return resting_pose(item.mesh, rng)
+
+
+def _body(item: Vessel | Prop) -> Mesh:
+    return glass_solid(item) if isinstance(item, Vessel) else item.mesh
+
+
+def _workspace(objects: list[Vessel | Prop]) -> tuple[np.ndarray, float]:
+    """Return centre (3,) and radius [m] of a ball round all objects, or round the middle of a bare table."""
+    if not objects:
+        return np.zeros(3), 0.1
+    clouds = [_body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3] for item in objects]
+    points = np.concatenate(clouds)
+    centre = 0.5 * (points.min(0) + points.max(0))
+    return centre, float(np.linalg.norm(points - centre, axis=1).max())

@@ -1,0 +1,42 @@
+"""What may be asked of a scene: the settings that a scene is drawn from."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from ...core.model import Model, Ordered
+from ...core.user_text import UserPath
+from ..description.scene import Picture
+from ..placement.placement import PlacementSettings
+from ..props.settings import PropSettings
+from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
+from ..surroundings.table import TableSettings
+from ..vessels.settings import VesselSettings
+from .splits import SplitSettings
+
+_Vessels = Annotated[int, Field(ge=0, le=24)]
+_Props = Annotated[int, Field(ge=0, le=24)]
+
+
+class SceneSettings(Model):
+    """Everything that a scene is drawn from, besides its seed and number."""
+
+    vessel_count: Annotated[tuple[_Vessels, _Vessels], Ordered] = Field(
+        default=(1, 7), description="Fewest and most vessels in a scene, within 0 and 24 (Syn-TODD: up to 7)"
+    )
+    prop_count: Annotated[tuple[_Props, _Props], Ordered] = Field(
+        default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
+    )
+    mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
+    texture_dir: UserPath | None = Field(default=None, description="Folder of pictures for the table and plain props")
+    vessels: VesselSettings = VesselSettings()
+    props: PropSettings = PropSettings()
+    table: TableSettings = TableSettings()
+    environment: EnvironmentSettings = EnvironmentSettings()
+    lights: LightSettings = LightSettings()
+    cameras: CameraSettings = CameraSettings()
+    placement: PlacementSettings = PlacementSettings()
+    splits: SplitSettings = SplitSettings()
+    picture: Picture = Picture()

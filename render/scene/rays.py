@@ -1,0 +1,82 @@
+"""Camera rays and rays that leave surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from ...core.errors import InputError
+from ...procedural.description.surroundings import Camera
+
+
+@dataclass(frozen=True, eq=False)
+class Pinhole:
+    """One eye of a stereo camera as opaque Dr.Jit numbers, so that another camera needs no new kernel."""
+
+    width: mi.UInt32
+    inverse_focal: mi.Float
+    centre: mi.Point2f
+    world_R_camera: mi.Matrix3f
+    origin: mi.Point3f
+
+
+def pinhole(camera: Camera, eye: str = "left") -> Pinhole:
+    """Return the left or the right eye of a camera; InputError for another name."""
+    if eye not in ("left", "right"):
+        raise InputError("eye", "'left' or 'right'", repr(eye))
+    world_T_eye = camera.world_T_camera if eye == "left" else camera.world_T_right
+    view = Pinhole(
+        width=mi.UInt32(camera.width),
+        inverse_focal=mi.Float(1.0 / camera.focal),
+        centre=mi.Point2f(*map(float, camera.centre)),
+        world_R_camera=mi.Matrix3f(world_T_eye[:3, :3].astype(np.float32)),
+        origin=mi.Point3f(world_T_eye[:3, 3].astype(np.float32)),
+    )
+    for value in (view.width, view.inverse_focal, view.centre, view.world_R_camera, view.origin):
+        dr.make_opaque(value)
+    return view
+
+
+def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.Ray3f, mi.Float]:
+    """Return the rays through pixels (row-major index) and how much of each unit of distance is depth.
+
+    Parameters
+    ----------
+    view : Pinhole
+        The eye.
+    pixel : mi.UInt32
+        ``row * width + column``.
+    jitter : mi.Point2f
+        Offset from the pixel's centre [px]; 0 for labels, in [-1/2, 1/2) for pictures.
+
+    Returns
+    -------
+    ray : mi.Ray3f
+        Unit directions in the world frame.
+    depth_per_distance : mi.Float
+        Cosine between the ray and the optical axis: ``Z = distance * depth_per_distance``.
+    """
+    row = pixel // view.width
+    u = mi.Float(pixel - row * view.width) + jitter.x
+    v = mi.Float(row) + jitter.y
+    local = mi.Vector3f((u - view.centre.x) * view.inverse_focal, (v - view.centre.y) * view.inverse_focal, 1.0)
+    local = dr.normalize(local)
+    return mi.Ray3f(mi.Point3f(view.origin), view.world_R_camera @ local), local.z
+
+
+def clearance(si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float) -> mi.Float:
+    """Return how far off the surface that it met a ray must start again so as not to meet it once more [m].
+
+    That is `offset`, but in slivers of triangles, whose barycentric coordinates are ill-conditioned: there the point on
+    the surface may lie farther than that from the point on the ray. Twice the distance between the two is clear of it.
+    """
+    return dr.maximum(offset, 2.0 * dr.norm(si.p - ray(si.t)))
+
+
+def leave(si: mi.SurfaceInteraction3f, direction: mi.Vector3f, offset: float) -> mi.Ray3f:
+    """Return a ray from the surface along `direction`, started `offset` [m] off it on the side that it goes to."""
+    side = dr.select(dr.dot(si.n, direction) > 0.0, mi.Float(offset), -mi.Float(offset))
+    return mi.Ray3f(si.p + side * si.n, direction, si.time, si.wavelengths)

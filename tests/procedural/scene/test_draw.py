@@ -1,0 +1,157 @@
+"""Drawn scenes as wholes: sound bodies that stand on the table, apart, in every picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import ConvexHull
+
+from glassware.core.json_file import json_text
+from glassware.core.mesh import Mesh, as_trimesh
+from glassware.procedural.description.scene import Scene, Vessel, glass_solid, liquid_solid
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.surroundings.table import outline
+
+#: Most that bodies may overlap, float or sink [m] (the promise of a drawn scene).
+SLACK = 5e-4
+#: Points on each body that are tried against every other.
+PROBES = 2000
+#: Seeds of the quick proof, and of the long one with real files.
+QUICK, LONG = range(3), range(20)
+
+
+def _settings(assets: Path | None = None) -> SceneSettings:
+    files = {}
+    if assets is not None:
+        files = {"mesh_dir": assets / "meshes", "texture_dir": assets / "textures"}
+        files["environment"] = {"hdri_dir": assets / "hdri"}
+    return SceneSettings.model_validate(
+        {"cameras": {"views": 5, "width": 64, "height": 48}, "picture": {"spp": 4}, **files}
+    )
+
+
+def _body(item) -> Mesh:
+    return glass_solid(item) if isinstance(item, Vessel) else item.mesh
+
+
+def _placed(item) -> np.ndarray:
+    """Vertices in the world frame, (n, 3) float64."""
+    return _body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3]
+
+
+def _probes(item, rng: np.random.Generator) -> np.ndarray:
+    """Points spread over the surface of a body, world frame, (n, 3)."""
+    solid = as_trimesh(_body(item), item.world_T_object)
+    face = rng.choice(len(solid.faces), PROBES, p=solid.area_faces / solid.area_faces.sum())
+    weights = rng.dirichlet(np.ones(3), PROBES)
+    return (solid.triangles[face] * weights[..., None]).sum(1)
+
+
+def _deepest(points: np.ndarray, hull: ConvexHull) -> float:
+    """How far the deepest of the points lies inside a convex hull [m]; negative outside."""
+    return float(-(points @ hull.equations[:, :3].T + hull.equations[:, 3]).max(1).min())
+
+
+def _check_bodies(scene: Scene) -> None:
+    for vessel in scene.vessels:
+        assert as_trimesh(glass_solid(vessel)).is_volume, vessel.name
+        if vessel.liquid is not None:
+            assert as_trimesh(liquid_solid(vessel)).is_volume, vessel.name
+
+
+def _check_standing(scene: Scene) -> None:
+    board = outline(scene.table)
+    sides = ConvexHull(board).equations
+    for item in scene.objects:
+        points = _placed(item)
+        assert abs(points[:, 2].min()) <= SLACK, item.name
+        assert (points[:, :2] @ sides[:, :2].T + sides[:, 2]).max() <= 0.0, item.name
+
+
+def _check_apart(scene: Scene, rng: np.random.Generator) -> None:
+    # A body lies within its hull, so bodies overlap by no more than the one's surface goes into the other's hull.
+    hulls = [ConvexHull(_placed(item)) for item in scene.objects]
+    probes = [_probes(item, rng) for item in scene.objects]
+    for i, hull in enumerate(hulls):
+        for j, points in enumerate(probes):
+            assert i == j or _deepest(points, hull) <= SLACK, (scene.objects[i].name, scene.objects[j].name)
+
+
+def _check_in_view(scene: Scene) -> None:
+    for number, camera in enumerate(scene.cameras):
+        for pose in (camera.world_T_camera, camera.world_T_right):
+            for item in scene.objects:
+                local = (_placed(item) - pose[:3, 3]) @ pose[:3, :3]
+                assert local[:, 2].min() > 0.0
+                pixels = camera.focal * local[:, :2] / local[:, 2:] + np.array(camera.centre)
+                inside = (pixels >= -0.5) & (pixels <= np.array([camera.width, camera.height]) - 0.5)
+                assert inside.all(), (number, item.name)
+
+
+@pytest.mark.parametrize("seed", QUICK)
+def test_a_drawn_scene_is_sound(seed, rng):
+    scene = draw_scene(_settings(), seed, 0)
+    assert 1 <= len(scene.vessels) <= 7
+    assert 0 <= len(scene.props) <= 8
+    assert [item.id for item in scene.objects] == list(range(2, 2 + len(scene.objects)))
+    for check in (_check_bodies, _check_standing, _check_in_view):
+        check(scene)
+    _check_apart(scene, rng)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", LONG)
+def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_assets, backend):
+    from glassware.render.scene.kernel import load
+    from glassware.render.view import render_view
+
+    scene = draw_scene(_settings(shared_assets), seed, 0)
+    for check in (_check_bodies, _check_standing, _check_in_view):
+        check(scene)
+    _check_apart(scene, rng)
+    # Warnings are errors in these tests.
+    frame = render_view(load(scene), 0)
+    assert np.isfinite(frame.left).all()
+    assert frame.left.max() > 0.0
+
+
+def test_the_probes_see_bodies_that_overlap(rng):
+    scene = draw_scene(_settings().model_copy(update={"vessel_count": (2, 2), "prop_count": (0, 0)}), 1, 0)
+    one, two = scene.vessels
+    pose = two.world_T_object.copy()
+    pose[:2, 3] = one.world_T_object[:2, 3] + [max(one.size[0], two.size[0]) / 4, 0.0]
+    with pytest.raises(AssertionError):
+        _check_apart(scene.model_copy(update={"vessels": (one, two.model_copy(update={"world_T_object": pose}))}), rng)
+
+
+def test_a_scene_depends_on_its_seed_and_number_alone():
+    def written(scene: Scene) -> tuple[str, list[bytes]]:
+        meshes: list[bytes] = []
+        data = scene.model_dump(
+            mode="json", context={"write_mesh": lambda mesh: meshes.append(mesh.vertices.tobytes()) or mesh.name}
+        )
+        return json_text(data), meshes
+
+    settings = _settings().model_copy(update={"vessel_count": (2, 2), "prop_count": (2, 2)})
+    first = written(draw_scene(settings, 5, 3))
+    others = [written(draw_scene(settings, *key)) for key in ((5, 4), (6, 3))]
+    assert written(draw_scene(settings, 5, 3)) == first
+    assert all(other[1] != first[1] for other in others)
+
+
+def test_one_more_prop_changes_no_vessel():
+    base = _settings().model_copy(update={"vessel_count": (2, 2)})
+    few, many = (draw_scene(base.model_copy(update={"prop_count": (n, n)}), 5, 0) for n in (1, 2))
+    for one, two in zip(few.vessels, many.vessels, strict=True):
+        assert (one.outer, one.inner, one.glass, one.liquid) == (two.outer, two.inner, two.glass, two.liquid)
+
+
+def test_a_bare_table_is_a_scene():
+    scene = draw_scene(_settings().model_copy(update={"vessel_count": (0, 0), "prop_count": (0, 0)}), 1, 0)
+    assert scene.objects == ()
+    assert len(scene.cameras) == 5
+    assert trimesh.Trimesh(scene.table.mesh.vertices, scene.table.mesh.faces).bounds[1, 2] == 0.0

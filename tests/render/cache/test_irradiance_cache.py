@@ -1,0 +1,55 @@
+"""What opaque surfaces make of the stored light: gloss that costs little and is not noisy for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+#: Samples of a pixel that variances come from.
+SAMPLES = 256
+
+
+@pytest.fixture(scope="module")
+def polished(backend, drawn):
+    """A polished table that mirrors the windows of a room, its light stored."""
+    from glassware.render.cache.cache_points import place_nodes
+    from glassware.render.cache.fill_cache import gather_light
+    from glassware.render.scene.kernel import load
+
+    camera = {"views": 1, "width": 48, "height": 32, "slack": (1.0, 1.0)}
+    room = {"room_share": 1.0}
+    scene = drawn(17, vessel_count=(1, 1), prop_count=(0, 0), cameras=camera, environment=room, lights={"max_count": 0})
+    material = scene.table.material.model_copy(update={"roughness": 0.15})
+    scene = scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
+    kernel = load(scene, cut=True)
+    return kernel, gather_light(kernel, place_nodes(kernel), 16, 1)
+
+
+def _samples_of(kernel, stored, seed: int) -> np.ndarray:
+    """Return the luminance of every sample, (pixels, SAMPLES)."""
+    import mitsuba as mi
+
+    from glassware.render.cache.trace_cached import reading
+    from glassware.render.pictures.picture import camera_paths
+    from glassware.render.scene.rays import pinhole
+
+    camera = kernel.description.cameras[0]
+    pixel = np.arange(camera.width * camera.height, dtype=np.uint32)
+    ray, weight, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), SAMPLES, SAMPLES, seed)
+    found = reading(kernel, stored).trace(kernel, ray, weight, points, kernel.description.picture)
+    return np.array(mi.luminance(found.radiance), np.float64).reshape(len(pixel), SAMPLES)
+
+
+def test_roulette_leaves_no_window_out_that_a_polished_table_mirrors(polished, monkeypatch) -> None:
+    from glassware.render.cache import irradiance_cache
+
+    played = _samples_of(*polished, seed=3)
+    monkeypatch.setattr(irradiance_cache, "_FOLLOWED", 1.0)
+    followed = _samples_of(*polished, seed=4)
+    error = np.sqrt((played.var(1) + followed.var(1)) / SAMPLES)
+    difference = (played.mean(1) - followed.mean(1)) / np.maximum(error, 1e-9)
+    # Two ways of the same mean: over many pixels the mean of normal deviates, within four of its deviations.
+    assert abs(difference.mean()) < 4.0 / np.sqrt(difference.size)
+    # A bounce that is left out would have brought a third of the diffuse part at most. By its weight alone, roulette
+    # left windows out as well: 3.4 times the variance here.
+    assert played.var(1).mean() < 1.5 * followed.var(1).mean()

@@ -1,0 +1,104 @@
+"""Noise of light on meshes goes, light stays: edges, mean, and each mesh and side for itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+
+def _nodes(*meshes: trimesh.Trimesh, sides: int = 1):
+    from glassware.render.cache.cache_points import Axis, Nodes
+
+    positions, normals, triangles, back, mesh = [], [], [], [], []
+    first = 0
+    for number, one in enumerate(meshes):
+        triangles.append(one.faces + first)
+        for side in range(sides):
+            positions.append(one.vertices)
+            normals.append((1 - 2 * side) * one.vertex_normals)
+            back.append(np.full(len(one.vertices), side == 1))
+            mesh.append(np.full(len(one.vertices), number))
+        first += sides * len(one.vertices)
+    axis, none = Axis(0.0, 0.0, 0.0, 0.0, 0.001), np.zeros(0, np.uint32)
+    parts = (np.concatenate(x) for x in (positions, normals, triangles, back, mesh))
+    return Nodes((axis, axis), *parts, none, none)
+
+
+def _halves(light: np.ndarray, sigma: float, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Moments of two halves of the paths: grey light, each half with its own noise of `sigma` times the light."""
+    rng = np.random.default_rng(seed)
+    noise = sigma * light * rng.standard_normal((2, len(light)))
+    first, second = ((light + n)[:, None] * np.ones(12) for n in noise)
+    return first, second
+
+
+def _errors(nodes, light: np.ndarray, halves: tuple) -> tuple[np.ndarray, np.ndarray]:
+    from glassware.render.cache.mesh_filter import smoothed_meshes
+
+    return smoothed_meshes(nodes, halves)[:, 0] - light, 0.5 * (halves[0] + halves[1])[:, 0] - light
+
+
+BALL = trimesh.creation.icosphere(subdivisions=5, radius=0.05)  # 10,242 vertices, 2 mm apart
+AREA = np.bincount(BALL.faces.ravel(), np.repeat(BALL.area_faces / 3.0, 3))
+
+
+def test_noise_on_a_ball_in_soft_light_falls_by_its_own_size() -> None:
+    nodes, light = _nodes(BALL), 1.0 + 0.8 * BALL.vertex_normals[:, 2]
+    after, before = _errors(nodes, light, _halves(light, 0.4))
+    # Smoothing over dozens of vertices leaves a few per cent of the variance; a tenth is asked for.
+    assert np.mean(after**2) < 0.1 * np.mean(before**2)
+
+
+def test_the_mean_over_the_surface_stays() -> None:
+    nodes, light = _nodes(BALL), 1.0 + 0.8 * BALL.vertex_normals[:, 2]
+    after, before = _errors(nodes, light, _halves(light, 0.4))
+    # Each step gives one vertex what it takes from another: rounding of some hundred float64 sums is left.
+    assert abs(np.sum(AREA * (after - before)) / np.sum(AREA * light)) < 1e-12
+
+
+def test_without_noise_nothing_changes() -> None:
+    light = 1.0 + 0.8 * BALL.vertex_normals[:, 2]
+    after, _ = _errors(_nodes(BALL), light, _halves(light, 0.0))
+    np.testing.assert_allclose(after, 0.0, atol=1e-12)  # the scales add up again
+
+
+def test_the_edge_of_a_shadow_stays_sharp() -> None:
+    from glassware.render.cache.mesh_filter import _diffusion
+
+    nodes, light = _nodes(BALL), np.where(BALL.vertices[:, 2] > 0.01, 1.0, 0.1)
+    after, before = _errors(nodes, light, _halves(light, 0.1))
+    edge = np.abs(BALL.vertices[:, 2] - 0.01) < 0.003
+    # There the light stands out of the noise, so little is taken off: the error stays near the noise's own, and is a
+    # small part of what the first three steps would make of the edge if they knew nothing of noise.
+    step = _diffusion(nodes)
+    blurred = step @ (step @ (step @ light)) - light
+    assert np.mean(after[edge] ** 2) < 1.1 * np.mean(before[edge] ** 2)
+    assert np.mean(after[edge] ** 2) < 0.1 * np.mean(blurred[edge] ** 2)
+    assert np.mean(after[~edge] ** 2) < 0.2 * np.mean(before[~edge] ** 2)
+
+
+def test_a_firefly_is_spread_and_its_light_kept() -> None:
+    light = np.ones(len(BALL.vertices))
+    first, second = _halves(light, 0.0)
+    first[17] += 2000.0
+    from glassware.render.cache.mesh_filter import smoothed_meshes
+
+    found = smoothed_meshes(_nodes(BALL), (first, second))[:, 0]
+    # A thousand times a vertex's share of the ball, everywhere.
+    np.testing.assert_allclose(found, 1.0 + 1000.0 * AREA[17] / AREA.sum(), rtol=1e-6)
+    assert np.sum(AREA * (found - 1.0)) == pytest.approx(1000.0 * AREA[17], rel=1e-9)
+
+
+@pytest.mark.parametrize("sides", [1, 2])
+def test_meshes_and_sides_keep_their_own_light(sides) -> None:
+    other = BALL.copy()
+    other.apply_translation([0.0005, 0.0, 0.0])
+    nodes = _nodes(BALL, other, sides=sides)
+    light = np.repeat([1.0, 5.0, 20.0, 100.0][: 2 * sides], len(BALL.vertices))
+    first, second = _halves(light, 0.0)
+    # (Noise everywhere, of one sign by half: all of each scale is taken off, and nothing is left of any detail.)
+    from glassware.render.cache.mesh_filter import smoothed_meshes
+
+    found = smoothed_meshes(nodes, (1.2 * first, 0.8 * second))[:, 0]
+    np.testing.assert_allclose(found, light, rtol=1e-9)
