@@ -8,11 +8,10 @@ they are then thrown away (means of samples that decided their own number would 
 from __future__ import annotations
 
 import cv2
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.surroundings.colour import luminance
+from .._mitsuba import dr, mi
 from ..pictures.integrator import Start, trace, unshadowed
 from ..pictures.sampler import Samples, four, samples
 from ..scene.kernel import Kernel

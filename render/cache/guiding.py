@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.randomness import stream
@@ -20,6 +18,7 @@ from ...procedural.description.surroundings import AreaLight
 from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.metering import irradiance
+from .._mitsuba import dr, mi
 
 #: Cells along one side of the map: about 3 degrees each, a small lamp's size.
 CELLS = 64

@@ -14,11 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.scene import TABLE_ID
+from .._mitsuba import dr, mi
 from ..pictures.integrator import numbers_of, unshadowed
 from ..pictures.sampler import Samples
 from ..scene.kernel import Kernel

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
+from .._mitsuba import dr, mi
 
 #: Index of refraction under the gloss: Mitsuba's default `specular` of 0.5.
 _ETA = 1.5

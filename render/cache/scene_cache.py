@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
 from ...core.randomness import stream, stream_seed
 from ...procedural.description.scene import Scene
 from ...procedural.surroundings.colour import luminance
+from .._mitsuba import dr, mi
 from ..frame import LightCheck
 from ..pictures.picture import PATHS, Tracer, camera_paths
 from ..scene.kernel import Kernel

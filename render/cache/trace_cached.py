@@ -14,10 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
-import drjit as dr
-import mitsuba as mi
-
 from ...procedural.description.scene import Picture
+from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
 from ..pictures.integrator import SURVIVE, Radiance, ran_into, relative_index
 from ..pictures.picture import Tracer
@@ -135,7 +133,7 @@ def _values(chain: Chain) -> tuple:
     return tuple(getattr(chain, field.name) for field in fields(chain))
 
 
-@dr.syntax
+@syntax
 def _to_the_end(chain: Chain, advanced: Callable[[Chain], Chain]) -> Chain:
     """Follow rays until all have ended, in one kernel."""
     state, active = _values(chain), mi.Bool(chain.active)
@@ -160,7 +158,7 @@ def _advanced(
     return _shaded(kernel, *inside, points, picture, surface)
 
 
-@dr.syntax
+@syntax
 def _through_glass(
     kernel: Kernel, chain: Chain, points: Samples, picture: Picture, surfaces: int, bright: Bright
 ) -> tuple[Chain, mi.PreliminaryIntersection3f, mi.Bool]:
@@ -209,7 +207,7 @@ def _through_glass(
     return Chain(ray.o, ray.d, *state, chain.pixel, chain.index, chain.lane), pi, outside
 
 
-@dr.syntax
+@syntax
 def _first_facet(points: Samples, depth: mi.UInt32, alpha: mi.Float) -> mi.Point3f:
     """Return well-spread numbers for the first facet of rough interfaces: of the set that gloss has at this depth."""
     first = mi.Point3f(0.0)
@@ -219,7 +217,7 @@ def _first_facet(points: Samples, depth: mi.UInt32, alpha: mi.Float) -> mi.Point
     return first
 
 
-@dr.syntax
+@syntax
 def _shaded(
     kernel: Kernel,
     chain: Chain,

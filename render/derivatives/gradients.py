@@ -12,12 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi
 from ..pictures.integrator import Radiance, trace
 from ..pictures.picture import camera_paths, check_media
 from ..pictures.sampler import Samples

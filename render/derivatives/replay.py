@@ -8,10 +8,8 @@ also its own check: it gathers the same radiance as `integrator.trace`.
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
-
 from ...procedural.description.scene import Picture
+from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter, upright_normal
 from ..pictures.integrator import SURVIVE, numbers_of, opaque_event, ran_into, relative_index
 from ..pictures.sampler import Samples, hashed
@@ -23,7 +21,7 @@ from .tape import Tape, add_absorption, add_chosen, add_emitter, add_roughness
 from .walk_score import walk_score
 
 
-@dr.syntax
+@syntax
 def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, into: Tape) -> mi.Color3f:
     """Walk the paths of `integrator.trace`, given the same, again; return their radiance and fill the tape.
 
@@ -78,7 +76,7 @@ def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, int
     return L
 
 
-@dr.syntax
+@syntax
 def _score(
     wi: mi.Vector3f, n: mi.Normal3f, ns: mi.Normal3f, eta: mi.Float, alpha: mi.Float, seed: mi.UInt32
 ) -> mi.Float:

@@ -8,9 +8,7 @@ because nothing else in a path depends on the roughness.
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
-
+from .._mitsuba import dr, mi, syntax
 from ..interfaces.microsurface import MAX_FACETS, facet_event, next_height, visible_facet
 
 #: Directions this steep meet heights that do not depend on the roughness (`microsurface.next_height`).
@@ -19,7 +17,7 @@ _STEEP = 0.9999
 _TINY = 1e-7
 
 
-@dr.syntax
+@syntax
 def walk_score(wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32) -> tuple[mi.Float, mi.Vector3f]:
     """Replay a walk.
 

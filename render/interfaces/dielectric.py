@@ -9,9 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import drjit as dr
-import mitsuba as mi
-
+from .._mitsuba import dr, mi, syntax
 from .microsurface import walk
 
 #: How often to mirror, given `wi`, the normal and Fresnel's share: for rays that are to be steered.
@@ -29,7 +27,7 @@ class Scattered:
     share: mi.Float  #: how often the coin falls so; 1 where rough, which tosses no coin
 
 
-@dr.syntax
+@syntax
 def scatter(
     wi: mi.Vector3f,
     n: mi.Normal3f,

@@ -11,14 +11,13 @@ Vectors are in the local frame of the surface, z along the macroscopic normal on
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
+from .._mitsuba import dr, mi, syntax
 
 #: Most facets met in one walk. The chance to stay falls below 1e-4 by then, even at roughness 1; what remains is lost.
 MAX_FACETS = 32
 
 
-@dr.syntax
+@syntax
 def walk(
     wi: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32, first: mi.Point3f | None = None
 ) -> tuple[mi.Vector3f, mi.Bool, mi.Bool]:

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
+from .._mitsuba import dr, mi
 
 #: Square of the sine below which light counts as meeting a facet straight on [1]: float32 has no plane of incidence
 #: left there, and none is needed, for Fresnel's matrices then look the same from every side.

@@ -6,15 +6,13 @@ direction in which the light travels, is opposite to the ray's. All matrices tha
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
-
+from .._mitsuba import dr, mi, syntax
 from .dielectric import Scattered, refracted, upright_normal
 from .microsurface import MAX_FACETS, next_height, visible_facet
 from .mueller import Mueller, across, as_matrix, drawn, fresnel_shares, identity, turned
 
 
-@dr.syntax
+@syntax
 def scatter_polarised(
     wi: mi.Vector3f,
     n: mi.Normal3f,
@@ -62,7 +60,7 @@ def scatter_polarised(
     return Scattered(direction, as_matrix(M) * mi.Matrix4f(weight), transmitted, eta_squared, mi.Float(1.0))
 
 
-@dr.syntax
+@syntax
 def walk_polarised(
     wi: mi.Vector3f, axis: mi.Vector3f, alpha: mi.Float, eta: mi.Float, seed: mi.UInt32, analyser: mi.Vector4f
 ) -> tuple[mi.Vector3f, mi.Bool, mi.Bool, Mueller, mi.Vector3f]:

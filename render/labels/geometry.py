@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi, syntax
 from ..frame import Geometry, Layers
 from ..scene.kernel import Kernel
 from ..scene.rays import clearance, leave, pinhole, pixel_rays
@@ -93,7 +92,7 @@ def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
     )
 
 
-@dr.syntax
+@syntax
 def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Straight:
     """Follow straight rays through everything that they meet; `into` takes their layers."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)

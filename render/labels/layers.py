@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.materials_of import materials_of
 from ...procedural.description.scene import Prop
+from .._mitsuba import dr, mi
 from ..frame import Layers
 from ..scene.kernel import Kernel
 from ..scene.rays import Pinhole

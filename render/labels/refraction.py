@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi, syntax
 from ..frame import HIT, LOST, SURROUNDINGS, Refraction
 from ..interfaces.dielectric import through
 from ..scene.kernel import Kernel
@@ -79,7 +78,7 @@ def refract(
     return _followed(kernel, ray, eta, sigma_a, max_interfaces, "evaluated" if derivatives else "symbolic")
 
 
-@dr.syntax
+@syntax
 def _followed(
     kernel: Kernel, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
 ) -> Refracted:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
+from .._mitsuba import dr, mi
 from ..scene.kernel import Kernel
 from .geometry import straight
 

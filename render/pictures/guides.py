@@ -14,11 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import cv2
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import through
 from ..scene.kernel import Kernel
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
@@ -132,7 +131,7 @@ def _followed(
     return albedo, normal, mirrored, share, glass, dr.gather(mi.Bool, table.polished, row, direct)
 
 
-@dr.syntax
+@syntax
 def _through_smooth_glass(
     kernel: Kernel, ray: mi.Ray3f, wanted: bool | mi.Bool
 ) -> tuple[mi.Ray3f, mi.PreliminaryIntersection3f, mi.Color3f, mi.Ray3f, mi.Float, mi.UInt32]:

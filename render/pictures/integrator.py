@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import drjit as dr
-import mitsuba as mi
-
 from ...procedural.description.scene import Picture
+from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import Scattered, scatter
 from ..interfaces.polarised import analyser_of, in_world, scatter_polarised
 from ..scene.kernel import Kernel
@@ -43,7 +41,7 @@ class Start:
     pdf: mi.Float  #: density that the direction was drawn with, by solid angle
 
 
-@dr.syntax
+@syntax
 def trace(
     kernel: Kernel,
     ray: mi.Ray3f,

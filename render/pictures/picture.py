@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.scene import Picture
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi
 from ..scene.kernel import Kernel
 from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths

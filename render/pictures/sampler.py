@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
+
+from .._mitsuba import dr, mi
 
 #: Degree, coefficients and first direction numbers of the primitive polynomials for dimensions 2 to 4
 #: (Joe and Kuo 2008, "Constructing Sobol Sequences with Better Two-Dimensional Projections", table new-joe-kuo-6).

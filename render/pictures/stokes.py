@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi
 from ..scene.kernel import Kernel
 from ..scene.rays import Pinhole, pinhole
 from .integrator import trace

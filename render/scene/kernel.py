@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mitsuba as mi
 import numpy as np
 
 from ...core.mesh import Mesh, as_trimesh
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene, Vessel
 from ...procedural.optics.medium import AIR
+from .._mitsuba import mi
 from .lighting import area_light, envmap, keep_numbers_out_of_kernels
 from .opaque import opaque_bsdf, repeated
 from .refinement import refined, unwelded

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.description.surroundings import AreaLight, Environment
 from ...procedural.surroundings.environments import bake_environment
+from .._mitsuba import dr, mi
 
 #: Our equirectangular axes (z up, azimuth from +x towards +y) seen from Mitsuba's (y up), whose azimuth runs the other
 #: way: used with the picture's columns reversed.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import mitsuba as mi
 import numpy as np
 
 from ...core.mesh import Mesh
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.materials.textures import bake
+from .._mitsuba import mi
 
 
 def opaque_bsdf(material: OpaqueMaterial) -> dict:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
+from .._mitsuba import dr, mi
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
@@ -14,6 +12,7 @@ from ...procedural.optics.dispersion import eta
 from ...procedural.optics.medium import Medium
 from ...procedural.optics.spectra import absorption
 from ...procedural.surroundings.colour import luminance
+from .._mitsuba import dr, mi
 
 #: Grid of the media's tables [nm]: Mitsuba's wavelengths lie from 360 to 830. At 5 nm, linear interpolation of the
 #: narrowest dye band (a Gaussian of 40 nm full width) is within 0.6 % of its peak.

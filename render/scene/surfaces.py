@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from ...procedural.optics.medium import AIR, Medium
+from .._mitsuba import dr, mi
 from ..frame import PARTS
 from .spectrum import media_columns
 
