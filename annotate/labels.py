@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from math import isnan
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
+from ..core.errors import InputError
 from ..core.model import Matrix4, Model, Vector3
 from ..procedural.description.scene import Scene
 from ..procedural.description.surroundings import Camera
-from ..render.frame import Geometry, Sampling
+from ..render.frame import Frame, Geometry, LineOfSight, Sampling
+from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
-from .keypoints import KeypointState, SceneKeypoints, keypoint_states
+from .keypoints import KeypointState, SceneKeypoints, keypoint_states, scene_keypoints
 from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
 from .projection import inverse_pose, project_camera, transformed
 from .surface import Object, hull_vertices
@@ -21,20 +23,6 @@ from .surface import Object, hull_vertices
 LABELS_SCHEMA = "glassware/labels/1"
 
 Pixel = tuple[float, float]
-
-
-class LineOfSight(Protocol):
-    """What rays from the left camera through all keypoints meet, in the order of `SceneKeypoints.world`."""
-
-    @property
-    def first_distance(self) -> np.ndarray:
-        """Distance to the first surface, (n k,) float [m]; +inf for none."""
-        ...
-
-    @property
-    def opaque_distance(self) -> np.ndarray:
-        """Distance to the first opaque surface, (n k,) float [m]; +inf for none."""
-        ...
 
 
 class Box2d(Model):
@@ -119,6 +107,32 @@ class Labels(Model):
     objects: tuple[ObjectLabel, ...]
     left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
     right: PictureNoise | None = Field(default=None, description="Of the right picture")
+
+
+def label(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints | None = None) -> Labels:
+    """Return the labels of a rendered view's left camera.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that the renderer was made of.
+    frame : Frame
+        A view that the renderer rendered.
+    renderer : Renderer
+        It traces the lines of sight to the keypoints.
+    points : SceneKeypoints, optional
+        From `keypoints.scene_keypoints`, which are the same in all views; they are computed where they are not given.
+
+    Raises
+    ------
+    InputError
+        Where the renderer was made of another scene: picture and label would disagree.
+    """
+    if scene is not renderer.scene:
+        raise InputError("label", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
+    points = points or scene_keypoints(scene)
+    sight = renderer.line_of_sight(frame.view, points.world.reshape(-1, 3))
+    return with_noise(annotate(scene, scene.cameras[frame.view], frame.geometry, points, sight), frame.sampling)
 
 
 def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> Labels:

@@ -1,139 +1,120 @@
-"""One scene from its description to its files: loaded, lit, rendered, labelled and written, view by view.
+"""From a description to files: load, light, and for each view a frame, its labels and its files.
 
-`render-scene` and the workers of a build call the same function, so a scene is the same by either.
+`render-scene`, the workers of a build and `glassware.write` run the same loop, so a scene has the same bytes by any of
+them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
 
-from ..annotate.keypoints import SceneKeypoints, scene_keypoints
-from ..annotate.labels import annotate, with_noise
+from ..annotate.keypoints import scene_keypoints
+from ..annotate.labels import Labels, label
+from ..core.errors import InputError
+from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
-from ..render.frame import LightCheck, SurfaceLight
+from ..render.frame import Frame, LightCheck
+from ..render.renderer import Renderer
 from .format import layout
-from .format.pictures import srgb8
+from .format.dataset_file import installed_versions, new_head
+from .format.pictures import srgb8, write_png
 from .format.views_table import ViewRow
-from .preview.contact_sheet import PreviewRow
-from .writer import View, write_scene
-
-if TYPE_CHECKING:
-    from ..render.pictures.picture import Tracer
-    from ..render.scene.kernel import Kernel
-
-
-class Watch(Protocol):
-    """Who is told of the work: how long each stage takes, and that a view is done."""
-
-    def say(self, line: str) -> None:
-        """Take a line for people."""
-        ...
-
-    def timed(self, stage: str) -> AbstractContextManager[None]:
-        """Count what happens inside towards a stage."""
-        ...
-
-    def add(self, seconds: Mapping[str, float]) -> None:
-        """Add seconds to stages."""
-        ...
-
-    def advance(self) -> None:
-        """Take note that a view is rendered; may raise to stop the work."""
-        ...
+from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
+from .writer import finish_dataset, scene_writer, start_dataset
 
 
 @dataclass(frozen=True, eq=False)
-class Lit:
-    """A loaded scene, and how its light is found: by paths, or as stored."""
-
-    kernel: Kernel
-    tracer: Tracer
-    check: LightCheck | None
-    light: SurfaceLight | None  #: what was stored, where it is to be kept
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """What became of a scene."""
+class WrittenScene:
+    """What was written of a scene."""
 
     rows: list[ViewRow]  #: of the index
-    previews: list[PreviewRow]  #: of the views that were asked for
-    check: LightCheck | None  #: of the stored light
+    previews: list[PreviewRow]  #: of the views of the contact sheet
+    check: LightCheck | None  #: of the irradiance cache; None where paths are traced
 
 
-def make_scene(root: Path, scene: Scene, watch: Watch, shown: Collection[int] = ()) -> Made:
-    """Render, label and write a scene view by view; the folder appears after the last one.
+def _ignore(_: object) -> None:
+    """Do nothing with an event."""
+
+
+def write_scene(
+    root: Path,
+    renderer: Renderer,
+    stopwatch: Stopwatch,
+    on_view: Callable[[int], None] = _ignore,
+    previews: Collection[int] = (),
+) -> WrittenScene:
+    """Render, label and write a scene view by view; its folder appears after the last one.
 
     Parameters
     ----------
     root : Path
         The data set, started (`writer.start_dataset`).
-    scene : Scene
-        The description; the backend is active.
-    watch : Watch
-        Is told of the work.
-    shown : collection of int
-        Views that are wanted for a contact sheet.
+    renderer : Renderer
+        The loaded scene.
+    stopwatch : Stopwatch
+        Counts the seconds of each stage.
+    on_view : callable
+        Called with the number of each view after it was rendered and labelled; it may raise to stop the work.
+    previews : collection of int
+        Views of the contact sheet.
     """
-    points = scene_keypoints(scene)
-    lit = light_scene(scene, watch)
-    previews = []
-
-    def views() -> Iterator[View]:
-        for number in range(len(scene.cameras)):
-            view = make_view(lit, points, number, watch)
-            watch.advance()
-            if number in shown:
-                previews.append(_preview_row(scene, view))
-            with watch.timed("writing"):
-                yield view
-
-    return Made(write_scene(root, scene, points, views(), lit.check, lit.light), previews, lit.check)
-
-
-def light_scene(scene: Scene, watch: Watch) -> Lit:
-    """Load the scene, and store its light where that is asked for or pays."""
-    # Only here: these bring Mitsuba, whose variant must be set first.
-    from ..render.cache.export import surface_light
-    from ..render.cache.scene_cache import is_shared, shared_light
-    from ..render.pictures.picture import PATHS
-    from ..render.scene.kernel import load
-
-    shared = is_shared(scene)
-    with watch.timed("loading"):
-        kernel = load(scene, cut=shared)
-    if not shared:
-        return Lit(kernel, PATHS, None, None)
-    with watch.timed("light"):
-        tracer, check, stored = shared_light(kernel)
-    watch.say(
-        f"light of the scene stored at {check.nodes} places; pictures from it differ from path-traced ones by "
-        f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
-        + ("" if check.mode == "shared" else f", more than {check.bound:.0%}: paths are traced instead")
-    )
-    return Lit(kernel, tracer, check, surface_light(kernel, stored) if scene.picture.keep_light else None)
+    scene = renderer.scene
+    stopwatch.add(renderer.seconds)
+    points, shown = scene_keypoints(scene), []
+    light = renderer.surface_light() if scene.picture.keep_light else None
+    with scene_writer(root, scene, points, renderer.light_check, light) as writer:
+        for view in range(len(scene.cameras)):
+            frame = renderer.frame(view)
+            stopwatch.add(frame.seconds)
+            with stopwatch.stage("labels"):
+                labels = label(scene, frame, renderer, points)
+            on_view(view)
+            with stopwatch.stage("writing"):
+                writer.add(frame, labels)
+            if view in previews:
+                shown.append(_preview_row(scene, frame, labels))
+    return WrittenScene(writer.rows, shown, renderer.light_check)
 
 
-def make_view(lit: Lit, points: SceneKeypoints, number: int, watch: Watch) -> View:
-    """Render and label one view."""
-    from ..render.labels.sight import line_of_sight
-    from ..render.view import render_view
+def write(
+    out: Path | str,
+    scene: Scene,
+    renderer: Renderer | None = None,
+    name: str = "glassware",
+) -> None:
+    """Write a scene as a data set of one, with its index and contact sheet: what ``render-scene`` writes.
 
-    scene = lit.kernel.description
-    camera = scene.cameras[number]
-    frame = render_view(lit.kernel, number, lit.tracer)
-    watch.add(frame.seconds)
-    with watch.timed("labels"):
-        sight = line_of_sight(lit.kernel, camera.world_T_camera[:3, 3], points.world.reshape(-1, 3))
-        labels = with_noise(annotate(scene, camera, frame.geometry, points, sight), frame.sampling)
-    return View(number, frame, labels)
+    The head (``dataset.json``) has no settings, since a scene may have been put together or changed in Python.
+
+    Parameters
+    ----------
+    out : Path or str
+        Folder of the data set: absent, empty, or a data set with the same seed and settings.
+    scene : Scene
+        The scene.
+    renderer : Renderer, optional
+        One that was made of this scene; a new one by default.
+    name : str
+        Name of the data set.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds something else, or the renderer was made of another scene.
+    """
+    root, renderer = Path(out), renderer or Renderer(scene)
+    if scene is not renderer.scene:
+        raise InputError("write", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
+    head = new_head(name, scene.seed, {}, installed_versions(), renderer.variant)
+    start_dataset(root, head, [scene.scene_id])
+    written = write_scene(root, renderer, Stopwatch(), previews=chosen_views(len(scene.cameras)))
+    finish_dataset(root, head)
+    write_png(root / layout.PREVIEW, contact_sheet(f"seed {scene.seed}, scene {scene.scene_id}", written.previews))
 
 
-def _preview_row(scene: Scene, view: View) -> PreviewRow:
-    camera = scene.cameras[view.number]
-    picture = srgb8(view.frame.left, camera.exposure)
-    return PreviewRow(layout.view_name(view.number), picture, camera, view.frame.geometry, view.labels)
+def _preview_row(scene: Scene, frame: Frame, labels: Labels) -> PreviewRow:
+    camera = scene.cameras[frame.view]
+    picture = srgb8(frame.left, camera.exposure)
+    return PreviewRow(layout.view_name(frame.view), picture, camera, frame.geometry, labels)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 import pyarrow as pa
@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
+from ..annotate.projection import transformed, unproject
 from ..core.errors import InputError
 from ..core.json_file import check_schema, parsed, read_json
 from ..core.model import Model
@@ -34,6 +35,7 @@ from .writer import read_head
 
 M = TypeVar("M", bound=Model)
 Eye = Literal["left", "right"]
+_Frame = Literal["camera", "world"]
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,26 @@ class StoredView:
         """Return where the left camera's refracted rays go."""
         return read_refraction(self.folder / layout.REFRACTION)
 
+    def points(self, frame: _Frame = "camera") -> np.ndarray:
+        """Return the point cloud of the first surfaces that the left camera sees, glass included.
+
+        Parameters
+        ----------
+        frame : {"camera", "world"}
+            Frame of the points: the left camera's (OpenCV axes), or the world's.
+
+        Returns
+        -------
+        (n, 3) float64
+            One point per pixel that sees a surface, row by row [m].
+        """
+        if frame not in get_args(_Frame):
+            raise InputError("frame", "'camera' or 'world'", repr(frame))
+        camera, path = self.camera(), self.folder / layout.GEOMETRY
+        seen = unproject(channel(read_exr(path), "Z", path), camera.K)
+        points = seen[np.isfinite(seen[..., 2])]
+        return points if frame == "camera" else transformed(camera.world_T_camera, points)
+
     def _masks(self, field: str, shape: tuple[int, ...]) -> np.ndarray:
         masks = np.zeros((0, *shape), bool)
         for label in self.labels().objects:
@@ -136,8 +158,9 @@ class Dataset:
     head: DatasetFile
 
     @classmethod
-    def open(cls, path: Path) -> Dataset:
+    def open(cls, path: Path | str) -> Dataset:
         """Open a data set; InputError where there is none, or one of an unknown schema."""
+        path = Path(path)
         if not path.is_dir():
             raise InputError(path, "the folder of a data set", "none")
         return cls(path, read_head(path))
@@ -154,10 +177,9 @@ class Dataset:
             raise InputError(self.root, f"a scene {scene_id}", f"scenes {layout.scene_ids(self.root)[:20]}")
         return StoredScene(folder, scene_id)
 
-    def views(self) -> Iterator[StoredView]:
-        """Go through the views of all scenes."""
-        for scene in self.scenes:
-            yield from scene.views
+    def views(self) -> tuple[StoredView, ...]:
+        """Return the views of all scenes."""
+        return tuple(view for scene in self.scenes for view in scene.views)
 
     def index(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Return the index, one row a view, or some of its columns: no scene's folder is looked into."""

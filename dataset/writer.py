@@ -1,13 +1,13 @@
 """Write a data set: its head, scene after scene, its index.
 
-`start_dataset` before the first scene, `write_scene` for each, `finish_dataset` after the last. Each scene appears
+`start_dataset` before the first scene, `scene_writer` for each, `finish_dataset` after the last. Each scene appears
 whole or not at all, and the index is made from the scenes that are there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,15 +33,6 @@ from .format.pictures import srgb8, write_png
 from .format.ray_files import write_layers, write_refraction
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 from .settings.scene_ranges import format_scenes, parse_scenes
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """A rendered and labelled view."""
-
-    number: int  #: ``scene.cameras[number]``
-    frame: Frame
-    labels: Labels
 
 
 def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> None:
@@ -85,51 +76,55 @@ def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None
         _check_same(root / layout.DATASET, read_head(root), head)
 
 
-def write_scene(
+@contextmanager
+def scene_writer(
     root: Path,
     scene: Scene,
     points: SceneKeypoints,
-    views: Iterable[View],
     check: LightCheck | None = None,
     light: SurfaceLight | None = None,
-) -> list[ViewRow]:
-    """Write a scene and its views, which may be rendered while they are asked for.
+) -> Iterator[SceneWriter]:
+    """Open a scene's folder for writing; it appears whole at the end of the block, or not at all.
 
-    The folder appears after the last view. Where anything is raised before, Ctrl-C included, nothing is left of it.
+    Where anything is raised inside the block, Ctrl-C included, nothing is left of the folder.
 
     Parameters
     ----------
     root : Path
-        The data set, started.
+        The data set, started (`start_dataset`).
     scene : Scene
-        The scene; one that is there with the same id is replaced.
+        The scene; a stored one with the same id is replaced.
     points : SceneKeypoints
         The keypoints that the views are labelled with.
-    views : iterable of View
-        One view at a time; only one is held.
     check : LightCheck, optional
-        What the check of the scene's stored light found.
+        How pictures from the irradiance cache compare with path-traced ones.
     light : SurfaceLight, optional
-        The stored light, where it is to be kept.
-
-    Returns
-    -------
-    list of ViewRow
-        The rows of the index.
+        The irradiance cache, where it is to be kept (`picture.keep_light`).
     """
-    rows = []
     with whole_folder(layout.scene_folder(root, scene.scene_id)) as folder:
         save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
         write_json(folder / layout.OBJECTS, objects_file(scene, points))
-        for view in views:
-            write_view(folder / layout.view_name(view.number), scene.cameras[view.number], view)
-            rows.append(view_row(scene, view.number, view.frame, view.labels))
-        record = SceneViews(views=tuple(rows), assets=_stored_assets(scene), light=check)
+        writer = SceneWriter(folder, scene)
+        yield writer
+        record = SceneViews(views=tuple(writer.rows), assets=_stored_assets(scene), light=check)
         if light is not None:
             write_light(folder / layout.LIGHT, light)
         write_json(folder / layout.SCENE_VIEWS, record)
         write_checksums(folder)
-    return rows
+
+
+class SceneWriter:
+    """Writes the views of one scene (`scene_writer`)."""
+
+    def __init__(self, folder: Path, scene: Scene) -> None:
+        self._folder, self._scene = folder, scene
+        self.rows: list[ViewRow] = []  #: of the index, one per view written
+
+    def add(self, frame: Frame, labels: Labels) -> None:
+        """Write all files of a view."""
+        view = frame.view
+        write_view(self._folder / layout.view_name(view), self._scene.cameras[view], frame, labels)
+        self.rows.append(view_row(self._scene, view, frame, labels))
 
 
 def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
@@ -223,12 +218,11 @@ def write_json(path: Path, record: Model) -> None:
     path.write_text(json_text(record.model_dump(mode="json")), encoding="utf-8")
 
 
-def write_view(folder: Path, camera: Camera, view: View) -> None:
-    """Write all files of a view into a folder that is not there yet."""
+def write_view(folder: Path, camera: Camera, frame: Frame, labels: Labels) -> None:
+    """Write all files of a view into a new folder."""
     folder.mkdir()
-    frame = view.frame
     write_json(folder / layout.CAMERA, camera_file(camera))
-    write_json(folder / layout.LABELS, view.labels)
+    write_json(folder / layout.LABELS, labels)
     for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
         channels = unstacked(picture, "RGB") | ({} if noisy is None else unstacked(noisy, "noisy.RGB"))
         write_exr(folder / f"{eye}.exr", channels)

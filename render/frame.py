@@ -95,9 +95,18 @@ class SurfaceLight:
 
 
 @dataclass(frozen=True, eq=False)
+class LineOfSight:
+    """Where the straight rays from a camera through n points meet surfaces; inf for none."""
+
+    first_distance: np.ndarray  #: (n,) float64, distance along the ray to the first surface [m]
+    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
 
+    view: int  #: number of the camera in ``scene.cameras``
     left: np.ndarray  #: (H, W, 3) float32
     right: np.ndarray  #: (H, W, 3) float32
     left_noisy: np.ndarray | None  #: (H, W, 3) float32, before the denoiser; None where none ran

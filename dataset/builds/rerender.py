@@ -3,40 +3,22 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from ...annotate.keypoints import scene_keypoints
+from ...annotate.labels import label
 from ...core.errors import InputError
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.scene_file import load_scene, save_scene
 from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate
+from ...render.renderer import Renderer
 from ..format import layout
 from ..format.dataset_file import DatasetFile, installed_versions
-from ..pipeline import light_scene, make_view
 from ..writer import write_view
-
-
-class Silent:
-    """Watches a scene that is made again, and tells nobody."""
-
-    def say(self, line: str) -> None:
-        """Nothing is told."""
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Nothing is counted."""
-        yield
-
-    def add(self, seconds: Mapping[str, float]) -> None:
-        """Nothing is counted."""
-
-    def advance(self) -> None:
-        """Nothing is told."""
 
 
 def ready(root: Path, head: DatasetFile) -> None:
@@ -71,15 +53,16 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         again = layout.scene_folder(Path(name), scene_id)
         again.mkdir(parents=True)
         settings = SceneSettings.model_validate(head.config)
-        if _folders_are_there(settings):
+        # A data set without settings was written from Python: its scenes cannot be drawn again.
+        if head.config and _folders_are_there(settings):
             drawn = draw_scene(settings, head.seed, scene_id)
             save_scene(drawn, again / layout.SCENE, Path(name, layout.ASSETS))
             yield from _unlike(again, folder)
         scene = load_scene(folder / layout.SCENE)
-        lit, points = light_scene(scene, Silent()), scene_keypoints(scene)
+        renderer, points = Renderer(scene), scene_keypoints(scene)
         for view in views:
-            place = again / layout.view_name(view)
-            write_view(place, scene.cameras[view], make_view(lit, points, view, Silent()))
+            place, frame = again / layout.view_name(view), renderer.frame(view)
+            write_view(place, scene.cameras[view], frame, label(scene, frame, renderer, points))
             yield from _unlike(place, folder / layout.view_name(view))
 
 

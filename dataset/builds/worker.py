@@ -25,8 +25,7 @@ import socket
 import sys
 import threading
 import traceback
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import TextIO
@@ -34,12 +33,13 @@ from typing import TextIO
 import cv2
 
 from ...core.errors import InputError
+from ...core.stopwatch import Stopwatch
 from ...procedural.scene.asset_files import asset_files
 from ...procedural.scene.draw import draw_scene
-from ...procedural.scene.validate import check_scene
 from ...render.backend.variant import activate
+from ...render.renderer import Renderer
 from ..format.dataset_file import installed_versions
-from ..pipeline import Made, make_scene
+from ..pipeline import WrittenScene, write_scene
 from . import manifest
 from .messages import UNWRITABLE, Attempt, Machine, Order
 
@@ -64,35 +64,6 @@ class Answers:
             os._exit(1)
 
 
-class Recorder:
-    """Watches one scene: adds up the seconds of each stage, and tells of each view."""
-
-    def __init__(self, answers: Answers) -> None:
-        self._answers = answers
-        self.seconds: dict[str, float] = {}
-        self.views = 0
-
-    def say(self, line: str) -> None:
-        """Lines for people are not wanted here: what they tell is in the outcome."""
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Count what happens inside towards a stage."""
-        start = perf_counter()
-        yield
-        self.add({stage: perf_counter() - start})
-
-    def add(self, seconds: Mapping[str, float]) -> None:
-        """Add seconds to stages."""
-        for stage, value in seconds.items():
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + value
-
-    def advance(self) -> None:
-        """Tell of a view."""
-        self.views += 1
-        self._answers.send(view=self.views)
-
-
 class Bench:
     """What a worker has set up once and uses for each scene."""
 
@@ -107,12 +78,18 @@ class Bench:
         self.files = asset_files(order.settings)
         self.served = 0
 
-    def attempt(self, scene_id: int, watch: Recorder) -> Attempt:
+    def attempt(self, scene_id: int, answers: Answers) -> Attempt:
         """Make a scene, and return how that went."""
         self.served += 1
+        self._views, stopwatch = 0, Stopwatch()
         start = perf_counter()
+
+        def on_view(_view: int) -> None:
+            self._views += 1
+            answers.send(view=self._views)
+
         try:
-            outcome = _outcome_of(self._made(scene_id, watch))
+            outcome = _outcome_of(self._made(scene_id, stopwatch, on_view))
         except OSError as error:
             state = "unwritable" if error.errno in UNWRITABLE else "failed"
             trace = traceback.format_exc()
@@ -121,7 +98,7 @@ class Bench:
             trace = "" if isinstance(error, InputError) else traceback.format_exc()
             outcome = {"state": "failed", "reason": _line(error), "trace": trace}
         total = perf_counter() - start
-        seconds = {**watch.seconds, "other": total - sum(watch.seconds.values())}
+        seconds = {**stopwatch.seconds, "other": total - sum(stopwatch.seconds.values())}
         facts = {
             "scene": scene_id,
             "host": self.machine.host,
@@ -129,17 +106,17 @@ class Bench:
             "served": self.served,
             "seconds": seconds,
             "total": total,
-            "views": watch.views,
+            "views": self._views,
             "resident": _resident(),
             "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / _MEGABYTE,
         }
         return Attempt.model_validate(facts | outcome)
 
-    def _made(self, scene_id: int, watch: Recorder) -> Made:
-        with watch.timed("description"):
+    def _made(self, scene_id: int, stopwatch: Stopwatch, on_view: Callable[[int], None]) -> WrittenScene:
+        with stopwatch.stage("description"):
             scene = draw_scene(self.order.settings, self.order.seed, scene_id, self.files)
-            check_scene(scene)
-        return make_scene(self.order.root, scene, watch)
+        renderer = Renderer(scene, threads=self.order.threads)
+        return write_scene(self.order.root, renderer, stopwatch, on_view)
 
 
 def main() -> int:
@@ -158,14 +135,14 @@ def main() -> int:
         answers.send(machine=bench.machine.model_dump(mode="json"))
         while "scene" in (job := jobs.get()):
             manifest.check_unchanged(bench.stamps)
-            attempt = bench.attempt(job["scene"], Recorder(answers))
+            attempt = bench.attempt(job["scene"], answers)
             answers.send(attempt=attempt.model_dump(mode="json"))
     except InputError as error:
         answers.send(wrong=str(error))
     return 0
 
 
-def _outcome_of(made: Made) -> dict:
+def _outcome_of(made: WrittenScene) -> dict:
     pictures = [(row.spp_left, row.noise_left) for row in made.rows]
     pictures += [(row.spp_right, row.noise_right) for row in made.rows]
     samples = [spp for spp, _ in pictures if spp is not None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
@@ -11,6 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from ...core.stopping import check_stop
+from ...core.stopwatch import Stopwatch
+from ...render.frame import LightCheck
 
 
 class Stages:
@@ -18,7 +20,7 @@ class Stages:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._seconds: dict[str, float] = {}
+        self.stopwatch = Stopwatch()  #: seconds by stage
         self._start = perf_counter()
         self._bar: Progress | None = None
         self._done, self._total = 0, 0
@@ -26,18 +28,6 @@ class Stages:
     def say(self, line: str) -> None:
         """Print a line about what comes next."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Count what happens inside towards a stage."""
-        start = perf_counter()
-        yield
-        self.add({stage: perf_counter() - start})
-
-    def add(self, seconds: Mapping[str, float]) -> None:
-        """Add seconds to stages."""
-        for stage, value in seconds.items():
-            self._seconds[stage] = self._seconds.get(stage, 0.0) + value
 
     @contextmanager
     def progress(self, total: int) -> Iterator[None]:
@@ -53,8 +43,8 @@ class Stages:
             yield
         self._bar = None
 
-    def advance(self) -> None:
-        """Count one view as done, and stop here if that was asked for."""
+    def advance(self, _view: int) -> None:
+        """Count one view as done; raise KeyboardInterrupt if a signal to stop was received."""
         check_stop()
         self._done += 1
         if self._bar is not None:
@@ -69,7 +59,17 @@ class Stages:
         table = Table(title=title)
         for column in ("stage", "seconds", "a view", "share"):
             table.add_column(column, justify="left" if column == "stage" else "right")
-        known = sum(self._seconds.values())
-        for stage, seconds in (*self._seconds.items(), ("other", total - known), ("all", total)):
+        seconds_of = self.stopwatch.seconds
+        known = sum(seconds_of.values())
+        for stage, seconds in (*seconds_of.items(), ("other", total - known), ("all", total)):
             table.add_row(stage, f"{seconds:.2f}", f"{seconds / views:.3f}", f"{seconds / total:.1%}")
         self._console.print(table)
+
+
+def told_of_light(check: LightCheck) -> str:
+    """Return a line about the irradiance cache of a scene and its check against path tracing."""
+    line = (
+        f"light of the scene stored at {check.nodes} points; pictures from it differ from path-traced ones by "
+        f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
+    )
+    return line if check.mode == "shared" else f"{line}, more than {check.bound:.0%}: paths are traced instead"

@@ -14,16 +14,16 @@ from ...core.user_text import UserPath, UserText
 from ...procedural.scene.check_inputs import check_inputs
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
-from ...procedural.scene.validate import check_scene
 from ...render.backend.variant import activate
+from ...render.renderer import Renderer
 from ..format import layout
 from ..format.dataset_file import installed_versions, new_head
 from ..format.pictures import write_png
-from ..pipeline import make_scene
+from ..pipeline import write_scene
 from ..preview.contact_sheet import chosen_views, contact_sheet
 from ..settings.config import layered, parsed
 from ..writer import check_output, finish_dataset, read_head, start_dataset
-from .progress import Stages
+from .progress import Stages, told_of_light
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.
 
@@ -52,23 +52,26 @@ def _render_scene(arguments: Sequence[str]) -> None:
     request = parsed(RenderScene, layered(RenderScene, arguments), arguments, "render-scene", _DESCRIPTION)
     settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
     stages = Stages(Console())
-    with stages.timed("backend"):
+    with stages.stopwatch.stage("backend"):
         backend = activate(spectral=settings.picture.spectral)
     config = settings.model_dump(mode="json")
     head = new_head(request.name, request.seed, config, installed_versions(), backend)
     check_output(request.out, head, [request.scene])
-    with stages.timed("inputs"):
+    with stages.stopwatch.stage("inputs"):
         check_inputs(settings)
     _say_what_is_done(request, stages)
-    with stages.timed("description"):
+    with stages.stopwatch.stage("description"):
         scene = draw_scene(settings, request.seed, request.scene)
-        check_scene(scene)
     start_dataset(request.out, head, [request.scene])
+    renderer = Renderer(scene)
+    if renderer.light_check is not None:
+        stages.say(told_of_light(renderer.light_check))
     with stages.progress(len(scene.cameras)):
-        made = make_scene(request.out, scene, stages, chosen_views(len(scene.cameras)))
-    with stages.timed("preview"):
+        shown = chosen_views(len(scene.cameras))
+        written = write_scene(request.out, renderer, stages.stopwatch, stages.advance, shown)
+    with stages.stopwatch.stage("preview"):
         finish_dataset(request.out, head)
-        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", made.previews)
+        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", written.previews)
         write_png(request.out / layout.PREVIEW, sheet)
     stages.report(f"{request.out}: scene {request.scene} of seed {request.seed}", len(scene.cameras))
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.randomness import stream, stream_seed
-from ...procedural.description.scene import Scene
+from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..frame import LightCheck
+from ..frame import LightCheck, SurfaceLight
 from ..pictures.picture import PATHS, Tracer, camera_paths
 from ..scene.kernel import Kernel
 from ..scene.rays import pinhole
@@ -29,7 +29,7 @@ _PIXELS, _VIEWS, _SAMPLES = 1024, 8, 128
 BOUND, _DOUBT = 0.01, 3.0
 
 
-def is_shared(scene: Scene) -> bool:
+def uses_cache(scene: Scene) -> bool:
     """Return whether the scene's pictures are to read stored light.
 
     Raises
@@ -50,7 +50,7 @@ def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
+def fill_scene_cache(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
@@ -123,3 +123,31 @@ def _pairs(
         means = [np.array(dr.block_sum(channel, _SAMPLES), np.float64) / _SAMPLES for channel in radiance]
         values.append(luminance(np.stack(means, axis=1)))
     return values[0], values[1]
+
+
+def surface_light(kernel: Kernel, stored: StoredLight) -> SurfaceLight:
+    """Return the light that arrives at each node of a scene, in the nodes' order.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The scene, loaded with cut meshes.
+    stored : StoredLight
+        Its light.
+    """
+    nodes = stored.nodes
+    x, y = (axis.coordinate(np.arange(axis.lines)) for axis in nodes.axes)
+    grid = np.stack([np.tile(x, len(y)), np.repeat(y, len(x)), np.zeros(nodes.grid_count)], axis=1)
+    up = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (nodes.grid_count, 1))
+    instance = np.array(kernel.surfaces.instance)
+    ids = [np.full(nodes.grid_count, TABLE_ID)]
+    for body in kernel.opaque_bodies:
+        sides = 1 if body.closed else 2
+        ids.append(np.full(sides * len(body.positions), instance[body.row]))
+    return SurfaceLight(
+        id=np.concatenate(ids).astype(np.uint16),
+        position=np.concatenate([grid.astype(np.float32), nodes.positions]),
+        normal=np.concatenate([up, nodes.normals / np.linalg.norm(nodes.normals, axis=1, keepdims=True)]),
+        irradiance=np.ascontiguousarray(stored.moments[:, :3], np.float32),
+        paths=stored.samples.astype(np.uint32),
+    )

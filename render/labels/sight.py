@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .._mitsuba import dr, mi
+from ..frame import LineOfSight
 from ..scene.kernel import Kernel
 from .geometry import straight
-
-
-@dataclass(frozen=True, eq=False)
-class LineOfSight:
-    """Where the straight rays from an eye through n points meet surfaces; inf for none."""
-
-    first_distance: np.ndarray  #: (n,) float64, distance along the ray to the first surface [m]
-    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
 
 
 def line_of_sight(kernel: Kernel, origin: np.ndarray, points: np.ndarray) -> LineOfSight:

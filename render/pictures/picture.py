@@ -80,7 +80,7 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: T
     seed : int
         Seed of this picture, different for every eye of every view.
     tracer : Tracer
-        How light is found: by paths, or as stored (`light.scene_light.shared_light`).
+        How light is found: by paths, or as stored (`cache.scene_cache.fill_scene_cache`).
 
     Raises
     ------

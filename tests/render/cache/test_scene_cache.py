@@ -139,7 +139,7 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     from glassware.render.pictures.picture import PATHS as BY_PATHS
 
     right = scene_cache.stored_light(furnace)
-    tracer, check, _ = scene_cache.shared_light(furnace)
+    tracer, check, _ = scene_cache.fill_scene_cache(furnace)
     assert tracer is not BY_PATHS
     assert check.mode == "shared"
     assert abs(check.difference) < 0.01 + 3 * check.standard_error
@@ -147,21 +147,21 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     brighter = right.moments.copy()
     brighter[:, :6] *= 1.2
     monkeypatch.setattr(scene_cache, "stored_light", lambda kernel: replace(right, moments=brighter))
-    tracer, check, _ = scene_cache.shared_light(furnace)
+    tracer, check, _ = scene_cache.fill_scene_cache(furnace)
     assert tracer is BY_PATHS
     assert check.mode == "path"
     assert check.difference > 0.01
 
 
 def test_auto_stores_the_light_of_many_samples_only(backend, drawn) -> None:
-    from glassware.render.cache.scene_cache import is_shared
+    from glassware.render.cache.scene_cache import uses_cache
 
     few = drawn(2, vessel_count=(0, 0), prop_count=(0, 0))
     many = few.model_copy(update={"picture": Picture(spp=1 << 16)})
-    assert not is_shared(few)
-    assert is_shared(many)
-    assert is_shared(few.model_copy(update={"picture": Picture(light="shared")}))
-    assert not is_shared(many.model_copy(update={"picture": Picture(spp=1 << 16, light="path")}))
+    assert not uses_cache(few)
+    assert uses_cache(many)
+    assert uses_cache(few.model_copy(update={"picture": Picture(light="shared")}))
+    assert not uses_cache(many.model_copy(update={"picture": Picture(spp=1 << 16, light="path")}))
 
 
 def test_stored_light_without_red_green_and_blue_is_refused() -> None:

@@ -1,0 +1,43 @@
+"""Scenes from Python: `draw` takes the settings that a YAML file or the command line would give."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...core.errors import InputError
+from ...procedural.description.scene import Scene
+from ...procedural.scene.draw import draw_scene
+from ...procedural.scene.settings import SceneSettings
+from .config import check_switches, merged, validated
+from .config import preset as preset_named
+
+#: Largest seed (a signed 64-bit integer, as Parquet stores it) and largest number of a scene (folders have six digits).
+MOST_SEED, MOST_SCENE = 2**63 - 1, 999_999
+
+
+def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:
+    """Draw a scene from a seed.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the data set, 0 to 2^63 - 1. The same seed and settings give the same scene.
+    scene : int
+        Number of the scene in the data set.
+    preset : str
+        Settings to start from: ``"fast"``, ``"standard"`` or ``"syn-todd"``.
+    **settings
+        Groups of settings on top of the preset, by name, as in a YAML file of settings (docs/settings.md), such as
+        ``vessels={"categories": ["bottle"]}`` or ``cameras={"views": 2}``.
+
+    Raises
+    ------
+    InputError
+        For an unknown or impossible setting, or objects that do not fit on the table.
+    """
+    for name, value, most in (("seed", seed, MOST_SEED), ("scene", scene, MOST_SCENE)):
+        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
+            raise InputError(f"draw: {name}", f"a whole number from 0 to {most}", repr(value))
+    asked = merged(preset_named(preset), settings)
+    check_switches(SceneSettings, settings, "draw")
+    return draw_scene(validated(SceneSettings, asked, "draw"), seed, scene)

@@ -1,0 +1,194 @@
+"""The renderer: a scene description in, frames out, rendered as the description says.
+
+`Renderer` owns all that lies between the two: the Mitsuba variant, the loaded scene, the choice between path tracing
+and the irradiance cache, the cache itself and its check against path tracing.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..core.errors import InputError
+from ..core.randomness import stream_seed
+from ..core.stopwatch import Stopwatch
+from ..procedural.description.scene import Scene
+from ..procedural.scene.validate import check_scene
+from .backend.variant import activate
+from .frame import Frame, LightCheck, LineOfSight, Sampling, SurfaceLight
+
+if TYPE_CHECKING:
+    from .pictures.picture import Noisy
+
+#: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
+_process_lock = threading.RLock()
+
+
+class Renderer:
+    """Renders the views of one scene.
+
+    Several renderers may live side by side, of other scenes and other variants. One may be used from any thread; calls
+    from several threads wait for each other.
+
+    Parameters
+    ----------
+    scene : Scene
+        The description. It is checked (`procedural.scene.validate.check_scene`), so that a changed copy that
+        contradicts itself is refused here.
+    variant : str, optional
+        Mitsuba variant, such as ``"llvm_ad_rgb"``; by default the best that works here and fits `scene.picture`.
+    threads : int, optional
+        Threads of the processor's kernels; by default one per core. Pictures do not depend on it.
+
+    Attributes
+    ----------
+    scene : Scene
+        The description.
+    variant : str
+        The variant that the scene was loaded in.
+    light_check : LightCheck or None
+        How pictures from the irradiance cache compare with path-traced ones; None where paths are traced.
+    seconds : dict of str to float
+        Time spent on "loading" and, where the irradiance cache was filled, on "light" [s].
+
+    Raises
+    ------
+    InputError
+        For a scene that cannot exist, a variant that does not exist or does not fit the scene, or a machine without a
+        backend; the message says what to install.
+    """
+
+    def __init__(self, scene: Scene, variant: str | None = None, threads: int | None = None) -> None:
+        check_scene(scene)
+        self.scene = scene
+        self.light_check: LightCheck | None = None
+        self._process, stopwatch = os.getpid(), Stopwatch()
+        with _process_lock:
+            self.variant = activate(variant, spectral=scene.picture.spectral, threads=threads)
+            _check_colours(self.variant, scene.picture.spectral)
+            # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
+            from .cache.scene_cache import fill_scene_cache, uses_cache
+            from .pictures.picture import PATHS
+            from .scene.kernel import load
+
+            cached = uses_cache(scene)
+            with stopwatch.stage("loading"):
+                self.loaded = load(scene, cut=cached)
+            self._tracer, self._cache = PATHS, None
+            if cached:
+                with stopwatch.stage("light"):
+                    self._tracer, self.light_check, self._cache = fill_scene_cache(self.loaded)
+        self.seconds = stopwatch.seconds
+
+    def __repr__(self) -> str:
+        light = "paths" if self.light_check is None or self.light_check.mode == "path" else "irradiance cache"
+        return f"Renderer({self.scene!r}, {self.variant}, {light})"
+
+    def frame(self, view: int) -> Frame:
+        """Render one view: both pictures, denoised, and the geometry that labels come from.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+
+        Returns
+        -------
+        Frame
+            It depends on the scene and the view alone: not on other views or what was rendered before.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view.
+        """
+        count = len(self.scene.cameras)
+        if isinstance(view, bool) or not isinstance(view, int | np.integer) or not 0 <= view < count:
+            raise InputError("view", f"a whole number from 0 to {count - 1}", repr(view))
+        with self._active():
+            return self._rendered(int(view))
+
+    def line_of_sight(self, view: int, points: np.ndarray) -> LineOfSight:
+        """Trace straight rays from a view's left camera towards points.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+        points : (n, 3) float
+            Targets, world frame [m].
+        """
+        from .labels.sight import line_of_sight
+
+        origin = self.scene.cameras[view].world_T_camera[:3, 3]
+        with self._active():
+            return line_of_sight(self.loaded, origin, points)
+
+    def surface_light(self) -> SurfaceLight | None:
+        """Return the irradiance cache as a list of points; None where paths are traced."""
+        if self._cache is None:
+            return None
+        from .cache.scene_cache import surface_light
+
+        with self._active():
+            return surface_light(self.loaded, self._cache)
+
+    @contextmanager
+    def _active(self) -> Iterator[None]:
+        """Hold the process for a block in which this renderer's variant is the active one."""
+        # Checked before the lock, which a forked process may have inherited locked.
+        if os.getpid() != self._process:
+            expected = f"to be used in the process that made it ({self._process}); make one in each process"
+            raise InputError("renderer", expected, f"process {os.getpid()}, forked from it")
+        with _process_lock:
+            activate(self.variant)
+            yield
+
+    def _rendered(self, view: int) -> Frame:
+        from .labels.geometry import trace_straight
+        from .labels.refraction import trace_refraction
+        from .pictures.picture import trace_picture
+
+        scene, stopwatch = self.scene, Stopwatch()
+        camera, picture = scene.cameras[view], scene.picture
+        seeds = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in ("left", "right")}
+        with stopwatch.stage("picture"):
+            left, right = (trace_picture(self.loaded, camera, eye, seed, self._tracer) for eye, seed in seeds.items())
+        with stopwatch.stage("geometry"):
+            geometry, layers = trace_straight(self.loaded, camera, picture.layers)
+        with stopwatch.stage("refraction"):
+            refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
+        with stopwatch.stage("denoise"):
+            clean = [_denoised(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
+        return Frame(
+            view=view,
+            left=clean[0],
+            right=clean[1],
+            left_noisy=left.radiance if picture.denoise else None,
+            right_noisy=right.radiance if picture.denoise else None,
+            geometry=geometry,
+            seconds=stopwatch.seconds,
+            sampling=(Sampling(left.spp, left.noise), Sampling(right.spp, right.noise)),
+            layers=layers if picture.layers else None,
+            refraction=refraction,
+        )
+
+
+def _check_colours(variant: str, spectral: bool) -> None:
+    """Refuse a variant whose colours are not those that the scene asks for; monochrome ones are taken on request."""
+    if ("spectral" in variant) != spectral and "mono" not in variant:
+        kind, state = ("a spectral", "on") if spectral else ("an RGB", "off")
+        raise InputError("variant", f"{kind} variant, as picture.spectral is {state}", variant)
+
+
+def _denoised(noisy: Noisy) -> np.ndarray:
+    """Return the picture without fireflies and noise, (H, W, 3) float32."""
+    from .pictures.denoise import denoise
+    from .pictures.fireflies import spread_fireflies
+
+    return denoise(spread_fireflies(noisy.radiance, noisy.variance), np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)
