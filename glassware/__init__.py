@@ -59,4 +59,4 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """List the public names, whether they are loaded or not."""
-    return sorted({*globals(), *__all__})
+    return list(__all__)

@@ -157,7 +157,8 @@ def frame(description: Scene, view: Camera) -> Frame:
         picture = colours[seen.background_id] * 0.7 + 0.3 * colours[2]
         pictures.append(np.where(glass, picture * (0.4 + 0.6 * shade), colours[seen.id] * shade).astype(np.float32))
     seconds = {"picture": 2.0, "geometry": 0.1, "denoise": 0.3}
-    return Frame(view, *pictures, None, None, geometry(description, view), seconds)
+    number = next(i for i, camera in enumerate(description.cameras) if camera is view)
+    return Frame(number, *pictures, None, None, geometry(description, view), seconds)
 
 
 def cast(description: Scene, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,11 +1,34 @@
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
 import pytest
 
 from glassware.annotate.keypoints import scene_keypoints
-from glassware.annotate.labels import annotate
+from glassware.annotate.labels import Labels, annotate
 from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
-from glassware.dataset.writer import View, finish_dataset, start_dataset, write_scene
+from glassware.dataset.writer import finish_dataset, scene_writer, start_dataset
+from glassware.render.frame import Frame
+
+
+class Rendered(NamedTuple):
+    """A view as it is written."""
+
+    frame: Frame
+    labels: Labels
+
+
+@pytest.fixture(scope="session")
+def write_scene() -> Callable[..., None]:
+    """(root, scene, points, views) -> nothing: the views are written one by one, as they are asked for."""
+
+    def write(root, scene, points, views: Iterable[Rendered]) -> None:
+        with scene_writer(root, scene, points) as writer:
+            for frame, labels in views:
+                writer.add(frame, labels)
+
+    return write
 
 
 @pytest.fixture(scope="session")
@@ -14,10 +37,10 @@ def made(analytic):
     scene = analytic.scene(views=2)
     points = scene_keypoints(scene)
     views = []
-    for number, camera in enumerate(scene.cameras):
+    for camera in scene.cameras:
         frame = analytic.frame(scene, camera)
         sight = analytic.sight(scene, camera, points.world.reshape(-1, 3))
-        views.append(View(number, frame, annotate(scene, camera, frame.geometry, points, sight)))
+        views.append(Rendered(frame, annotate(scene, camera, frame.geometry, points, sight)))
     return scene, points, views
 
 
@@ -27,7 +50,7 @@ def head():
 
 
 @pytest.fixture
-def stored(made, head, tmp_path):
+def stored(made, head, write_scene, tmp_path):
     """A finished data set of that scene."""
     scene, points, views = made
     root = tmp_path / "data"

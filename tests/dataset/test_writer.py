@@ -16,7 +16,7 @@ from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.dataset.format.views_table import SCHEMA
 from glassware.dataset.reader import Dataset
-from glassware.dataset.writer import finish_dataset, start_dataset, write_scene
+from glassware.dataset.writer import finish_dataset, start_dataset
 from glassware.procedural.description.surroundings import PictureEnvironment
 
 TESTS = Path(__file__).parents[1]
@@ -82,7 +82,7 @@ def test_the_index_has_a_row_for_each_view(made, stored):
     assert rows[0]["noise_left"] is None
 
 
-def test_writing_the_same_scene_again_gives_the_same_bytes(made, head, stored):
+def test_writing_the_same_scene_again_gives_the_same_bytes(made, head, stored, write_scene):
     scene, points, views = made
     before = _files(stored)
     start_dataset(stored, head, [0])
@@ -91,7 +91,7 @@ def test_writing_the_same_scene_again_gives_the_same_bytes(made, head, stored):
     assert _files(stored) == before
 
 
-def test_a_data_set_grows_by_another_scene(made, head, stored):
+def test_a_data_set_grows_by_another_scene(made, head, stored, write_scene):
     scene, points, views = made
     start_dataset(stored, head, [12])
     write_scene(stored, scene.model_copy(update={"scene_id": 12}), points, views[:1])
@@ -99,7 +99,7 @@ def test_a_data_set_grows_by_another_scene(made, head, stored):
     assert [found.scene_id for found in Dataset.open(stored).scenes] == [0, 12]
 
 
-def test_a_scene_added_to_a_build_keeps_what_the_head_says_of_the_build(made, head, tmp_path):
+def test_a_scene_added_to_a_build_keeps_what_the_head_says_of_the_build(made, head, tmp_path, write_scene):
     scene, points, views = made
     root = tmp_path / "data"
     start_dataset(root, head.model_copy(update={"scenes": "0:5", "hashes": {"assets": "0" * 64}}), [0])
@@ -119,7 +119,7 @@ def test_scenes_of_another_seed_or_setting_are_not_mixed_in(made, head, stored):
     start_dataset(stored, head.model_copy(update={"seed": 8}), [0, 1])  # all of them are replaced
 
 
-def test_a_stopped_replacement_leaves_the_old_data_set_as_it_was(made, head, stored):
+def test_a_stopped_replacement_leaves_the_old_data_set_as_it_was(made, head, stored, write_scene):
     scene, points, _ = made
     before = _files(stored)
 
@@ -133,7 +133,7 @@ def test_a_stopped_replacement_leaves_the_old_data_set_as_it_was(made, head, sto
     assert _files(stored) == before
 
 
-def test_a_finished_replacement_has_the_new_head(made, head, stored):
+def test_a_finished_replacement_has_the_new_head(made, head, stored, write_scene):
     scene, points, views = made
     other = head.model_copy(update={"seed": 8})
     start_dataset(stored, other, [0])
@@ -168,7 +168,7 @@ def test_a_data_set_of_an_unknown_schema_is_not_touched(head, stored):
     assert _files(stored) == before
 
 
-def test_an_exception_between_views_leaves_nothing_of_the_scene(made, head, tmp_path):
+def test_an_exception_between_views_leaves_nothing_of_the_scene(made, head, tmp_path, write_scene):
     scene, points, views = made
 
     def failing():
@@ -182,7 +182,7 @@ def test_an_exception_between_views_leaves_nothing_of_the_scene(made, head, tmp_
     assert finish_dataset(tmp_path / "a") == 0
 
 
-def test_assets_are_listed_with_their_licences(made, head, tmp_path):
+def test_assets_are_listed_with_their_licences(made, head, tmp_path, write_scene):
     scene, points, views = made
     (tmp_path / "sky.hdr").write_bytes(b"not really a sky")
     sky = asset(tmp_path / "sky.hdr").model_copy(update={"licence": "CC0"})
@@ -204,19 +204,18 @@ spec.loader.exec_module(analytic)
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
 from glassware.dataset.format.dataset_file import DatasetFile
-from glassware.dataset.writer import View, start_dataset, write_scene
+from glassware.dataset.writer import scene_writer, start_dataset
 signal.signal(signal.SIGINT, signal.default_int_handler)  # also where the parent ignores it
 root, scene = pathlib.Path(sys.argv[1]), analytic.scene(2)
 points = scene_keypoints(scene)
-def views():
-    for number, camera in enumerate(scene.cameras):
+start_dataset(root, DatasetFile(name="t", seed=7, config={}, versions={}, backend="none"), [0])
+with scene_writer(root, scene, points) as writer:
+    for camera in scene.cameras:
         frame = analytic.frame(scene, camera)
         sight = analytic.sight(scene, camera, points.world.reshape(-1, 3))
-        yield View(number, frame, annotate(scene, camera, frame.geometry, points, sight))
+        writer.add(frame, annotate(scene, camera, frame.geometry, points, sight))
         print("view", flush=True)
         time.sleep(60)
-start_dataset(root, DatasetFile(name="t", seed=7, config={}, versions={}, backend="none"), [0])
-write_scene(root, scene, points, views())
 """
 
 

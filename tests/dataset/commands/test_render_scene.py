@@ -52,14 +52,13 @@ def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path)
 
 def test_a_picture_rendered_again_from_the_scene_file_is_the_first(made):
     from glassware.procedural.scene.scene_file import load_scene
-    from glassware.render.scene.kernel import load
-    from glassware.render.view import render_view
+    from glassware.render.renderer import Renderer
 
     (stored,) = Dataset.open(made).scenes
-    kernel = load(load_scene(made / "scenes" / "000000" / "scene.json"))
+    renderer = Renderer(load_scene(made / "scenes" / "000000" / "scene.json"))
     # Last view first: what was rendered before must not matter either.
     for number, view in reversed(list(enumerate(stored.views))):
-        frame = render_view(kernel, number)
+        frame = renderer.frame(number)
         np.testing.assert_array_equal(frame.left, view.radiance("left"))
         np.testing.assert_array_equal(frame.right, view.radiance("right"))
         for field, values in vars(frame.geometry).items():

@@ -106,15 +106,14 @@ def test_a_drawn_scene_is_sound(seed, rng):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", LONG)
 def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_assets, backend):
-    from glassware.render.scene.kernel import load
-    from glassware.render.view import render_view
+    from glassware.render.renderer import Renderer
 
     scene = draw_scene(_settings(shared_assets), seed, 0)
     for check in (_check_bodies, _check_standing, _check_in_view):
         check(scene)
     _check_apart(scene, rng)
     # Warnings are errors in these tests.
-    frame = render_view(load(scene), 0)
+    frame = Renderer(scene).frame(0)
     assert np.isfinite(frame.left).all()
     assert frame.left.max() > 0.0
 

@@ -330,16 +330,15 @@ def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polari
 
     from glassware.procedural.surroundings.colour import luminance
     from glassware.render.pictures.stokes import degree_of_polarisation, trace_stokes
+    from glassware.render.renderer import Renderer
     from glassware.render.scene.kernel import load
-    from glassware.render.view import render_view
 
     spectra = {"spectral": mi.is_spectral, "dispersion": mi.is_spectral, "spp": 16}
     scene = drawn(5, vessels={"rough_probability": 0.5, "chord_error": 1e-4}, picture=spectra)
-    kernel = load(scene)
-    frame = render_view(kernel, 0)
+    frame = Renderer(scene, mi.variant()).frame(0)
     assert np.isfinite(frame.left).all()
     assert frame.left.mean() > 0.01
-    stokes = trace_stokes(kernel, scene.cameras[0], seed=2)
+    stokes = trace_stokes(load(scene), scene.cameras[0], seed=2)
     assert np.isfinite(stokes).all()
     bright = luminance(stokes)[..., None]
     degree = degree_of_polarisation(bright)

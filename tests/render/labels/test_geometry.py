@@ -98,12 +98,11 @@ def test_the_table_and_the_background_are_where_they_are(backend, drawn):
 
 
 def test_one_views_pictures_and_geometry_do_not_depend_on_others(backend, glasses):
-    from glassware.render.scene.kernel import load
-    from glassware.render.view import render_view
+    from glassware.render.renderer import Renderer
 
-    whole = load(glasses)
-    render_view(whole, 0)
-    after, alone = render_view(whole, 1), render_view(load(glasses), 1)
+    whole = Renderer(glasses)
+    whole.frame(0)
+    after, alone = whole.frame(1), Renderer(glasses).frame(1)
     np.testing.assert_array_equal(after.left, alone.left)
     np.testing.assert_array_equal(after.right, alone.right)
     for name, values in vars(after.geometry).items():

@@ -1,0 +1,200 @@
+"""The front door: ten lines from a seed to a picture, labels, files and a point cloud."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import glassware as gw
+
+#: Small enough for a test.
+SMALL = {"cameras": {"views": 2, "width": 48, "height": 36}, "picture": {"spp": 2}}
+#: Longest that a child process may take [s].
+PATIENCE = 120
+
+
+@pytest.fixture(scope="module")
+def scene():
+    few = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
+    return gw.draw(seed=7, **few, **SMALL)
+
+
+@pytest.fixture(scope="module")
+def renderer(scene):
+    return gw.Renderer(scene, "llvm_ad_rgb")
+
+
+def _python(code: str, *arguments: str) -> str:
+    command = [sys.executable, "-P", "-c", code, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True).stdout
+
+
+def test_importing_loads_no_renderer_starts_no_process_and_changes_no_variable():
+    code = """
+import os, subprocess, sys
+before = dict(os.environ)
+def refuse(*_, **__):
+    raise AssertionError("a process is started")
+subprocess.Popen.__init__ = refuse
+import glassware, glassware.dataset.reader, glassware.annotate.labels, glassware.render.renderer
+import glassware.render.pictures.integrator, glassware.render.scene.kernel
+assert not {"mitsuba", "drjit"} & set(sys.modules), "the renderer is loaded"
+assert dict(os.environ) == before
+print("clean")
+"""
+    assert _python(code) == "clean\n"
+
+
+def test_every_public_name_is_there_and_nothing_else_is_promised():
+    assert dir(gw) == sorted(gw.__all__)
+    assert all(getattr(gw, name) is not None for name in gw.__all__)
+    with pytest.raises(AttributeError, match=r"no attribute 'Rendrer'; it has Dataset, "):
+        gw.Rendrer  # noqa: B018
+
+
+def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_path):
+    frame = renderer.frame(1)
+    labels = gw.label(scene, frame, renderer)
+    gw.write(tmp_path / "out", scene, renderer)
+    stored = gw.Dataset.open(str(tmp_path / "out"))
+    (first, second) = stored.views()
+    np.testing.assert_array_equal(second.radiance("left"), frame.left)
+    assert second.labels() == labels
+    assert (tmp_path / "out" / "preview.png").is_file()
+    # Point by point: Z is the third coordinate in the camera frame, and the pose takes one frame to the other.
+    depth = second.geometry().Z
+    points = second.points()
+    np.testing.assert_allclose(points[:, 2], depth[np.isfinite(depth)], rtol=1e-12)
+    world = second.points("world")
+    pose = second.camera().world_T_camera
+    np.testing.assert_allclose(world, points @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
+    assert first.points().shape != points.shape
+
+
+def test_a_stored_scene_renders_the_same_bits_with_the_irradiance_cache_too(tmp_path):
+    shared = SMALL | {"picture": {"spp": 2, "light": "shared"}}
+    scene = gw.draw(seed=3, vessel_count=(1, 1), prop_count=(0, 0), **shared)
+    gw.write(tmp_path / "out", scene)
+    again = gw.Renderer(gw.load_scene(tmp_path / "out" / "scenes" / "000000" / "scene.json"))
+    assert again.light_check is not None
+    np.testing.assert_array_equal(again.frame(0).left, gw.Dataset.open(tmp_path / "out").views()[0].radiance())
+
+
+def test_a_renderer_keeps_its_variant_whatever_is_active(scene, renderer):
+    before = renderer.frame(0)
+    spectral = scene.model_copy(update={"picture": scene.picture.model_copy(update={"spectral": True})})
+    other = gw.Renderer(spectral)
+    assert other.variant == "llvm_ad_spectral"
+    assert np.isfinite(other.frame(0).left).all()
+    np.testing.assert_array_equal(renderer.frame(0).left, before.left)
+
+
+def test_threads_get_the_same_pictures(renderer):
+    expected, found = renderer.frame(0).left, []
+    threads = [threading.Thread(target=lambda: found.append(renderer.frame(0).left)) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 2
+    for picture in found:
+        np.testing.assert_array_equal(picture, expected)
+
+
+@pytest.mark.parametrize("view", [2, -1, 0.0, "0", True])
+def test_a_view_out_of_range_is_one_clear_line(renderer, view):
+    with pytest.raises(gw.InputError, match=r"^view: expected a whole number from 0 to 1, found "):
+        renderer.frame(view)
+
+
+@pytest.mark.parametrize(
+    ("variant", "spectral", "words"),
+    [
+        ("llvm_ad_rbg", False, "expected one of .*llvm_ad_rgb.*found 'llvm_ad_rbg'"),
+        ("llvm_ad_spectral", False, "expected an RGB variant, as picture.spectral is off, found llvm_ad_spectral"),
+        ("llvm_ad_rgb", True, "expected a spectral variant, as picture.spectral is on, found llvm_ad_rgb"),
+    ],
+)
+def test_a_wrong_variant_is_one_clear_line(backend, scene, variant, spectral, words):
+    picture = scene.picture.model_copy(update={"spectral": spectral})
+    with pytest.raises(gw.InputError, match=words):
+        gw.Renderer(scene.model_copy(update={"picture": picture}), variant)
+
+
+def test_a_forgotten_variant_is_one_clear_line(scene, tmp_path):
+    gw.save_scene(scene, tmp_path / "scene.json")
+    code = """
+import sys
+import glassware as gw
+from glassware.render.scene.kernel import load
+try:
+    load(gw.load_scene(sys.argv[1]))
+except gw.InputError as error:
+    print(error)
+"""
+    assert "backend: expected a variant that is set" in _python(code, str(tmp_path / "scene.json"))
+
+
+def test_labels_of_another_scene_are_refused(scene, renderer):
+    moved = scene.model_copy(update={"props": ()})
+    with pytest.raises(gw.InputError, match="label: expected the renderer's own scene"):
+        gw.label(moved, renderer.frame(0), renderer)
+    with pytest.raises(gw.InputError, match="write: expected the renderer's own scene"):
+        gw.write("nowhere", moved, renderer)
+    assert not Path("nowhere").exists()
+
+
+def test_a_changed_copy_that_cannot_exist_is_refused(scene):
+    (prop,) = scene.props
+    pose = prop.world_T_object.copy()
+    pose[2, 3] -= 0.05
+    sunk = scene.model_copy(update={"props": (prop.model_copy(update={"world_T_object": pose}),)})
+    with pytest.raises(gw.InputError, match=r"prop-00: expected an object above the table's top"):
+        gw.Renderer(sunk)
+
+
+def test_a_renderer_is_refused_in_a_forked_process(renderer):
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            renderer.frame(0)
+            said = "it rendered"
+        except gw.InputError as error:
+            said = str(error)
+        except BaseException as error:
+            said = repr(error)
+        os.write(writing, said.encode())
+        os._exit(0)
+    os.waitpid(child, 0)
+    said = os.read(reading, 10_000).decode()
+    os.close(reading)
+    os.close(writing)
+    assert said.startswith(f"renderer: expected to be used in the process that made it ({os.getpid()})")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"vessls": {}}, "vessls"),
+        ({"cameras": {"views": 0}}, r"cameras\.views"),
+        ({"preset": "quick"}, "--preset|preset"),
+        ({"seed": -1}, "seed"),
+        ({"scene": True}, "scene"),
+    ],
+)
+def test_a_setting_that_cannot_be_is_one_clear_line(settings, words):
+    with pytest.raises(gw.InputError, match=words) as caught:
+        gw.draw(**({"seed": 7} | settings))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_data_set_is_one_clear_line(tmp_path):
+    with pytest.raises(gw.InputError, match="expected the folder of a data set, found none"):
+        gw.Dataset.open(tmp_path / "missing")
