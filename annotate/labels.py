@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -11,7 +10,7 @@ from pydantic import Field
 from ..core.model import Matrix4, Model, Vector3
 from ..procedural.description.scene import Scene
 from ..procedural.description.surroundings import Camera
-from ..render.frame import Geometry, Sampling
+from ..render.frame import Geometry, LineOfSight, PictureNoise
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states
 from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
@@ -21,20 +20,6 @@ from .surface import Object, hull_vertices
 LABELS_SCHEMA = "glassware/labels/1"
 
 Pixel = tuple[float, float]
-
-
-class LineOfSight(Protocol):
-    """What rays from the left camera through all keypoints meet, in the order of `SceneKeypoints.world`."""
-
-    @property
-    def first_distance(self) -> np.ndarray:
-        """Distance to the first surface, (n k,) float [m]; +inf for none."""
-        ...
-
-    @property
-    def opaque_distance(self) -> np.ndarray:
-        """Distance to the first opaque surface, (n k,) float [m]; +inf for none."""
-        ...
 
 
 class Box2d(Model):
@@ -103,15 +88,6 @@ class ObjectLabel(Model):
     centroid: Centroid
 
 
-class PictureNoise(Model):
-    """How far one eye's picture was taken before the denoiser."""
-
-    spp: int = Field(description="Samples per pixel")
-    noise: float | None = Field(
-        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
-    )
-
-
 class Labels(Model):
     """All objects of a scene in one view, in the order of their ids."""
 
@@ -121,11 +97,11 @@ class Labels(Model):
     right: PictureNoise | None = Field(default=None, description="Of the right picture")
 
 
-def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> Labels:
+def with_noise(labels: Labels, sampling: tuple[PictureNoise, PictureNoise] | None) -> Labels:
     """Return the labels with what is known of the pictures' noise."""
     if sampling is None:
         return labels
-    left, right = (PictureNoise(spp=eye.spp, noise=None if isnan(eye.noise) else eye.noise) for eye in sampling)
+    left, right = sampling
     return labels.model_copy(update={"left": left, "right": right})
 
 

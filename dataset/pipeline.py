@@ -23,7 +23,7 @@ from .writer import View, write_scene
 
 if TYPE_CHECKING:
     from ..render.pictures.picture import Tracer
-    from ..render.scene.kernel import Kernel
+    from ..render.scene.loaded_scene import LoadedScene
 
 
 class Watch(Protocol):
@@ -50,7 +50,7 @@ class Watch(Protocol):
 class Lit:
     """A loaded scene, and how its light is found: by paths, or as stored."""
 
-    kernel: Kernel
+    kernel: LoadedScene
     tracer: Tracer
     check: LightCheck | None
     light: SurfaceLight | None  #: what was stored, where it is to be kept
@@ -100,14 +100,14 @@ def light_scene(scene: Scene, watch: Watch) -> Lit:
     # Only here: these bring Mitsuba, whose variant must be set first.
     from ..render.cache.export import surface_light
     from ..render.cache.scene_cache import is_shared, shared_light
-    from ..render.pictures.picture import PATHS
-    from ..render.scene.kernel import load
+    from ..render.pictures.picture import PATH_TRACER
+    from ..render.scene.loaded_scene import load
 
     shared = is_shared(scene)
     with watch.timed("loading"):
         kernel = load(scene, cut=shared)
     if not shared:
-        return Lit(kernel, PATHS, None, None)
+        return Lit(kernel, PATH_TRACER, None, None)
     with watch.timed("light"):
         tracer, check, stored = shared_light(kernel)
     watch.say(

@@ -7,21 +7,21 @@ from time import perf_counter
 import numpy as np
 
 from ..core.randomness import stream_seed
-from .frame import Frame, Sampling
+from .frame import EYES, Eye, Frame
 from .labels.geometry import trace_straight
 from .labels.refraction import trace_refraction
 from .pictures.denoise import denoise
 from .pictures.fireflies import spread_fireflies
-from .pictures.picture import PATHS, Noisy, Tracer, trace_picture
-from .scene.kernel import Kernel
+from .pictures.picture import PATH_TRACER, NoisyImage, Tracer, trace_picture
+from .scene.loaded_scene import LoadedScene
 
 
-def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
+def render_view(kernel: LoadedScene, view: int, tracer: Tracer = PATH_TRACER) -> Frame:
     """Render a view of the loaded scene.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     view : int
         Index into the scene's cameras.
@@ -36,7 +36,7 @@ def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
     scene = kernel.description
     camera, seconds = scene.cameras[view], {}
     start = perf_counter()
-    seeds = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in ("left", "right")}
+    seeds: dict[Eye, int] = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in EYES}
     left, right = (trace_picture(kernel, camera, eye, seed, tracer) for eye, seed in seeds.items())
     seconds["picture"] = perf_counter() - start
 
@@ -57,7 +57,7 @@ def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
         right_noisy=right.radiance if denoised else None,
         geometry=geometry,
         seconds=seconds,
-        sampling=(Sampling(left.spp, left.noise), Sampling(right.spp, right.noise)),
+        sampling=(left.sampling, right.sampling),
         layers=layers if scene.picture.layers else None,
         refraction=refraction,
     )
@@ -65,6 +65,6 @@ def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
     return frame
 
 
-def clean(noisy: Noisy) -> np.ndarray:
+def clean(noisy: NoisyImage) -> np.ndarray:
     """Return the picture without fireflies and noise, (H, W, 3) float32."""
     return denoise(spread_fireflies(noisy.radiance, noisy.variance), np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)

@@ -6,16 +6,16 @@ import numpy as np
 
 from ...procedural.description.scene import TABLE_ID
 from ..frame import SurfaceLight
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from .irradiance_cache import StoredLight
 
 
-def surface_light(kernel: Kernel, stored: StoredLight) -> SurfaceLight:
+def surface_light(kernel: LoadedScene, stored: StoredLight) -> SurfaceLight:
     """Return the light that arrives at each node of a scene, in the nodes' order.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene, loaded with cut meshes.
     stored : StoredLight
         Its light.

@@ -11,8 +11,8 @@ from ...core.randomness import stream, stream_seed
 from ...procedural.description.scene import Scene
 from ...procedural.surroundings.colour import luminance
 from ..frame import LightCheck
-from ..pictures.picture import PATHS, Tracer, camera_paths
-from ..scene.kernel import Kernel
+from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole
 from .cache_points import place_nodes
 from .fill_cache import gather_light
@@ -51,12 +51,12 @@ def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
+def shared_light(kernel: LoadedScene) -> tuple[Tracer, LightCheck, StoredLight]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene, loaded with cut meshes.
 
     Returns
@@ -83,17 +83,17 @@ def shared_light(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
         nodes=stored.nodes.count,
         paths=int(stored.samples.sum()),
     )
-    return (tracer if fine else PATHS), check, stored
+    return (tracer if fine else PATH_TRACER), check, stored
 
 
-def stored_light(kernel: Kernel) -> StoredLight:
+def stored_light(kernel: LoadedScene) -> StoredLight:
     """Return the light at all nodes of the scene, by as many paths as its pictures make worth while."""
     scene, nodes = kernel.description, place_nodes(kernel)
     paths = int(np.clip(_SHARE * _camera_samples(scene) / nodes.count, _FEWEST, _MOST))
     return gather_light(kernel, nodes, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
 
 
-def compared(kernel: Kernel, tracer: Tracer) -> tuple[float, float]:
+def compared(kernel: LoadedScene, tracer: Tracer) -> tuple[float, float]:
     """Return how much brighter pictures from stored light are than path-traced ones, and the standard error.
 
     Both are shares of the mean light of random pixels of the left pictures. The error is that of both ways' samples
@@ -111,13 +111,13 @@ def compared(kernel: Kernel, tracer: Tracer) -> tuple[float, float]:
 
 
 def _pairs(
-    kernel: Kernel, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
+    kernel: LoadedScene, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the luminance of random pixels by paths and from stored light."""
     camera, seeds = kernel.description.cameras[view], rng.integers(0, 1 << 32, 2)
     pixel = rng.integers(0, camera.width * camera.height, pixels).astype(np.uint32)
     values = []
-    for seed, way in zip(seeds, (PATHS, tracer), strict=True):
+    for seed, way in zip(seeds, (PATH_TRACER, tracer), strict=True):
         ray, weight, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), _SAMPLES, _SAMPLES, int(seed))
         radiance = way.trace(kernel, ray, weight, points, kernel.description.picture).radiance
         dr.eval(radiance)

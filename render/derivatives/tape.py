@@ -8,7 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import SurfaceTable
 
 
@@ -50,7 +50,7 @@ class Tape:
     lane: mi.UInt32
 
 
-def slots(kernel: Kernel) -> Slots:
+def slots(kernel: LoadedScene) -> Slots:
     """Return the slots of a loaded scene."""
     table = kernel.surfaces
     rough = np.flatnonzero((np.array(table.alpha) > 0.0) & ~np.array(table.opaque))

@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ..scene.kernel import Kernel
+from ..frame import LineOfSight
+from ..scene.loaded_scene import LoadedScene
 from .geometry import straight
 
 
-@dataclass(frozen=True, eq=False)
-class LineOfSight:
-    """Where the straight rays from an eye through n points meet surfaces; inf for none."""
-
-    first_distance: np.ndarray  #: (n,) float64, distance along the ray to the first surface [m]
-    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
-
-
-def line_of_sight(kernel: Kernel, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
+def line_of_sight(kernel: LoadedScene, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
     """Trace from `origin` towards each point.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     origin : (3,) float
         The eye, world frame [m].

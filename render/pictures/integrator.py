@@ -11,7 +11,7 @@ import mitsuba as mi
 from ...procedural.description.scene import Picture
 from ..interfaces.dielectric import Scattered, scatter
 from ..interfaces.polarised import analyser_of, in_world, scatter_polarised
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolarised
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
@@ -45,7 +45,7 @@ class Start:
 
 @dr.syntax
 def trace(
-    kernel: Kernel,
+    kernel: LoadedScene,
     ray: mi.Ray3f,
     weight: mi.Spectrum,
     points: Samples,

@@ -52,7 +52,7 @@ def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path)
 
 def test_a_picture_rendered_again_from_the_scene_file_is_the_first(made):
     from glassware.procedural.scene.scene_file import load_scene
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 
     (stored,) = Dataset.open(made).scenes

@@ -106,7 +106,7 @@ def test_a_drawn_scene_is_sound(seed, rng):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", LONG)
 def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_assets, backend):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 
     scene = draw_scene(_settings(shared_assets), seed, 0)

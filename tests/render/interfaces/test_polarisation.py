@@ -330,7 +330,7 @@ def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polari
 
     from glassware.procedural.surroundings.colour import luminance
     from glassware.render.pictures.stokes import degree_of_polarisation, trace_stokes
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 
     spectra = {"spectral": mi.is_spectral, "dispersion": mi.is_spectral, "spp": 16}
