@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isnan
 from typing import Literal
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..core.errors import InputError
 from ..core.model import Matrix4, Model, Vector3
 from ..procedural.description.scene import Scene
 from ..procedural.description.surroundings import Camera
-from ..render.frame import Frame, Geometry, LineOfSight, Sampling
+from ..render.frame import Frame, Geometry, LineOfSight, PictureNoise
 from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states, scene_keypoints
@@ -91,15 +90,6 @@ class ObjectLabel(Model):
     centroid: Centroid
 
 
-class PictureNoise(Model):
-    """How far one eye's picture was taken before the denoiser."""
-
-    spp: int = Field(description="Samples per pixel")
-    noise: float | None = Field(
-        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
-    )
-
-
 class Labels(Model):
     """All objects of a scene in one view, in the order of their ids."""
 
@@ -135,11 +125,11 @@ def label(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints
     return with_noise(annotate(scene, scene.cameras[frame.view], frame.geometry, points, sight), frame.sampling)
 
 
-def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> Labels:
+def with_noise(labels: Labels, sampling: tuple[PictureNoise, PictureNoise] | None) -> Labels:
     """Return the labels with what is known of the pictures' noise."""
     if sampling is None:
         return labels
-    left, right = (PictureNoise(spp=eye.spp, noise=None if isnan(eye.noise) else eye.noise) for eye in sampling)
+    left, right = sampling
     return labels.model_copy(update={"left": left, "right": right})
 
 

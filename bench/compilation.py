@@ -128,7 +128,7 @@ def _cost(scene: Scene) -> Compiled:
     """Return what a scene costs. It is gone before the next one: Dr.Jit compiles for everything that is alive."""
     import drjit as dr
 
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     dr.kernel_history_clear()
     kernel = load(scene)

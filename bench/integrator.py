@@ -57,7 +57,7 @@ def main() -> int:
     options.add_argument("--json", type=Path)
     given = options.parse_args()
     variant = activate()
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = bench_scene(given.scene, WIDTH, HEIGHT)
     kernel = load(scene)

@@ -32,7 +32,7 @@ def main() -> int:
     given = options.parse_args()
     variant = activate()
     from glassware.render.labels.geometry import trace_geometry
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 
     scene = draw_scene(SceneSettings.model_validate(preset("standard")), SEED, SCENE)

@@ -9,7 +9,7 @@ from glassware.procedural.description.surroundings import Camera
 from glassware.render.cache.irradiance_cache import StoredLight
 from glassware.render.labels.geometry import trace_straight
 from glassware.render.pictures.guides import trace_guides
-from glassware.render.scene.kernel import Kernel
+from glassware.render.scene.loaded_scene import LoadedScene
 
 #: A point of the table lies in a caustic, or in a deep shadow, where so many times the table's median light arrives.
 CAUSTIC, SHADOW = 1.4, 0.5
@@ -17,7 +17,7 @@ CAUSTIC, SHADOW = 1.4, 0.5
 FEWEST = 100
 
 
-def regions(kernel: Kernel, stored: StoredLight) -> dict[str, np.ndarray]:
+def regions(kernel: LoadedScene, stored: StoredLight) -> dict[str, np.ndarray]:
     """Return which pixels of the first camera's left eye are in each region, (H, W) bool."""
     camera = kernel.description.cameras[0]
     geometry = trace_straight(kernel, camera, 0)[0]

@@ -16,9 +16,9 @@ from scenes import digest
 from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.description.scene import Scene
 from glassware.render.backend.variant import activate
-from glassware.render.pictures.picture import PATHS, Tracer, trace_picture
-from glassware.render.scene import kernel as render_kernel
-from glassware.render.scene.kernel import Kernel, load
+from glassware.render.pictures.picture import PATH_TRACER, Tracer, trace_picture
+from glassware.render.scene import loaded_scene
+from glassware.render.scene.loaded_scene import LoadedScene, load
 from glassware.render.view import clean as clean_picture
 
 #: Samples of the picture that compiles the kernels.
@@ -39,7 +39,7 @@ class Rendered:
 class Ours:
     """A scene loaded and its kernels compiled."""
 
-    kernel: Kernel
+    kernel: LoadedScene
     load_seconds: float
     compile_seconds: float
 
@@ -67,7 +67,7 @@ def loaded(scene: Scene, plain: bool = False, cut: bool = False) -> Ours:
     return replace(ours, compile_seconds=perf_counter() - start)
 
 
-def render(ours: Ours, spp: int, seed: int, clean: bool = True, tracer: Tracer = PATHS) -> Rendered:
+def render(ours: Ours, spp: int, seed: int, clean: bool = True, tracer: Tracer = PATH_TRACER) -> Rendered:
     """Render the left eye of the first camera with `spp` samples."""
     scene = ours.kernel.description
     picture = scene.picture.model_copy(update={"spp": spp, "noise": None})
@@ -89,7 +89,7 @@ def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
 
 def _plain_materials() -> AbstractContextManager[object]:
     # The product has one opaque material, the principled one. This swaps it while a scene is loaded.
-    return patch.object(render_kernel, "opaque_bsdf", _diffuse(render_kernel.opaque_bsdf))
+    return patch.object(loaded_scene, "opaque_bsdf", _diffuse(loaded_scene.opaque_bsdf))
 
 
 def _diffuse(principled: Callable[[OpaqueMaterial], dict]) -> Callable[[OpaqueMaterial], dict]:

@@ -90,7 +90,7 @@ def _measured(settings: SceneSettings, seed: int) -> tuple[dict, dict, dict]:
     once["description"] = perf_counter() - start
     # Only here: these bring Mitsuba, whose variant must be set first.
     from glassware.render.labels.sight import line_of_sight
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 
     start = perf_counter()

@@ -39,7 +39,7 @@ from glassware.render.cache.fill_cache import gather_light
 from glassware.render.cache.irradiance_cache import StoredLight
 from glassware.render.cache.trace_cached import reading
 from glassware.render.pictures.guides import trace_guides
-from glassware.render.pictures.picture import PATHS, Tracer
+from glassware.render.pictures.picture import PATH_TRACER, Tracer
 
 #: Least times that a whole scene of the most views must be faster than by paths and than Cycles, median over the
 #: scenes; and the most that a region's mean may be off.
@@ -156,18 +156,18 @@ def _lit(name: str, options: Options) -> _Lit:
 
 def _curves(lit: _Lit, options: Options) -> tuple[list[Point], list[Point]]:
     """Measure both ways in turn, so that whatever else the machine does meets both."""
-    for tracer in (PATHS, lit.tracer):
+    for tracer in (PATH_TRACER, lit.tracer):
         render(lit.ours, min(options.spp), 0, tracer=tracer)  # compiles, for more samples where glass is as well
     curves: tuple[list[Point], list[Point]] = ([], [])
     for spp in sorted({*options.spp, options.level}):
         figures: tuple[list, list] = ([], [])
         for repeat in range(options.repeats):
-            for found, tracer in zip(figures, (PATHS, lit.tracer), strict=True):
+            for found, tracer in zip(figures, (PATH_TRACER, lit.tracer), strict=True):
                 made = render(lit.ours, spp, repeat + 1, tracer=tracer)
                 errors = [relmse(picture * lit.exposure, lit.kept) for picture in (made.noisy, made.clean)]
                 found.append((made.trace_seconds + made.denoise_seconds, *errors))
                 if options.pictures is not None:
-                    way = "path" if tracer is PATHS else "shared"
+                    way = "path" if tracer is PATH_TRACER else "shared"
                     write_exposed(options.pictures / f"{lit.name}-{spp}-{way}.png", made.clean * lit.exposure)
         for curve, found in zip(curves, figures, strict=True):
             curve.append(Point(spp, *map(float, np.mean(found, axis=0))))

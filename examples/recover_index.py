@@ -128,7 +128,7 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
     import mitsuba as mi
 
     from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
     from glassware.render.scene.rays import pinhole, pixel_rays
 
     scene = ball_scene(TRUTH, COLOUR, pattern)

@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from pydantic import Field
+
+from ..core.model import Model
+
+#: One eye of a stereo camera.
+Eye = Literal["left", "right"]
+#: Both eyes, in the order of a `Frame`'s pairs.
+EYES: tuple[Eye, Eye] = ("left", "right")
 
 #: What a surface is a part of, by its code in layers: an opaque body, or one of a vessel's interfaces.
 PARTS = ("opaque", "outside", "wet_wall", "liquid_surface")
@@ -61,12 +70,21 @@ class Refraction:
     transmittance: np.ndarray  #: (H, W, 3) float16, share of light by Fresnel and absorption along the ray
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """How far a picture was taken before the denoiser."""
+class PictureNoise(Model):
+    """How far one eye's picture was taken before the denoiser."""
 
-    spp: int  #: samples per pixel
-    noise: float  #: relative error, estimated: the root of the expected mean of (I - R)^2 / (R^2 + 0.01); NaN unknown
+    spp: int = Field(description="Samples per pixel")
+    noise: float | None = Field(
+        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class LineOfSight:
+    """Distances along the straight rays from one point through n others to what they meet; +inf for nothing."""
+
+    first_distance: np.ndarray  #: (n,) float64, to the first surface [m]
+    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
 
 
 @dataclass(frozen=True)
@@ -95,14 +113,6 @@ class SurfaceLight:
 
 
 @dataclass(frozen=True, eq=False)
-class LineOfSight:
-    """Where the straight rays from a camera through n points meet surfaces; inf for none."""
-
-    first_distance: np.ndarray  #: (n,) float64, distance along the ray to the first surface [m]
-    opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
-
-
-@dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
 
@@ -113,6 +123,8 @@ class Frame:
     right_noisy: np.ndarray | None  #: (H, W, 3) float32
     geometry: Geometry
     seconds: dict[str, float]  #: time spent on "picture", "geometry", "refraction", "denoise" [s]
-    sampling: tuple[Sampling, Sampling] | None = None  #: of the left and the right picture; None where not rendered
+    sampling: tuple[PictureNoise, PictureNoise] | None = (
+        None  #: of the left and the right picture; None where not rendered
+    )
     layers: Layers | None = None  #: of the left camera; None where none were asked for
     refraction: Refraction | None = None  #: of the left camera; None where it was not asked for

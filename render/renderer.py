@@ -20,10 +20,10 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import activate
-from .frame import Frame, LightCheck, LineOfSight, Sampling, SurfaceLight
+from .frame import Frame, LightCheck, LineOfSight, SurfaceLight
 
 if TYPE_CHECKING:
-    from .pictures.picture import Noisy
+    from .pictures.picture import NoisyImage
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -73,13 +73,13 @@ class Renderer:
             _check_colours(self.variant, scene.picture.spectral)
             # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
             from .cache.scene_cache import fill_scene_cache, uses_cache
-            from .pictures.picture import PATHS
-            from .scene.kernel import load
+            from .pictures.picture import PATH_TRACER
+            from .scene.loaded_scene import load
 
             cached = uses_cache(scene)
             with stopwatch.stage("loading"):
                 self.loaded = load(scene, cut=cached)
-            self._tracer, self._cache = PATHS, None
+            self._tracer, self._cache = PATH_TRACER, None
             if cached:
                 with stopwatch.stage("light"):
                     self._tracer, self.light_check, self._cache = fill_scene_cache(self.loaded)
@@ -156,7 +156,7 @@ class Renderer:
 
         scene, stopwatch = self.scene, Stopwatch()
         camera, picture = scene.cameras[view], scene.picture
-        seeds = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in ("left", "right")}
+        seeds: dict[Eye, int] = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in EYES}
         with stopwatch.stage("picture"):
             left, right = (trace_picture(self.loaded, camera, eye, seed, self._tracer) for eye, seed in seeds.items())
         with stopwatch.stage("geometry"):
@@ -173,7 +173,7 @@ class Renderer:
             right_noisy=right.radiance if picture.denoise else None,
             geometry=geometry,
             seconds=stopwatch.seconds,
-            sampling=(Sampling(left.spp, left.noise), Sampling(right.spp, right.noise)),
+            sampling=(left.sampling, right.sampling),
             layers=layers if picture.layers else None,
             refraction=refraction,
         )
@@ -186,7 +186,7 @@ def _check_colours(variant: str, spectral: bool) -> None:
         raise InputError("variant", f"{kind} variant, as picture.spectral is {state}", variant)
 
 
-def _denoised(noisy: Noisy) -> np.ndarray:
+def _denoised(noisy: NoisyImage) -> np.ndarray:
     """Return the picture without fireflies and noise, (H, W, 3) float32."""
     from .pictures.denoise import denoise
     from .pictures.fireflies import spread_fireflies

@@ -43,7 +43,7 @@ def refuse(*_, **__):
     raise AssertionError("a process is started")
 subprocess.Popen.__init__ = refuse
 import glassware, glassware.dataset.reader, glassware.annotate.labels, glassware.render.renderer
-import glassware.render.pictures.integrator, glassware.render.scene.kernel
+import glassware.render.pictures.integrator, glassware.render.scene.loaded_scene
 assert not {"mitsuba", "drjit"} & set(sys.modules), "the renderer is loaded"
 assert dict(os.environ) == before
 print("clean")
@@ -132,7 +132,7 @@ def test_a_forgotten_variant_is_one_clear_line(scene, tmp_path):
     code = """
 import sys
 import glassware as gw
-from glassware.render.scene.kernel import load
+from glassware.render.scene.loaded_scene import load
 try:
     load(gw.load_scene(sys.argv[1]))
 except gw.InputError as error:

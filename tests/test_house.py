@@ -29,9 +29,9 @@ MAY_IMPORT_IN_RENDER = {
     "scene": {"frame"},
     "interfaces": set(),
     "labels": {"frame", "scene", "interfaces"},
-    "pictures": {"scene", "interfaces"},
+    "pictures": {"frame", "scene", "interfaces"},
     "cache": {"frame", "scene", "interfaces", "pictures"},
-    "derivatives": {"scene", "interfaces", "pictures"},
+    "derivatives": {"frame", "scene", "interfaces", "pictures"},
     "view": {"frame", "scene", "labels", "pictures"},
 }
 

@@ -12,7 +12,7 @@ from glassware.render.interfaces.dielectric import scatter
 from glassware.render.labels.refraction import Refracted, refract
 from glassware.render.pictures.integrator import trace
 from glassware.render.pictures.sampler import samples
-from glassware.render.scene.kernel import Kernel
+from glassware.render.scene.loaded_scene import LoadedScene
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def rows(value: mi.Vector3f) -> np.ndarray:
     return np.atleast_2d(np.array(value, np.float64).T)
 
 
-def refracted_rays(kernel: Kernel, origins: np.ndarray, directions: np.ndarray) -> Refracted:
+def refracted_rays(kernel: LoadedScene, origins: np.ndarray, directions: np.ndarray) -> Refracted:
     """Follow rays by the product's refracted trace."""
     end = refract(kernel, bundle(origins, directions))
     dr.eval(end)
@@ -58,13 +58,13 @@ def refracted_rays(kernel: Kernel, origins: np.ndarray, directions: np.ndarray) 
 
 
 def traced(
-    kernel: Kernel, origins: np.ndarray, directions: np.ndarray, seed: int = 1, nm: np.ndarray | None = None
+    kernel: LoadedScene, origins: np.ndarray, directions: np.ndarray, seed: int = 1, nm: np.ndarray | None = None
 ) -> Paths:
     """Follow one path a ray by the product's path tracer.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     origins, directions : (n, 3) float
         The rays.

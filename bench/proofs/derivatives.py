@@ -10,7 +10,7 @@ import numpy as np
 
 from glassware.procedural.optics.medium import Medium
 from glassware.render.labels.refraction import refract
-from glassware.render.scene.kernel import Kernel
+from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import ball, box
 from .bundles import bundle
@@ -143,11 +143,11 @@ def ball_by_differences(heights: int = 24) -> list[Check]:
     return checks
 
 
-def _start(kernel: Kernel) -> float:
+def _start(kernel: LoadedScene) -> float:
     return 2.0 * kernel.offset / _THICK
 
 
-def _index(kernel: Kernel, eta: mi.Float | None) -> mi.Float | None:
+def _index(kernel: LoadedScene, eta: mi.Float | None) -> mi.Float | None:
     """Return the column of indices with the glass's replaced."""
     if eta is None:
         return None
@@ -156,7 +156,7 @@ def _index(kernel: Kernel, eta: mi.Float | None) -> mi.Float | None:
     return table
 
 
-def _mover(kernel: Kernel) -> Callable[[mi.Float], None]:
+def _mover(kernel: LoadedScene) -> Callable[[mi.Float], None]:
     """Return a function that shifts the glass along y by a number that may carry derivatives."""
     parameters = mi.traverse(kernel.mi_scene)
     names = [name for name in parameters.keys() if name.endswith("vertex_positions")]  # noqa: SIM118

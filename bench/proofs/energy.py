@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.render.scene.kernel import Kernel
+from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import ball, both, box, shell
 from .bundles import refracted_rays, rows, traced
@@ -92,7 +92,7 @@ def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> li
     return checks
 
 
-def _white(name: str, kernel: Kernel, paths: int) -> Check:
+def _white(name: str, kernel: LoadedScene, paths: int) -> Check:
     """Look at a ball of 5 cm about the origin from many places at once: paths over its whole disc."""
     spin, share = _golden(paths)
     y, z = 0.0499 * np.sqrt(share) * np.cos(spin), 0.0499 * np.sqrt(share) * np.sin(spin)

@@ -15,7 +15,7 @@ from glassware.procedural.description.material import OpaqueMaterial, UniformTex
 from glassware.procedural.description.scene import Interface, Picture, Prop, Scene, Vessel
 from glassware.procedural.description.surroundings import Camera, PictureEnvironment, SkyEnvironment, Table
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.render.scene.kernel import Kernel, load
+from glassware.render.scene.loaded_scene import LoadedScene, load
 
 from .bodies import box
 
@@ -54,7 +54,7 @@ def screen(lower: Sequence[float], upper: Sequence[float]) -> Prop:
 
 def loaded(
     *interfaces: Interface, props: Sequence[Prop] = (), environment: np.ndarray = FURNACE, **picture: object
-) -> Kernel:
+) -> LoadedScene:
     """Load a scene of one object with these interfaces, in the world frame; the variant must be active.
 
     Parameters
@@ -97,7 +97,7 @@ def loaded(
     )
 
 
-def loaded_scene(description: Scene, environment: np.ndarray = FURNACE) -> Kernel:
+def loaded_scene(description: Scene, environment: np.ndarray = FURNACE) -> LoadedScene:
     """Load a scene under a map of radiance, (h, 2 * h, 3), in place of its own surroundings."""
     planes = {name: np.ascontiguousarray(environment[..., i], dtype=np.float32) for i, name in enumerate("RGB")}
     with tempfile.TemporaryDirectory(prefix="glassware-proof-") as folder:

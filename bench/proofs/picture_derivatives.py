@@ -15,7 +15,7 @@ from glassware.render.derivatives.replay import replay
 from glassware.render.derivatives.tape import Slots, slots, tape
 from glassware.render.pictures.integrator import trace
 from glassware.render.pictures.sampler import samples
-from glassware.render.scene.kernel import Kernel
+from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import box
 from .bundles import bundle
@@ -128,7 +128,7 @@ def _soft_lights() -> np.ndarray:
     return np.repeat((0.2 + np.exp(-away / (2 * 0.17**2)))[..., None], 3, axis=2)
 
 
-def _walked(kernel: Kernel, origin: np.ndarray, direction: np.ndarray, paths: int) -> _Walked:
+def _walked(kernel: LoadedScene, origin: np.ndarray, direction: np.ndarray, paths: int) -> _Walked:
     """Walk many paths along one ray twice, as the product's derivatives do."""
     where, parts = slots(kernel), []
     for first in range(0, paths, _BATCH):

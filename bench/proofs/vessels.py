@@ -14,7 +14,7 @@ from glassware.procedural.description.scene import Interface, Scene, Vessel
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
-from glassware.render.scene.kernel import RAY_OFFSET
+from glassware.render.scene.loaded_scene import RAY_OFFSET
 
 from .bundles import refracted_rays, rows, traced
 from .check import EPS, ROUNDINGS, Check, mean_check, single, worst

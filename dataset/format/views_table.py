@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
-from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +76,9 @@ class ViewRow(Model):
     seen_through_fractions: tuple[float | None, ...]
     spp_left: int | None  #: samples per pixel that were taken
     spp_right: int | None
-    noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
+    noise_left: (
+        float | None
+    )  #: relative error before the denoiser, estimated (`render.frame.PictureNoise`); null: unknown
     noise_right: float | None
 
 
@@ -120,7 +121,7 @@ def _sampling(frame: Frame) -> dict[str, Any]:
     columns = {}
     for eye, taken in (("left", left), ("right", right)):
         columns[f"spp_{eye}"] = None if taken is None else taken.spp
-        columns[f"noise_{eye}"] = None if taken is None or isnan(taken.noise) else taken.noise
+        columns[f"noise_{eye}"] = None if taken is None else taken.noise
     return columns
 
 

@@ -1,7 +1,7 @@
 """Where light is stored: a grid on the table's top, and the vertices of all other opaque surfaces.
 
 The grid is as fine as a pixel of the nearest camera under and beside the objects, where caustics and contact shadows
-are, and coarser elsewhere. Other opaque meshes are cut fine when they are loaded (`scene.kernel.load`).
+are, and coarser elsewhere. Other opaque meshes are cut fine when they are loaded (`scene.loaded_scene.load`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...procedural.description.scene import Scene
 from .._mitsuba import dr, mi
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import registry_id
 
 #: Width of the strip round the objects that has fine cells [m]: as far as a vessel of that height throws its caustic
@@ -89,7 +89,7 @@ class Nodes:
         return self.axes[0].step
 
 
-def place_nodes(kernel: Kernel) -> Nodes:
+def place_nodes(kernel: LoadedScene) -> Nodes:
     """Return where light is to be stored in a scene that was loaded with cut meshes."""
     positions, normals, triangles, back, mesh = [], [], [], [], []
     rows = int(dr.width(kernel.surfaces.instance))

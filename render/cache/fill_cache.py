@@ -14,7 +14,7 @@ from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 from ..pictures.integrator import Start, trace, unshadowed
 from ..pictures.sampler import Samples, four, samples
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
 from .cache_points import Nodes, vertex_areas
@@ -38,12 +38,12 @@ _SMOOTH = 9
 _PILOT_INDEX = 1 << 20
 
 
-def gather_light(kernel: Kernel, nodes: Nodes, paths: int, seed: int) -> StoredLight:
+def gather_light(kernel: LoadedScene, nodes: Nodes, paths: int, seed: int) -> StoredLight:
     """Return the light that arrives at the nodes.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene, loaded with cut meshes.
     nodes : Nodes
         Where it is wanted.
@@ -68,7 +68,7 @@ def gather_light(kernel: Kernel, nodes: Nodes, paths: int, seed: int) -> StoredL
 
 
 def _gathered(
-    kernel: Kernel, starts: Starts, counts: np.ndarray, first: int, seed: int
+    kernel: LoadedScene, starts: Starts, counts: np.ndarray, first: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Trace groups of every node.
 
@@ -122,7 +122,7 @@ def _over_neighbours(nodes: Nodes, values: np.ndarray) -> np.ndarray:
     return np.where(met > 0, np.bincount(corners, mean, len(values)) / np.maximum(met, 1), values)
 
 
-def _one_pass(kernel: Kernel, starts: Starts, node: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
+def _one_pass(kernel: LoadedScene, starts: Starts, node: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
     """Return the sums of the moments over each group, (12, groups) float64."""
     lane = dr.arange(mi.UInt32, len(node) * GROUP)
     group = lane // GROUP
@@ -133,7 +133,7 @@ def _one_pass(kernel: Kernel, starts: Starts, node: np.ndarray, index: np.ndarra
     return np.stack([np.array(dr.block_sum(value, GROUP), np.float64) for value in values])
 
 
-def _arriving(kernel: Kernel, starts: Starts, node: mi.UInt32, points: Samples) -> list[mi.Float]:
+def _arriving(kernel: LoadedScene, starts: Starts, node: mi.UInt32, points: Samples) -> list[mi.Float]:
     """Return the moments that each path finds: E, E weighted with f, and the directions by luminance of both."""
     scene, offset = kernel.mi_scene, dr.opaque(mi.Float, kernel.offset)
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(node))

@@ -20,7 +20,7 @@ from ...procedural.description.scene import TABLE_ID
 from .._mitsuba import dr, mi
 from ..pictures.integrator import numbers_of, unshadowed
 from ..pictures.sampler import Samples
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import registry_id
 from .cache_points import Nodes, lookup_of, nodes_round
 from .guiding import Bright, light_along
@@ -44,7 +44,7 @@ class StoredLight:
     samples: np.ndarray  #: (count,) paths that each node is the mean of
 
 
-def opaque_light(kernel: Kernel, stored: StoredLight, bright: Bright) -> Callable[..., tuple]:
+def opaque_light(kernel: LoadedScene, stored: StoredLight, bright: Bright) -> Callable[..., tuple]:
     """Return what opaque surfaces do: the radiance towards the eye, and a glossy bounce with its weight and density.
 
     Bounces towards what is bright are seldom left out: a window that a polished table mirrors is most of its noise.

@@ -10,8 +10,8 @@ from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 from ..frame import LightCheck, SurfaceLight
-from ..pictures.picture import PATHS, Tracer, camera_paths
-from ..scene.kernel import Kernel
+from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole
 from .cache_points import place_nodes
 from .fill_cache import gather_light
@@ -50,12 +50,12 @@ def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def fill_scene_cache(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
+def fill_scene_cache(kernel: LoadedScene) -> tuple[Tracer, LightCheck, StoredLight]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene, loaded with cut meshes.
 
     Returns
@@ -82,17 +82,17 @@ def fill_scene_cache(kernel: Kernel) -> tuple[Tracer, LightCheck, StoredLight]:
         nodes=stored.nodes.count,
         paths=int(stored.samples.sum()),
     )
-    return (tracer if fine else PATHS), check, stored
+    return (tracer if fine else PATH_TRACER), check, stored
 
 
-def stored_light(kernel: Kernel) -> StoredLight:
+def stored_light(kernel: LoadedScene) -> StoredLight:
     """Return the light at all nodes of the scene, by as many paths as its pictures make worth while."""
     scene, nodes = kernel.description, place_nodes(kernel)
     paths = int(np.clip(_SHARE * _camera_samples(scene) / nodes.count, _FEWEST, _MOST))
     return gather_light(kernel, nodes, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
 
 
-def compared(kernel: Kernel, tracer: Tracer) -> tuple[float, float]:
+def compared(kernel: LoadedScene, tracer: Tracer) -> tuple[float, float]:
     """Return how much brighter pictures from stored light are than path-traced ones, and the standard error.
 
     Both are shares of the mean light of random pixels of the left pictures. The error is that of both ways' samples
@@ -110,13 +110,13 @@ def compared(kernel: Kernel, tracer: Tracer) -> tuple[float, float]:
 
 
 def _pairs(
-    kernel: Kernel, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
+    kernel: LoadedScene, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the luminance of random pixels by paths and from stored light."""
     camera, seeds = kernel.description.cameras[view], rng.integers(0, 1 << 32, 2)
     pixel = rng.integers(0, camera.width * camera.height, pixels).astype(np.uint32)
     values = []
-    for seed, way in zip(seeds, (PATHS, tracer), strict=True):
+    for seed, way in zip(seeds, (PATH_TRACER, tracer), strict=True):
         ray, weight, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), _SAMPLES, _SAMPLES, int(seed))
         radiance = way.trace(kernel, ray, weight, points, kernel.description.picture).radiance
         dr.eval(radiance)
@@ -125,12 +125,12 @@ def _pairs(
     return values[0], values[1]
 
 
-def surface_light(kernel: Kernel, stored: StoredLight) -> SurfaceLight:
+def surface_light(kernel: LoadedScene, stored: StoredLight) -> SurfaceLight:
     """Return the light that arrives at each node of a scene, in the nodes' order.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene, loaded with cut meshes.
     stored : StoredLight
         Its light.

@@ -19,9 +19,9 @@ from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
 from ..pictures.integrator import SURVIVE, Radiance, ran_into, relative_index
 from ..pictures.picture import Tracer
-from ..pictures.sample_weights import Worth
+from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import Samples, four, hashed, one
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import absorption_at
 from ..scene.surfaces import AIR_INDEX, met, registry_id
@@ -29,7 +29,7 @@ from .guiding import Bright, bright_map, steered
 from .irradiance_cache import StoredLight, opaque_light
 
 #: Where samples pay: stored light leaves little noise but in glass and in what polish mirrors (docs/design.md).
-WORTH = Worth(glass=16.0, polished=6.0)
+WORTH = SampleWeights(glass=16.0, polished=6.0)
 #: Surfaces that rays meet in the first round. Then those that are left are gathered, and go on to their ends. (More
 #: rounds before that save as much as they cost.)
 _FIRST_ROUND = 6
@@ -65,13 +65,13 @@ class Chain:
     lane: mi.UInt32  #: where its light goes
 
 
-def reading(kernel: Kernel, stored: StoredLight) -> Tracer:
+def reading(kernel: LoadedScene, stored: StoredLight) -> Tracer:
     """Return the tracer that reads stored light."""
     bright = bright_map(kernel.description)
     surface = opaque_light(kernel, stored, bright)
 
     def trace(
-        kernel: Kernel, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, points: Samples, picture: Picture
+        kernel: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, points: Samples, picture: Picture
     ) -> Radiance:
         return follow(kernel, ray, points, picture, surface, bright)
 
@@ -79,13 +79,13 @@ def reading(kernel: Kernel, stored: StoredLight) -> Tracer:
 
 
 def follow(
-    kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, surface: Callable[..., tuple], bright: Bright
+    kernel: LoadedScene, ray: mi.Ray3f, points: Samples, picture: Picture, surface: Callable[..., tuple], bright: Bright
 ) -> Radiance:
     """Follow camera rays; return what they bring back, evaluated.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The scene.
     ray, points
         From `picture.camera_paths`.
@@ -144,7 +144,7 @@ def _to_the_end(chain: Chain, advanced: Callable[[Chain], Chain]) -> Chain:
 
 
 def _advanced(
-    kernel: Kernel,
+    kernel: LoadedScene,
     chain: Chain,
     points: Samples,
     picture: Picture,
@@ -160,7 +160,7 @@ def _advanced(
 
 @syntax
 def _through_glass(
-    kernel: Kernel, chain: Chain, points: Samples, picture: Picture, surfaces: int, bright: Bright
+    kernel: LoadedScene, chain: Chain, points: Samples, picture: Picture, surfaces: int, bright: Bright
 ) -> tuple[Chain, mi.PreliminaryIntersection3f, mi.Bool]:
     """Follow rays until they meet something opaque or nothing, end, or have met `surfaces`.
 
@@ -219,7 +219,7 @@ def _first_facet(points: Samples, depth: mi.UInt32, alpha: mi.Float) -> mi.Point
 
 @syntax
 def _shaded(
-    kernel: Kernel,
+    kernel: LoadedScene,
     chain: Chain,
     pi: mi.PreliminaryIntersection3f,
     outside: mi.Bool,

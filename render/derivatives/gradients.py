@@ -17,10 +17,11 @@ import numpy as np
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
+from ..frame import Eye
 from ..pictures.integrator import Radiance, trace
 from ..pictures.picture import camera_paths, check_media
 from ..pictures.sampler import Samples
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole
 from .replay import replay
 from .tape import Slots, slots, tape
@@ -51,13 +52,13 @@ class PictureDerivatives:
 
 
 def picture_and_gradients(
-    kernel: Kernel, camera: Camera, eye: str, seed: int, adjoint: np.ndarray, spp: int | None = None
+    kernel: LoadedScene, camera: Camera, eye: Eye, seed: int, adjoint: np.ndarray, spp: int | None = None
 ) -> tuple[np.ndarray, Gradients]:
     """Return a picture, and the gradients of a loss by the scene's parameters (reverse mode).
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene, in an RGB variant.
     camera : Camera
         The stereo pair.
@@ -102,7 +103,7 @@ def picture_and_gradients(
 
 
 def picture_derivatives(
-    kernel: Kernel, camera: Camera, eye: str, seed: int, spp: int | None = None
+    kernel: LoadedScene, camera: Camera, eye: Eye, seed: int, spp: int | None = None
 ) -> PictureDerivatives:
     """Return a picture and its derivative by every parameter as images (forward mode).
 
@@ -121,12 +122,12 @@ def picture_derivatives(
     return PictureDerivatives(np.asarray(picture).T.reshape(shape), images[:media], alpha, environment, lights)
 
 
-def changed(kernel: Kernel, sigma_a: np.ndarray | None = None, alpha: np.ndarray | None = None) -> Kernel:
+def changed(kernel: LoadedScene, sigma_a: np.ndarray | None = None, alpha: np.ndarray | None = None) -> LoadedScene:
     """Return the loaded scene with other absorption or roughness, without loading it again.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene, in an RGB variant. It stays as it is; its description is carried over unchanged.
     sigma_a : (media, 3), optional
         Absorption of each of `kernel.surfaces.media` [1/m], >= 0.
@@ -158,7 +159,7 @@ def _column(name: str, values: np.ndarray, shape: tuple[int, ...], most: float) 
     return column
 
 
-def _checked(kernel: Kernel) -> Slots:
+def _checked(kernel: LoadedScene) -> Slots:
     if not (mi.is_rgb and dr.is_diff_v(mi.Float)) or mi.is_polarized:
         raise InputError("derivatives", "an RGB variant with AD, such as llvm_ad_rgb", mi.variant())
     return slots(kernel)
@@ -173,7 +174,7 @@ def _by_light(where: Slots, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _passes(
-    kernel: Kernel, where: Slots, camera: Camera, eye: str, seed: int, spp: int | None
+    kernel: LoadedScene, where: Slots, camera: Camera, eye: Eye, seed: int, spp: int | None
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield each pass's share of the picture (3, pixels) and of the derivatives (slots, 3, pixels)."""
     pixels, view = camera.width * camera.height, pinhole(camera, eye)
@@ -193,7 +194,9 @@ def _passes(
         done += count
 
 
-def _one_pass(kernel: Kernel, where: Slots, ray: mi.Ray3f, points: Samples, count: int) -> tuple[Radiance, np.ndarray]:
+def _one_pass(
+    kernel: LoadedScene, where: Slots, ray: mi.Ray3f, points: Samples, count: int
+) -> tuple[Radiance, np.ndarray]:
     picture = kernel.description.picture
     first = trace(kernel, ray, mi.UnpolarizedSpectrum(1.0), points, picture)
     dr.eval(first, ray, points.pixel, points.index)

@@ -13,7 +13,7 @@ from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter, upright_normal
 from ..pictures.integrator import SURVIVE, numbers_of, opaque_event, ran_into, relative_index
 from ..pictures.sampler import Samples, hashed
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import absorption_at
 from ..scene.surfaces import met, registry_id
@@ -22,7 +22,7 @@ from .walk_score import walk_score
 
 
 @syntax
-def replay(kernel: Kernel, ray: mi.Ray3f, points: Samples, picture: Picture, into: Tape) -> mi.Color3f:
+def replay(kernel: LoadedScene, ray: mi.Ray3f, points: Samples, picture: Picture, into: Tape) -> mi.Color3f:
     """Walk the paths of `integrator.trace`, given the same, again; return their radiance and fill the tape.
 
     RGB variants only. The loop is that of `trace`, which this must follow to the last bit. The survival of roulette

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._mitsuba import dr, mi
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import SurfaceTable
 
 
@@ -49,7 +49,7 @@ class Tape:
     lane: mi.UInt32
 
 
-def slots(kernel: Kernel) -> Slots:
+def slots(kernel: LoadedScene) -> Slots:
     """Return the slots of a loaded scene."""
     table = kernel.surfaces
     rough = np.flatnonzero((np.array(table.alpha) > 0.0) & ~np.array(table.opaque))

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
-from ..frame import Geometry, Layers
-from ..scene.kernel import Kernel
+from ..frame import Eye, Geometry, Layers
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import clearance, leave, pinhole, pixel_rays
 from ..scene.surfaces import registry_id
 from .layers import Recorder, layers_of, record, recorder
@@ -38,17 +38,17 @@ class Straight:
     met: mi.UInt32  #: surfaces along the ray, lamps excepted
 
 
-def trace_geometry(kernel: Kernel, camera: Camera, eye: str = "left") -> Geometry:
+def trace_geometry(kernel: LoadedScene, camera: Camera, eye: Eye = "left") -> Geometry:
     """Return what the straight rays through the pixel centres of one eye meet (`trace_straight` without layers)."""
     return trace_straight(kernel, camera, 0, eye)[0]
 
 
-def trace_straight(kernel: Kernel, camera: Camera, layers: int, eye: str = "left") -> tuple[Geometry, Layers]:
+def trace_straight(kernel: LoadedScene, camera: Camera, layers: int, eye: Eye = "left") -> tuple[Geometry, Layers]:
     """Return what the straight rays through the pixel centres of one eye meet, and the first surfaces in order.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     camera : Camera
         The stereo pair.
@@ -93,7 +93,7 @@ def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
 
 
 @syntax
-def straight(kernel: Kernel, ray: mi.Ray3f, into: Recorder | None = None) -> Straight:
+def straight(kernel: LoadedScene, ray: mi.Ray3f, into: Recorder | None = None) -> Straight:
     """Follow straight rays through everything that they meet; `into` takes their layers."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
     dr.make_opaque(offset)

@@ -10,7 +10,7 @@ from ...procedural.description.materials_of import materials_of
 from ...procedural.description.scene import Prop
 from .._mitsuba import dr, mi
 from ..frame import Layers
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
 from ..scene.surfaces import SurfaceTable, registry_id
 
@@ -34,7 +34,7 @@ class Recorder:
     word: mi.UInt32
 
 
-def recorder(kernel: Kernel, view: Pinhole, depth_per_distance: mi.Float, count: int) -> Recorder:
+def recorder(kernel: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, count: int) -> Recorder:
     """Return an empty record of the first `count` surfaces along each ray of one eye."""
     rays = dr.width(depth_per_distance)
     front, back = _materials_by_row(kernel)
@@ -106,7 +106,7 @@ def layers_of(made: Recorder, met: mi.UInt32, shape: tuple[int, int]) -> Layers:
     )
 
 
-def _materials_by_row(kernel: Kernel) -> tuple[mi.UInt32, mi.UInt32]:
+def _materials_by_row(kernel: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     """Return the material before and behind each surface, by registry id; before an opaque one is air."""
     scene, table = kernel.description, kernel.surfaces
     materials = materials_of(scene)

@@ -14,9 +14,9 @@ import numpy as np
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
-from ..frame import HIT, LOST, SURROUNDINGS, Refraction
+from ..frame import HIT, LOST, SURROUNDINGS, Eye, Refraction
 from ..interfaces.dielectric import through
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.surfaces import met, registry_id
 
@@ -40,7 +40,7 @@ class Refracted:
 
 
 def refract(
-    kernel: Kernel,
+    kernel: LoadedScene,
     ray: mi.Ray3f,
     eta: mi.Float | None = None,
     sigma_a: mi.Float | None = None,
@@ -55,7 +55,7 @@ def refract(
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     ray : mi.Ray3f
         Rays that start in air.
@@ -80,7 +80,7 @@ def refract(
 
 @syntax
 def _followed(
-    kernel: Kernel, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
+    kernel: LoadedScene, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
 ) -> Refracted:
     """Follow rays as `refract` says, in a symbolic or an evaluated loop."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
@@ -120,12 +120,12 @@ def _followed(
     return Refracted(state, point, direction, instance, bounces, transmittance, length)
 
 
-def trace_refraction(kernel: Kernel, cameras: Sequence[Camera], eye: str = "left") -> list[Refraction]:
+def trace_refraction(kernel: LoadedScene, cameras: Sequence[Camera], eye: Eye = "left") -> list[Refraction]:
     """Return where the rays through the pixel centres go, for any number of views in one trace.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     cameras : sequence of Camera
         The stereo pairs. A trace holds about 100 bytes a pixel.

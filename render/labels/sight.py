@@ -6,16 +6,16 @@ import numpy as np
 
 from .._mitsuba import dr, mi
 from ..frame import LineOfSight
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from .geometry import straight
 
 
-def line_of_sight(kernel: Kernel, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
+def line_of_sight(kernel: LoadedScene, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
     """Trace from `origin` towards each point.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     origin : (3,) float
         The eye, world frame [m].

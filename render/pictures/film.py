@@ -56,14 +56,14 @@ class Tally:
         freedom = self.samples**2 - self._squares
         return np.maximum(scatter, 0.0) / np.where(freedom > 0.0, freedom, np.inf)
 
-    def noise(self, exposure: float) -> float:
+    def noise(self, exposure: float) -> float | None:
         """Return the relative error of the picture: the root of the expected mean of (I - R)^2 / (R^2 + 0.01).
 
         It knows only what the samples found. Few samples miss light that comes by rare paths: the estimate is then too
         low. Where all light is found it is rather too high, because samples of different groups complete each other
-        (they are one Sobol' sequence). It is NaN where there is one group.
+        (they are one Sobol' sequence). None where there is one group.
         """
         if (self._squares == self.samples**2).any():
-            return float("nan")
+            return None
         relative = exposure**2 * self.variance / ((exposure * self.means) ** 2 + RELATIVE_FLOOR)
         return float(np.sqrt(relative.mean()))

@@ -18,8 +18,9 @@ import numpy as np
 
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
+from ..frame import Eye
 from ..interfaces.dielectric import through
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import grey_guide
 from ..scene.surfaces import met, registry_id
@@ -44,12 +45,12 @@ class Guides:
     polished: np.ndarray  #: ... and whether any meets a polished opaque surface first
 
 
-def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> Guides:
+def trace_guides(kernel: LoadedScene, camera: Camera, eye: Eye = "left") -> Guides:
     """Return the guides of one eye, and where it sees glass and polish.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene.
     camera : Camera
         The stereo pair.
@@ -76,7 +77,7 @@ def trace_guides(kernel: Kernel, camera: Camera, eye: str = "left") -> Guides:
 
 
 def _guides(
-    kernel: Kernel, view: Pinhole, exposure: float, pixel: np.ndarray, first: int, count: int
+    kernel: LoadedScene, view: Pinhole, exposure: float, pixel: np.ndarray, first: int, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Follow `count` rays through each pixel, from number `first` of its sequence on.
 
@@ -107,7 +108,7 @@ def _guides(
 
 
 def _followed(
-    kernel: Kernel, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
+    kernel: LoadedScene, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
 ) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool, mi.Bool]:
     """Follow rays to the first rough surface.
 
@@ -133,7 +134,7 @@ def _followed(
 
 @syntax
 def _through_smooth_glass(
-    kernel: Kernel, ray: mi.Ray3f, wanted: bool | mi.Bool
+    kernel: LoadedScene, ray: mi.Ray3f, wanted: bool | mi.Bool
 ) -> tuple[mi.Ray3f, mi.PreliminaryIntersection3f, mi.Color3f, mi.Ray3f, mi.Float, mi.UInt32]:
     """Return the last segments of rays, what these meet, their weights, the mirrored rays, and how many they passed."""
     scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)

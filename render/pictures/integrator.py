@@ -9,7 +9,7 @@ from ...procedural.description.scene import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import Scattered, scatter
 from ..interfaces.polarised import analyser_of, in_world, scatter_polarised
-from ..scene.kernel import Kernel
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolarised
 from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
@@ -43,7 +43,7 @@ class Start:
 
 @syntax
 def trace(
-    kernel: Kernel,
+    kernel: LoadedScene,
     ray: mi.Ray3f,
     weight: mi.Spectrum,
     points: Samples,

@@ -10,13 +10,14 @@ import numpy as np
 from ...procedural.description.scene import Picture
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
-from ..scene.kernel import Kernel
+from ..frame import Eye, PictureNoise
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
 from .film import Tally
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
-from .sample_weights import Worth, group_counts
+from .sample_weights import SampleWeights, group_counts
 from .sampler import Samples, four, samples
 
 #: Paths traced at a time. Each holds 20 bytes of results, so a pass stays under 100 MB.
@@ -31,21 +32,20 @@ FEW_VIOLATIONS = 10
 #: 0.1 % over the pixels of a small picture.
 _GROUPS = 16
 #: Where samples pay if paths are traced (docs/performance.md).
-PATHS_WORTH = Worth(glass=4.0, polished=1.0)
+PATH_TRACER_WEIGHTS = SampleWeights(glass=4.0, polished=1.0)
 #: Samples a pixel below which all pixels get as many.
 LEAST_ADAPTIVE = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Noisy:
+class NoisyImage:
     """A picture before the denoiser, with its guides, and what it cost."""
 
     radiance: np.ndarray  #: (H, W, 3) float32, linear Rec.709
     variance: np.ndarray  #: (H, W, 3) float32, of each value, estimated; 0 for one sample
     albedo: np.ndarray  #: (H, W, 3) float32
     normal: np.ndarray  #: (H, W, 3) float32, world frame
-    noise: float  #: relative error, estimated; see `Tally.noise`
-    spp: int  #: samples per pixel that were taken, on the average
+    sampling: PictureNoise  #: samples per pixel on average, and the relative error (`Tally.noise`)
     violations: float  #: share of segments whose medium was not the one that the next surface faced them with
 
 
@@ -54,24 +54,24 @@ class Tracer:
     """How the light that camera rays bring is found, and where samples pay then."""
 
     #: Given a kernel, rays, their weight, sample points and `Picture`; as `integrator.trace`.
-    trace: Callable[[Kernel, mi.Ray3f, mi.UnpolarizedSpectrum, Samples, Picture], Radiance]
-    worth: Worth  #: where samples pay then
+    trace: Callable[[LoadedScene, mi.Ray3f, mi.UnpolarizedSpectrum, Samples, Picture], Radiance]
+    weights: SampleWeights  #: where samples pay then
 
 
 #: The path tracer, which is what all else is compared with.
-PATHS = Tracer(trace, PATHS_WORTH)
+PATH_TRACER = Tracer(trace, PATH_TRACER_WEIGHTS)
 
 
 class MediumError(RuntimeError):
     """The scene's interfaces contradict each other: a segment arrives in another medium than it started in."""
 
 
-def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: Tracer = PATHS) -> Noisy:
+def trace_picture(kernel: LoadedScene, camera: Camera, eye: Eye, seed: int, tracer: Tracer = PATH_TRACER) -> NoisyImage:
     """Render one eye of a camera.
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene. Its description asks for a number of samples, or for a noise and the most samples.
     camera : Camera
         The stereo pair.
@@ -80,7 +80,7 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: T
     seed : int
         Seed of this picture, different for every eye of every view.
     tracer : Tracer
-        How light is found: by paths, or as stored (`cache.scene_cache.fill_scene_cache`).
+        How light is found: by paths, or as stored (`light.scene_light.shared_light`).
 
     Raises
     ------
@@ -97,12 +97,16 @@ def trace_picture(kernel: Kernel, camera: Camera, eye: str, seed: int, tracer: T
         counts += _one_batch(source, tally, guides, batch)
         spp += batch
         check_media(counts, eye)
-        if picture.noise is not None and tally.noise(camera.exposure) <= picture.noise:
+        if picture.noise is not None and _is_below(tally.noise(camera.exposure), picture.noise):
             break
     shape = (camera.height, camera.width, 3)
     radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (tally.means, tally.variance))
-    noise, violations = tally.noise(camera.exposure), float(counts[0] / counts[1])
-    return Noisy(radiance, variance, guides.albedo, guides.normal, noise, spp, violations)
+    sampling = PictureNoise(spp=spp, noise=tally.noise(camera.exposure))
+    return NoisyImage(radiance, variance, guides.albedo, guides.normal, sampling, float(counts[0] / counts[1]))
+
+
+def _is_below(noise: float | None, target: float) -> bool:
+    return noise is not None and noise <= target
 
 
 def _most(picture: Picture) -> int:
@@ -118,7 +122,7 @@ def _is_adaptive(picture: Picture, batch: int) -> bool:
 class _Source:
     """What the samples of one picture come from."""
 
-    kernel: Kernel
+    kernel: LoadedScene
     view: Pinhole
     seed: int
     tracer: Tracer
@@ -128,7 +132,7 @@ def _one_batch(source: _Source, tally: Tally, guides: Guides, batch: int) -> np.
     """Take a batch of samples a pixel on the average; return the violations and the segments."""
     size, every = max(1, batch // _GROUPS), np.ones(guides.glass.size, np.int64)
     if _is_adaptive(source.kernel.description.picture, batch):
-        worth = source.tracer.worth
+        worth = source.tracer.weights
         counts, larger = group_counts(guides.glass, guides.polished, worth, batch / size), worth.most
         # Where there are many, larger groups tell the noise as well and are fewer numbers to add.
         large = np.where(counts >= 2 * larger, counts // larger, 0)
@@ -160,7 +164,7 @@ def _some_groups(source: _Source, tally: Tally, counts: np.ndarray, size: int) -
 def _one_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, size: int) -> Radiance:
     """Trace groups of `size` samples, given the pixel and the first sample of each."""
     picture: Picture = source.kernel.description.picture
-    longest = _most(picture) * (source.tracer.worth.most if _is_adaptive(picture, picture.spp) else 1)
+    longest = _most(picture) * (source.tracer.weights.most if _is_adaptive(picture, picture.spp) else 1)
     ray, weight, points = camera_paths(source.view, pixel, index, size, longest, source.seed)
     result = source.tracer.trace(source.kernel, ray, weight, points, picture)
     # Once for all of it, not once a channel; and nothing of polarisation, which a picture does not show.
@@ -197,7 +201,7 @@ def camera_paths(
     return ray, weight, points
 
 
-def check_media(counts: np.ndarray, eye: str) -> None:
+def check_media(counts: np.ndarray, eye: Eye) -> None:
     """Raise MediumError if more of the segments change their medium under way than hairline cracks explain.
 
     Parameters

@@ -18,7 +18,7 @@ _FEWEST = 2
 
 
 @dataclass(frozen=True)
-class Worth:
+class SampleWeights:
     """Samples of a pixel over those of one that shows neither glass nor polish."""
 
     glass: float
@@ -30,14 +30,14 @@ class Worth:
         return int(max(self.glass, self.polished))
 
 
-def group_counts(glass: np.ndarray, polished: np.ndarray, worth: Worth, groups: float) -> np.ndarray:
+def group_counts(glass: np.ndarray, polished: np.ndarray, worth: SampleWeights, groups: float) -> np.ndarray:
     """Share out groups of samples.
 
     Parameters
     ----------
     glass, polished : (H, W) bool
         Which pixels show glass, and a polished surface (`guides.trace_guides`).
-    worth : Worth
+    worth : SampleWeights
         How many samples they get over the others; less where the others would else get too few groups.
     groups : float
         Groups of a pixel, on the average.

@@ -14,14 +14,15 @@ import numpy as np
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
-from ..scene.kernel import Kernel
+from ..frame import Eye
+from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole
 from .integrator import trace
 from .picture import PATHS_PER_PASS, camera_paths, check_media
 
 
 def trace_stokes(
-    kernel: Kernel, camera: Camera, eye: str = "left", seed: int = 0, spp: int | None = None
+    kernel: LoadedScene, camera: Camera, eye: Eye = "left", seed: int = 0, spp: int | None = None
 ) -> np.ndarray:
     """Render the Stokes vectors of one eye of a camera, undenoised.
 
@@ -30,7 +31,7 @@ def trace_stokes(
 
     Parameters
     ----------
-    kernel : Kernel
+    kernel : LoadedScene
         The loaded scene, in a polarised variant.
     camera : Camera
         The stereo pair.
@@ -73,7 +74,7 @@ def trace_stokes(
 
 
 def _passes(
-    kernel: Kernel, view: Pinhole, pixels: int, spp: int, seed: int
+    kernel: LoadedScene, view: Pinhole, pixels: int, spp: int, seed: int
 ) -> Iterator[tuple[np.ndarray, list[np.int64]]]:
     """Yield each pass's sums over the samples (4, 3, pixels), and its violations and segments."""
     # A path holds 56 bytes of results, where one of a picture holds 20.

@@ -9,6 +9,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
+from ..frame import Eye
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class Pinhole:
     origin: mi.Point3f
 
 
-def pinhole(camera: Camera, eye: str = "left") -> Pinhole:
+def pinhole(camera: Camera, eye: Eye = "left") -> Pinhole:
     """Return the left or the right eye of a camera; InputError for another name."""
     if eye not in ("left", "right"):
         raise InputError("eye", "'left' or 'right'", repr(eye))

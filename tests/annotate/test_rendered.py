@@ -18,7 +18,7 @@ def test_rendered_geometry_and_labels_agree_with_closed_forms(analytic, backend,
     # Mitsuba can only be imported once a variant is set, which `backend` does.
     from glassware.render.labels.geometry import trace_geometry
     from glassware.render.labels.sight import line_of_sight
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = analytic.scene(views=4)
     camera, points, kernel = scene.cameras[number], scene_keypoints(scene), load(scene)

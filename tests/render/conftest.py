@@ -71,7 +71,7 @@ def glasses(drawn) -> Scene:
 @pytest.fixture(scope="session")
 def loaded_glasses(backend, glasses):
     """The same, loaded."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     return load(glasses)
 

@@ -8,7 +8,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def cut(backend, drawn):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), cut=True)
 

@@ -14,7 +14,7 @@ def polished(backend, drawn):
     """A polished table that mirrors the windows of a room, its light stored."""
     from glassware.render.cache.cache_points import place_nodes
     from glassware.render.cache.fill_cache import gather_light
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     camera = {"views": 1, "width": 48, "height": 32, "slack": (1.0, 1.0)}
     room = {"room_share": 1.0}

@@ -82,9 +82,8 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
     from glassware.render.cache.cache_points import place_nodes
     from glassware.render.cache.fill_cache import gather_light
     from glassware.render.cache.trace_cached import reading
-    from glassware.render.pictures.picture import PATHS as BY_PATHS
-    from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.kernel import load
+    from glassware.render.pictures.picture import PATH_TRACER, trace_picture
+    from glassware.render.scene.loaded_scene import load
 
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
     kernel = load(scene, cut=True)
@@ -92,7 +91,7 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
     pictures = []
     for seed in range(PASSES):
         tracer = reading(kernel, gather_light(kernel, nodes, PATHS, 100 + seed))
-        pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((BY_PATHS, tracer)))
+        pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
     difference = stored.mean(0) - paths.mean(0)
@@ -104,7 +103,7 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
 
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, even_light):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(
         2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
@@ -136,11 +135,11 @@ def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
 
 def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
     from glassware.render.cache import scene_cache
-    from glassware.render.pictures.picture import PATHS as BY_PATHS
+    from glassware.render.pictures.picture import PATH_TRACER
 
     right = scene_cache.stored_light(furnace)
     tracer, check, _ = scene_cache.fill_scene_cache(furnace)
-    assert tracer is not BY_PATHS
+    assert tracer is not PATH_TRACER
     assert check.mode == "shared"
     assert abs(check.difference) < 0.01 + 3 * check.standard_error
 
@@ -148,7 +147,7 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     brighter[:, :6] *= 1.2
     monkeypatch.setattr(scene_cache, "stored_light", lambda kernel: replace(right, moments=brighter))
     tracer, check, _ = scene_cache.fill_scene_cache(furnace)
-    assert tracer is BY_PATHS
+    assert tracer is PATH_TRACER
     assert check.mode == "path"
     assert check.difference > 0.01
 

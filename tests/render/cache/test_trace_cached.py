@@ -17,7 +17,7 @@ def lit(backend, drawn):
     from glassware.render.cache.fill_cache import gather_light
     from glassware.render.cache.guiding import bright_map
     from glassware.render.cache.irradiance_cache import opaque_light
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, cut=True)

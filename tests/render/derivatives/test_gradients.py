@@ -27,7 +27,7 @@ TO_THE_END = {"max_depth": 64, "rr_depth": 64}
 @pytest.fixture(scope="module")
 def looked_at(backend, panorama, optical_bench):
     """(index, absorption, roughness, panorama's pixels) -> a loaded slab before surroundings, seen along +y."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def make(eta, sigma_a, alpha, pixels, **picture):
         body = optical_bench.box((2.0, 0.05, 2.0), (0.0, 0.0, 3.0))
@@ -62,7 +62,7 @@ def bright_spot() -> np.ndarray:
 @pytest.fixture(scope="module")
 def rough_drawn(backend, drawn):
     """Rough and smooth drawn vessels under the sky and a lamp, with default roulette."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     camera = {"views": 1, "width": 32, "height": 24}
     scene = drawn(5, vessels={"fill_probability": 1.0, "chord_error": 2e-4, "rough_probability": 0.5}, cameras=camera)
@@ -146,7 +146,7 @@ def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
 
 
 def test_each_light_s_derivative_is_what_the_picture_gains_with_its_radiance(rough_drawn):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene, before = rough_drawn.description, _left(rough_drawn)
     np.testing.assert_allclose(before.environment + before.lights.sum(0), before.radiance, rtol=1e-5, atol=1e-6)

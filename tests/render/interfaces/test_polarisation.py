@@ -331,7 +331,7 @@ def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polari
     from glassware.procedural.surroundings.colour import luminance
     from glassware.render.pictures.stokes import degree_of_polarisation, trace_stokes
     from glassware.render.renderer import Renderer
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     spectra = {"spectral": mi.is_spectral, "dispersion": mi.is_spectral, "spp": 16}
     scene = drawn(5, vessels={"rough_probability": 0.5, "chord_error": 1e-4}, picture=spectra)

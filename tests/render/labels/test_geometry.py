@@ -32,7 +32,7 @@ def _labelled(kernel, number: int):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(seed, vessel_count=(2, 4), prop_count=(1, 4), cameras={"views": 3, **SIZE})
     kernel = load(scene)
@@ -43,7 +43,7 @@ def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
 
 
 def test_no_check_finds_fault_with_real_meshes(backend, drawn, shared_assets):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(
         8,
@@ -62,7 +62,7 @@ def test_no_check_finds_fault_with_real_meshes(backend, drawn, shared_assets):
 
 
 def test_disparity_is_focal_length_times_baseline_over_depth(backend, drawn):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(1, cameras={"views": 1, **SIZE})
     kernel, camera = load(scene), scene.cameras[0]
@@ -81,7 +81,7 @@ def test_disparity_is_focal_length_times_baseline_over_depth(backend, drawn):
 
 
 def test_the_table_and_the_background_are_where_they_are(backend, drawn):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(3, cameras={"views": 3, **SIZE})
     kernel = load(scene)
@@ -120,7 +120,7 @@ def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, 
 
     from glassware.procedural.props.shapes import SHAPES
     from glassware.render.labels.geometry import straight
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     monkeypatch.setattr(optical_bench, "BOARD", (0.9, 0.9, 0.02))  # the offset grows with the scene
     rng, count = np.random.default_rng(seed), 400_000

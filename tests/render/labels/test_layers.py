@@ -117,7 +117,7 @@ def _inside(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 def test_a_slab_has_its_two_faces_as_layers(backend, optical_bench):
     from glassware.render.labels.geometry import trace_straight
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     camera = optical_bench.camera((0.0, 0.0, 0.5))
     slab = optical_bench.box((3.0, 3.0, 0.05), (0.013, 0.007, 0.2))

@@ -27,7 +27,7 @@ def _refract(kernel, ray, **options):
 
 
 def _load(scene):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     return load(scene)
 

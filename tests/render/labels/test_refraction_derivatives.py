@@ -16,7 +16,7 @@ ETA = 1.52
 
 @pytest.fixture(scope="module")
 def slab(backend, optical_bench):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     body = optical_bench.box((3.0, 3.0, 0.05), (0.013, 0.007, 0.2))
     return load(optical_bench.scene(body, optical_bench.medium(ETA, (3.0, 1.0, 0.5))))
@@ -24,7 +24,7 @@ def slab(backend, optical_bench):
 
 @pytest.fixture(scope="module")
 def ball(backend, optical_bench):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     body = optical_bench.ball(0.05, 5, (0.0, 0.0, 0.2))
     return load(optical_bench.scene(body, optical_bench.medium(ETA)))
@@ -161,7 +161,7 @@ def test_the_derivative_by_vertex_positions_is_the_central_difference(backend, o
     import mitsuba as mi
 
     from glassware.render.labels.refraction import refract
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     # A kernel of its own: its vertices are moved.
     body = optical_bench.ball(0.05, 5, (0.0, 0.0, 0.2))

@@ -14,7 +14,7 @@ DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
 @pytest.fixture(scope="module")
 def on_table(backend, glasses):
     """(texture, repeats, other looks) -> the glasses on a table with it, loaded."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def make(texture, repeats: float = 1.0, **look: float):
         looks = {"base_colour": texture, "repeats": repeats, "metallic": 0.0} | look
@@ -98,7 +98,7 @@ def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_
 
 @pytest.mark.parametrize(("roughness", "metallic", "shines"), [(0.2, 0.0, True), (0.6, 0.0, False), (0.7, 1.0, True)])
 def test_polish_is_where_a_smooth_or_metal_prop_is_seen_first(backend, drawn, roughness, metallic, shines):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     view = {"views": 1, "width": 96, "height": 64, "slack": (1.0, 1.0)}
     scene = drawn(12, vessel_count=(0, 0), prop_count=(2, 2), cameras=view)

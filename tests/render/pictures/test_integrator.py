@@ -22,7 +22,7 @@ LIFTED = 0.01
 @pytest.fixture(scope="module")
 def lifted(backend, drawn, clear):
     """Smooth clear glasses, filled and floating, and a prop."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def raised(vessel):
         pose = vessel.world_T_object.copy()
@@ -104,7 +104,7 @@ def test_mean_light_agrees_with_mitsubas(pictures):
 
 def test_the_comparison_sees_a_glass_of_another_index(pictures, lifted):
     from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def heavier(medium):
         return medium.model_copy(update={"eta": medium.eta + 0.3}) if medium.eta > 1.4 else medium

@@ -27,7 +27,7 @@ RIM = 0.003
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, clear, even_light):
     """(fill probability, roughness probability) -> a loaded scene of clear vessels with next to no table."""
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def make(fill: float, rough: float = 0.0, picture: Picture | None = None):
         scene = clear(

@@ -16,11 +16,11 @@ SIGNIFICANCE = 1e-3
 
 @pytest.fixture
 def counts():
-    from glassware.render.pictures.sample_weights import Worth, group_counts
+    from glassware.render.pictures.sample_weights import SampleWeights, group_counts
 
     def counts(glass: np.ndarray, spp: int, size: int, polished: np.ndarray | None = None) -> np.ndarray:
         polished = np.zeros_like(glass) if polished is None else polished
-        return group_counts(glass, polished, Worth(glass=4.0, polished=2.0), spp / size)
+        return group_counts(glass, polished, SampleWeights(glass=4.0, polished=2.0), spp / size)
 
     return counts
 
@@ -110,7 +110,7 @@ def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
     scene = loaded_glasses.description
     picture = scene.picture.model_copy(update={"spp": 16, "noise": 1e-3, "max_spp": 6})
     kernel = replace(loaded_glasses, description=scene.model_copy(update={"picture": picture}))
-    assert trace_picture(kernel, scene.cameras[0], "left", 1).spp == 6
+    assert trace_picture(kernel, scene.cameras[0], "left", 1).sampling.spp == 6
 
 
 def test_an_eye_that_a_camera_has_not_is_refused(loaded_glasses):

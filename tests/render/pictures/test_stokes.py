@@ -49,7 +49,7 @@ def one_bright_side(panorama):
 @pytest.fixture(scope="module")
 def lifted(polarised, drawn, clear, one_bright_side):
     """Smooth clear glasses, filled and floating, on a table and beside a prop of polarising plastic."""
-    from glassware.render.scene import kernel
+    from glassware.render.scene import loaded_scene
 
     def raised(vessel):
         pose = vessel.world_T_object.copy()
@@ -66,8 +66,8 @@ def lifted(polarised, drawn, clear, one_bright_side):
     scene = clear(scene)
     with pytest.MonkeyPatch.context() as patch:
         # Our own materials scatter unpolarised light, and would not show a frame turned wrongly.
-        patch.setattr(kernel, "opaque_bsdf", lambda _: {"type": "pplastic", "alpha": 0.15})
-        return kernel.load(
+        patch.setattr(loaded_scene, "opaque_bsdf", lambda _: {"type": "pplastic", "alpha": 0.15})
+        return loaded_scene.load(
             scene.model_copy(
                 update={
                     "vessels": tuple(raised(item) for item in scene.vessels),
@@ -185,7 +185,7 @@ def mirror(polarised, optical_bench, panorama):
     """A plate in a dark room with a ceiling of radiance 1, loaded."""
     from glassware.core.assets import asset
     from glassware.procedural.description.surroundings import PictureEnvironment
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     sky = np.zeros((16, 32, 3))
     sky[:8] = 1.0

@@ -83,7 +83,7 @@ def _medium_at(vessel, names: dict[str, int], points: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def sides(backend, drawn):
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     scene = drawn(11, vessel_count=(3, 3), prop_count=(0, 0), vessels={"fill_probability": 1.0, "chord_error": 2e-4})
     return scene, load(scene)
@@ -124,7 +124,7 @@ def test_pictures_of_drawn_scenes_have_no_segment_in_the_wrong_medium_beyond_hai
 @pytest.mark.parametrize("fault", ["media exchanged", "missing"])
 def test_an_interface_that_is_wrong_is_caught_while_the_picture_is_made(backend, glasses, part, fault):
     from glassware.render.pictures.picture import MediumError, trace_picture
-    from glassware.render.scene.kernel import load
+    from glassware.render.scene.loaded_scene import load
 
     def spoiled(vessel):
         kept = [item for item in vessel.interfaces if not (fault == "missing" and item.part == part)]

@@ -45,7 +45,7 @@ class OpaqueBody:
 
 
 @dataclass(frozen=True, eq=False)
-class Kernel:
+class LoadedScene:
     """A scene ready for rays."""
 
     description: Scene
@@ -55,7 +55,7 @@ class Kernel:
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: filled in where light is to be stored on them
 
 
-def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> Kernel:
+def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> LoadedScene:
     """Load a scene into Mitsuba (the variant must be active: `render.backend.variant.activate`).
 
     Parameters
@@ -66,7 +66,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> Ke
         Give glass the BSDFs that Mitsuba's own integrators need to draw it. Ours refracts by the surface table, and
         every such BSDF would be compiled into its kernel, index and all, for nothing.
     cut : bool
-        Cut opaque meshes fine enough to store light at their vertices, and list them in `Kernel.opaque_bodies`.
+        Cut opaque meshes fine enough to store light at their vertices, and list them in `LoadedScene.opaque_bodies`.
     """
     check_variant(scene.picture.dispersion)
     table = mi.load_dict(opaque_bsdf(scene.table.material))
@@ -91,7 +91,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, cut: bool = False) -> Ke
             for i, (mesh, world_T, _, surface) in enumerate(bodies)
             if surface.opaque
         )
-    return Kernel(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach, opaque)
+    return LoadedScene(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach, opaque)
 
 
 def _cut(mesh: Mesh, surface: Surface) -> Mesh:
