@@ -20,7 +20,7 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import activate
-from .frame import Frame, LightCheck, LineOfSight, SurfaceLight
+from .frame import EYES, Eye, Frame, LightCheck, LineOfSight, SurfaceLight
 
 if TYPE_CHECKING:
     from .pictures.picture import NoisyImage
