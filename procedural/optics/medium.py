@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from ...core.errors import InputError
 from ...core.model import Model
-from .dispersion import D_LINE, Dispersion, index
+from .dispersion import D_LINE, Dispersion, in_range, index
 
 #: `Medium.eta` is stored rounded to this many digits, so it may differ from its formula by half of the last one.
 ETA_DIGITS = 6
@@ -24,8 +26,8 @@ class Absorber(Model):
 class Medium(Model):
     """A homogeneous medium.
 
-    `eta` and `sigma_a` are what the RGB variants of the renderer use; `dispersion.eta` and `spectra.absorption` are
-    their spectral counterparts. Numbers that are not known are None.
+    The fields `eta` and `sigma_a` are for the RGB variants of the renderer; the functions `eta` and `spectra.absorption` are
+    return their spectral counterparts. Numbers that are not known are None.
     """
 
     name: str = Field(description="Name in the catalogue")
@@ -70,3 +72,30 @@ class Medium(Model):
 #: Air at 15 degC and 1013 hPa has index 1.00028 (Edlen 1966, doi:10.1088/0026-1394/2/2/002). Indices of solids and
 #: liquids in the catalogue are relative to air, so air is 1.
 AIR = Medium(name="air", eta=1.0)
+
+
+def eta(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refuse", "hold"] = "refuse") -> np.ndarray:
+    """Return the refractive index of a medium at some wavelengths.
+
+    A medium without a dispersion formula has the same index at all wavelengths.
+
+    Parameters
+    ----------
+    medium : Medium
+        The medium.
+    wavelength_nm : float or array of any shape
+        Wavelength in air [nm].
+    outside : {"refuse", "hold"}
+        What to do outside the formula's valid range: raise, or use the nearest valid wavelength. A spectral renderer
+        samples down to 360 nm and up to 830 nm, where some formulas end and the eye sees next to nothing, so it holds.
+
+    Raises
+    ------
+    InputError
+        A wavelength is outside the valid range and `outside` is ``"refuse"``.
+    """
+    wavelength = np.asarray(wavelength_nm, dtype=np.float64)
+    if medium.dispersion is None:
+        return np.full(wavelength.shape, medium.eta)
+    low, high = medium.dispersion.valid
+    return index(medium.dispersion, in_range(wavelength, low, high, f"index of {medium.name}", outside))

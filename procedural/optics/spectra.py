@@ -127,7 +127,7 @@ def absorption(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refus
     wavelength_nm : float or array of any shape
         Wavelength [nm].
     outside : {"refuse", "hold"}
-        As in `dispersion.eta`.
+        As in `medium.eta`.
 
     Returns
     -------

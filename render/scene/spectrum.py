@@ -10,8 +10,7 @@ import mitsuba as mi
 import numpy as np
 
 from ...core.errors import InputError
-from ...procedural.optics.dispersion import eta
-from ...procedural.optics.medium import Medium
+from ...procedural.optics.medium import Medium, eta
 from ...procedural.optics.spectra import absorption
 from ...procedural.surroundings.colour import luminance
 
