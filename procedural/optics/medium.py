@@ -26,8 +26,8 @@ class Absorber(Model):
 class Medium(Model):
     """A homogeneous medium.
 
-    The fields `eta` and `sigma_a` are for the RGB variants of the renderer; the functions `eta` and `spectra.absorption` are
-    return their spectral counterparts. Numbers that are not known are None.
+    The RGB variants of the renderer use the fields `eta` and `sigma_a`; the functions `eta` and `spectra.absorption`
+    are their spectral counterparts. Numbers that are not known are None.
     """
 
     name: str = Field(description="Name in the catalogue")
