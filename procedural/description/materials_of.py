@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ..optics.medium import AIR, Medium
 from .material import OpaqueMaterial
-from .scene import Prop, Scene, Vessel
+from .scene import Prop, Scene, SceneObject
 
 
 def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
     """Return what a scene is made of, each once: air, the table's material, then those of the objects by their ids.
 
-    A vessel brings its glass and then its liquid. The order depends on the description alone.
+    A glass body brings its glass and then its liquid. The order depends on the description alone.
     """
     found: list[Medium | OpaqueMaterial] = [AIR]
     for material in [scene.table.material, *(part for item in scene.objects for part in _materials(item))]:
@@ -19,7 +19,7 @@ def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
     return tuple(found)
 
 
-def _materials(item: Vessel | Prop) -> list[Medium | OpaqueMaterial]:
+def _materials(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
         return [item.material]
     media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]

@@ -11,6 +11,7 @@ from ...core.assets import Asset
 from ...core.model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
 from .material import OpaqueMaterial
 
+NotNegative = Annotated[float, Field(ge=0.0)]
 Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
 
 
@@ -96,7 +97,24 @@ class PictureEnvironment(Model):
     strength: float = Field(default=1.0, gt=0.0)
 
 
-Environment = Annotated[RoomEnvironment | SkyEnvironment | PictureEnvironment, Field(discriminator="kind")]
+class ConstantEnvironment(Model):
+    """The same radiance from every direction (a white furnace, an overcast day without a horizon)."""
+
+    kind: Literal["constant"] = "constant"
+    radiance: tuple[NotNegative, NotNegative, NotNegative] = Field(
+        default=(1.0, 1.0, 1.0), description="Linear Rec.709"
+    )
+    strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
+
+    @property
+    def rotation(self) -> float:
+        """Turn about +z [rad], as the other environments have it: none."""
+        return 0.0
+
+
+Environment = Annotated[
+    RoomEnvironment | SkyEnvironment | PictureEnvironment | ConstantEnvironment, Field(discriminator="kind")
+]
 
 
 class AreaLight(Model):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, Vessel, glass_solid
+from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
 from ..optics.draw import draw_glass, draw_liquid
 from ..placement.placement import CONTACT_GAP, footprint, spread
 from ..placement.resting import lowered, resting_pose, turn_about_z
@@ -103,8 +103,8 @@ def _props(
 
 
 def _placed(
-    objects: list[Vessel | Prop], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
-) -> list[Vessel | Prop]:
+    objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
+) -> list[SceneObject]:
     """Return the objects in their places: vessels upright, props as they would come to rest."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
     outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
@@ -117,17 +117,17 @@ def _placed(
     return placed
 
 
-def _pose(item: Vessel | Prop, rng: np.random.Generator) -> np.ndarray:
+def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
     if isinstance(item, Vessel):
         return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
     return resting_pose(item.mesh, rng)
 
 
-def _body(item: Vessel | Prop) -> Mesh:
-    return glass_solid(item) if isinstance(item, Vessel) else item.mesh
+def _body(item: SceneObject) -> Mesh:
+    return item.mesh if isinstance(item, Prop) else glass_solid(item)
 
 
-def _workspace(objects: list[Vessel | Prop]) -> tuple[np.ndarray, float]:
+def _workspace(objects: list[SceneObject]) -> tuple[np.ndarray, float]:
     """Return centre (3,) and radius [m] of a ball round all objects, or round the middle of a bare table."""
     if not objects:
         return np.zeros(3), 0.1

@@ -77,7 +77,7 @@ def load_scene(path: Path | str) -> Scene:
     ------
     InputError
         For a damaged or unknown file, a missing mesh, an asset that is missing, changed or outside the data set, or
-        a scene that cannot exist (`sanity.check_scene`).
+        a scene that cannot exist (`validate.check_scene`).
     """
     path = Path(path)
     data = read_json(path)

@@ -1,0 +1,1 @@
+"""Scenes put together by hand: bodies of a few numbers, a board, a camera."""
