@@ -95,8 +95,12 @@ def ball(
     name: str = "ball",
     chord_error: float = CHORD_ERROR,
 ) -> GlassBody:
-    """Return a ball about a point [m], with exact normals; InputError where its radius [m] is not positive."""
-    mesh = ball_mesh(radius, name, chord_error=chord_error)
+    """Return a ball about a point [m], with exact normals; InputError where its radius [m] is not positive.
+
+    The chord error [m] is kept down to the finest icosphere, of 327,680 triangles.
+    """
+    fine = (level for level in _SUBDIVISIONS if radius * _ICOSAHEDRON_SAGITTA / 4.0**level <= chord_error)
+    mesh = ball_mesh(radius, next(fine, _SUBDIVISIONS[-1]), name)
     return glass_body(mesh, glass, id=id, name=name, category="ball", symmetric=True, world_T_mesh=_moved(centre))
 
 
@@ -175,23 +179,25 @@ def vessel(
     return made.model_copy(update={"world_T_object": _moved((*place, 0.5 * made.size[2]))})
 
 
-def ball_mesh(radius: float, name: str = "ball", *, chord_error: float = CHORD_ERROR) -> Mesh:
-    """Return an icosphere about the origin with exact normals.
+def ball_mesh(radius: float, subdivisions: int, name: str = "ball", centre: Point = (0.0, 0.0, 0.0)) -> Mesh:
+    """Return an icosphere about a point [m] with exact normals.
 
     Parameters
     ----------
     radius : float
         Radius [m].
+    subdivisions : int
+        The mesh has 20 * 4^subdivisions triangles; their distance from the sphere is at most
+        ``0.2053 radius / 4^subdivisions``.
     name : str
         Name of the mesh.
-    chord_error : float
-        Largest distance from the true surface [m]; the finest icosphere has 327,680 triangles, whatever is wanted.
+    centre : (float, float, float)
+        Centre [m].
     """
     _check_positive(f"{name}, radius", radius)
-    fine = (level for level in _SUBDIVISIONS if radius * _ICOSAHEDRON_SAGITTA / 4.0**level <= chord_error)
-    solid = trimesh.creation.icosphere(subdivisions=next(fine, _SUBDIVISIONS[-1]))
+    solid = trimesh.creation.icosphere(subdivisions=subdivisions)
     unit = np.asarray(solid.vertices) / np.linalg.norm(solid.vertices, axis=1, keepdims=True)
-    return Mesh(name, radius * unit, np.asarray(solid.faces), unit)
+    return Mesh(name, radius * unit + np.array(centre), np.asarray(solid.faces), unit)
 
 
 def box_mesh(size: Point, name: str = "box", centre: Point = (0.0, 0.0, 0.0)) -> Mesh:

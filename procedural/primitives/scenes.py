@@ -60,6 +60,7 @@ def camera(
     baseline: float = BASELINE,
     exposure: float = 1.0,
     grid_index: int = 0,
+    roll: float = 0.0,
 ) -> Camera:
     """Return a stereo camera whose left eye looks at a point, +z up in the picture.
 
@@ -77,6 +78,8 @@ def camera(
         Factor from radiance to the linear value that sRGB encodes.
     grid_index : int
         Number of the view.
+    roll : float
+        Turn about the optical axis, clockwise as the camera sees it [rad].
 
     Raises
     ------
@@ -90,7 +93,7 @@ def camera(
         height=height,
         focal=float(width) if focal is None else focal,
         centre=((width - 1) / 2, (height - 1) / 2),
-        world_T_camera=look_at(np.array(eye), np.array(target)),
+        world_T_camera=look_at(np.array(eye), np.array(target), roll),
         baseline=baseline,
         exposure=exposure,
         grid_index=grid_index,

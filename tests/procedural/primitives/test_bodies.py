@@ -9,7 +9,7 @@ from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh, turned, volume_of
 from glassware.procedural.description.scene import GlassBody, Vessel
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.primitives.bodies import ball, ball_mesh, box_mesh, glass_body, prism, slab, vessel
+from glassware.procedural.primitives.bodies import ball, box_mesh, glass_body, prism, slab, vessel
 from glassware.procedural.primitives.scenes import camera, scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
 from glassware.procedural.scene.validate import check_scene
@@ -35,7 +35,7 @@ def test_a_ball_has_its_volume_and_exact_normals():
 
 @pytest.mark.parametrize("error", [1e-3, 1e-4, 1e-5])
 def test_a_balls_facets_lie_within_the_chord_error(error):
-    mesh = ball_mesh(0.05, chord_error=error)
+    mesh = _outside(ball(0.05, GLASS, chord_error=error))
     middles = mesh.vertices.astype(float)[mesh.faces].mean(1)
     depth = 0.05 - np.linalg.norm(middles, axis=1)
     assert 0.0 < depth.max() <= error
