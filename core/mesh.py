@@ -14,8 +14,8 @@ from .errors import InputError
 class Mesh:
     """A triangle mesh in the frame of its object.
 
-    Vertices may stand twice where the surface has a crease or a seam (two normals, two texture coordinates), with
-    bit-identical positions. Counter-clockwise faces look along the outward normal.
+    Vertices are duplicated at a crease or a seam (two normals, two texture coordinates), with bit-identical positions.
+    Counter-clockwise faces look along the outward normal.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Mesh:
     faces : (m, 3) int32
         Indices into ``vertices``.
     normals : (n, 3) float32, optional
-        Unit shading normals; None asks for flat shading.
+        Unit shading normals; None means flat shading.
     uv : (n, 2) float32, optional
         Texture coordinates.
     """
@@ -103,7 +103,7 @@ def turned(mesh: Mesh, name: str | None = None) -> Mesh:
 
 
 def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trimesh:
-    """Return a `trimesh.Trimesh` of the positions, with doubled vertices welded.
+    """Return a `trimesh.Trimesh` of the positions, with duplicate vertices merged.
 
     Parameters
     ----------

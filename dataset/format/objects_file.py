@@ -11,8 +11,7 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.materials_of import materials_of
-from ...procedural.description.scene import Prop, Scene, SceneObject
+from ...procedural.description.scene import Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"

@@ -27,7 +27,7 @@ class Interface(Model):
     """A surface between two media. Its normals point from `back` to `front`."""
 
     part: Literal["outside", "wet_wall", "liquid_surface"] = Field(
-        description="air|glass, glass|liquid, liquid|air: which two media it parts"
+        description="air|glass, glass|liquid, liquid|air: the two media that it separates"
     )
     mesh: MeshField
     front: Medium = Field(description="The medium that the normals point into")
@@ -43,7 +43,7 @@ class Liquid(Model):
     centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
     contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
     contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
-    fill: float = Field(gt=0.0, le=1.0, description="Share of the vessel's brimful volume")
+    fill: float = Field(gt=0.0, le=1.0, description="Fraction of the vessel's brimful volume")
     volume: float = Field(gt=0.0, description="Volume [m^3]")
 
 
@@ -126,31 +126,31 @@ class Picture(Model):
         default=64,
         ge=1,
         le=1_048_576,
-        description="Samples per pixel on the average over the picture; with `noise`, of each pass",
+        description="Mean samples per pixel of a picture; with `noise`, of each pass",
     )
     noise: float | None = Field(
         default=None,
         gt=0.0,
         lt=1.0,
-        description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
+        description="Relative error of the picture before the denoiser at which passes stop; none takes `spp` samples",
     )
-    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
-    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples than others")
+    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: most samples per pixel")
+    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples")
     light: Literal["auto", "path", "shared"] = Field(
         default="auto",
-        description="Trace the light anew for every picture (path), store it once per scene and read it in every "
-        "picture (shared), or what takes less time (auto)",
+        description="Path tracing for every picture (path), an irradiance cache filled once per scene (shared), or "
+        "whichever takes less time (auto)",
     )
     keep_light: bool = Field(
-        default=False, description="Whether the light that is stored is written with the scene; it is stored then"
+        default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"
     )
-    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
-    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
-    denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
-    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
-    refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
-    spectral: bool = Field(default=False, description="Whether light has wavelengths instead of red, green and blue")
-    dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
+    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
+    denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
+    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
+    refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
+    spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
+    dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
 
     @model_validator(mode="after")
     def _fit_together(self) -> Picture:
@@ -177,7 +177,7 @@ def _kind_of_body(body: object) -> str:
 
 
 class Scene(Model):
-    """Everything that light can meet, and how it is looked at."""
+    """Table, objects, light, cameras and picture settings."""
 
     schema_version: Literal["glassware/scene/1"] = SCENE_SCHEMA
     seed: int = Field(ge=0, description="Seed of the data set")
@@ -210,7 +210,7 @@ class Scene(Model):
     __str__ = __repr__
 
 
-#: What has an instance id of its own.
+#: Everything with an instance id of its own.
 SceneObject = GlassBody | Prop
 
 
@@ -232,3 +232,22 @@ def liquid_solid(body: GlassBody) -> Mesh:
     if "wet_wall" not in parts:
         raise ValueError(f"{body.name}: expected a liquid in it, found none")
     return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{body.name}-liquid")
+
+
+def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
+    """Return the materials of a scene, each once: air, the table's, then those of the objects by their ids.
+
+    Labels name them by their place in this list. Of a glass body, the glass comes before the liquid.
+    """
+    found: list[Medium | OpaqueMaterial] = [AIR]
+    for material in [scene.table.material, *(part for item in scene.objects for part in _materials_of_object(item))]:
+        if material not in found:
+            found.append(material)
+    return tuple(found)
+
+
+def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
+    if isinstance(item, Prop):
+        return [item.material]
+    media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
+    return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]

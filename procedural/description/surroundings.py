@@ -24,7 +24,7 @@ class Table(Model):
 
 
 class Window(Model):
-    """A bright rectangle on a wall or the ceiling of a room."""
+    """A light source: a rectangle on a wall or the ceiling of a room."""
 
     kind: Literal["window", "lamp"] = Field(
         default="window", description="A view to the outside, or an evenly lit diffuser (ceiling lamp, soft box)"
@@ -64,7 +64,7 @@ class RoomEnvironment(Model):
     wall_colours: tuple[Reflectance, ...] = Field(
         min_length=6, max_length=6, description="Reflectance of +x -x +y -y ceiling floor"
     )
-    windows: tuple[Window, ...] = Field(min_length=1, description="Everything that shines")
+    windows: tuple[Window, ...] = Field(min_length=1, description="Windows and lamps")
     panels: tuple[Panel, ...] = ()
     blocks: tuple[Block, ...] = ()
     board_width: float = Field(default=0.0, ge=0.0, description="Width of the floor's boards [m]; 0 for none")
@@ -81,7 +81,7 @@ class SkyEnvironment(Model):
     sun_radiance: float = Field(ge=0.0, description="Luminance of the blurred disc's middle, relative to the zenith's")
     sun_radius: float = Field(gt=0.0, description="Angular radius of the blurred disc [rad]")
     turbidity: float = Field(ge=1.7, le=10.0, description="Haze (Preetham et al. 1999), 2 clear to 10 hazy")
-    cloudiness: Unit = Field(description="Share of the sky under clouds")
+    cloudiness: Unit = Field(description="Fraction of the sky covered by clouds")
     ground: Reflectance = Field(description="Reflectance of the ground, lit by this sky")
     seed: int = Field(ge=0, description="Seed of the clouds and the skyline")
     rotation: float = Field(default=0.0, description="Turn about +z [rad]; 0 has the sun at azimuth 0")
@@ -118,7 +118,7 @@ Environment = Annotated[
 
 
 class AreaLight(Model):
-    """A rectangle that shines from one side: along its local +z."""
+    """A rectangle that emits light on one side, along its local +z."""
 
     world_T_light: Matrix4
     size: tuple[float, float] = Field(description="Extent along its local x and y [m]")

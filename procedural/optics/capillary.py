@@ -1,4 +1,4 @@
-"""The capillary meniscus of a liquid in a round vessel: the axisymmetric Young-Laplace equation, by collocation.
+"""The capillary meniscus of a liquid in a cylindrical vessel: the axisymmetric Young-Laplace equation, by collocation.
 
 With ``lc = sqrt(gamma / (rho g))`` the capillary length, phi the surface's slope angle and z the height above the
 level at which the liquid's pressure is the air's (Laplace 1805; de Gennes, Brochard-Wyart and Quere, "Capillarity and
@@ -44,7 +44,7 @@ SHOOTING_TOLERANCE = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Meniscus:
-    """The surface of a liquid at rest in a round vessel.
+    """The surface of a liquid at rest in an axisymmetric vessel.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def meniscus(
     wall_tilt: float = 0.0,
     samples: int = 64,
 ) -> Meniscus:
-    """Solve the meniscus of a liquid in a round vessel.
+    """Solve the meniscus of a liquid in an axisymmetric vessel.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def meniscus(
     wall_tilt : float
         Angle of the wall from the vertical at the contact line [rad]; positive where the vessel widens upwards.
     samples : int
-        Points of the profile, at least 8; they crowd at the wall.
+        Points of the profile, at least 8; they are denser near the wall.
 
     Raises
     ------

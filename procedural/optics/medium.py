@@ -20,7 +20,7 @@ class Absorber(Model):
     """One part of a medium's absorption: a spectrum of `spectra.SPECTRA` times a factor."""
 
     spectrum: str = Field(description="Name of the spectrum in `spectra.SPECTRA`")
-    amount: float = Field(ge=0.0, description="Share of a substance [1], or concentration of a dye or pigment [kg/m^3]")
+    amount: float = Field(ge=0.0, description="Fraction of a substance [1], or concentration of a dye [kg/m^3]")
 
 
 class Medium(Model):
@@ -48,7 +48,7 @@ class Medium(Model):
 
     @model_validator(mode="before")
     @classmethod
-    def _name_what_is_wrong(cls, data: Any) -> Any:
+    def _name_the_medium_in_errors(cls, data: Any) -> Any:
         # pydantic's own message has the field but not the medium; a scene holds many media.
         if isinstance(data, dict):
             name = f"medium {data.get('name', '?')}"

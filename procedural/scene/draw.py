@@ -31,11 +31,11 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     Parameters
     ----------
     settings : SceneSettings
-        What may be drawn.
+        The settings.
     seed : int
         Seed of the data set.
     scene_id : int
-        Number of the scene. Nothing but these three, and the files in the settings' folders, decides the scene.
+        Number of the scene. The scene depends on these three and the files in the settings' folders only.
     files : AssetFiles, optional
         What `asset_files` found in the settings' folders, for many scenes; they are searched without it.
 
@@ -105,7 +105,7 @@ def _props(
 def _placed(
     objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
 ) -> list[SceneObject]:
-    """Return the objects in their places: vessels upright, props as they would come to rest."""
+    """Return the objects in their places: vessels upright, props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
     outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
     shifts = spread(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
@@ -128,7 +128,7 @@ def _body(item: SceneObject) -> Mesh:
 
 
 def _workspace(objects: list[SceneObject]) -> tuple[np.ndarray, float]:
-    """Return centre (3,) and radius [m] of a ball round all objects, or round the middle of a bare table."""
+    """Return centre (3,) and radius [m] of a ball around all objects, or around the middle of an empty table."""
     if not objects:
         return np.zeros(3), 0.1
     clouds = [_body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3] for item in objects]

@@ -21,6 +21,11 @@ LEAST_CORNER = 1.5e-3
 LEAST_BORE = 4.5e-3
 #: Most that a wall is thicker at the bottom than at the top [m].
 MOST_TAPER = 1.5e-3
+#: Largest radius of the ball that rounds the inside's corners, and radii of the outer corner at the base [m], as on
+#: pressed and blown household glass; both give way where the vessel is narrow.
+MOST_CORNER, FILLET = 6e-3, (8e-4, 4e-3)
+#: Heights of the hollow under the base [m], at most this fraction of the base's radius, and how often vessels have one.
+PUNT, PUNT_STEEPNESS, PUNT_PROBABILITY = (0.3e-3, 3e-3), 0.12, 0.6
 #: Least depth of a liquid [m]: less is a film, whose shape the floor decides, not the wall.
 LEAST_DEPTH = 4e-3
 
@@ -47,7 +52,7 @@ def draw_vessel(
     glass : Medium
         The glass.
     liquid_medium : Medium, optional
-        The liquid for the case that the vessel is filled; None leaves it empty.
+        The liquid, if the vessel is drawn to be filled; None leaves it empty.
 
     Returns
     -------
@@ -57,7 +62,7 @@ def draw_vessel(
     Raises
     ------
     InputError
-        Where no category asked for has the sizes asked for.
+        Where no category of the settings can have the sizes of the settings.
     """
     category, height, radius = draw_size(rng, settings)
     wall = _draw_wall(rng, settings, FAMILIES[category])
@@ -71,9 +76,9 @@ def draw_vessel(
     return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
 
 
-def _draw_within(rng: np.random.Generator, family: tuple[float, float], asked: tuple[float, float]) -> float:
-    """Draw from the part of the family's range that was asked for; where they have none in common, what was asked."""
-    low, high = np.clip(family, *asked)
+def _draw_within(rng: np.random.Generator, family: tuple[float, float], limits: tuple[float, float]) -> float:
+    """Draw from the family's range, clipped to the settings' limits."""
+    low, high = np.clip(family, *limits)
     return float(rng.uniform(low, high))
 
 
@@ -92,10 +97,10 @@ def _draw_shape(
     foot = float(outline.derivative(np.zeros(1), 0)[0])
     base = max(_draw_within(rng, family.base, settings.base), wall)
     taper = min(MOST_TAPER, 0.6 * wall) * rng.uniform(0.0, 1.0)
-    corner = min(rng.uniform(LEAST_CORNER, 6e-3), max(LEAST_CORNER, 0.6 * (open_radius - wall - taper)))
-    fillet = min(rng.uniform(8e-4, 4e-3), 0.35 * narrowest)
-    punt = rng.uniform(0.3e-3, 3e-3) if rng.random() < 0.6 and not outline.solid_below else 0.0
-    return WallShape(wall, taper, base, fillet, corner, min(punt, 0.12 * foot))
+    corner = min(rng.uniform(LEAST_CORNER, MOST_CORNER), max(LEAST_CORNER, 0.6 * (open_radius - wall - taper)))
+    fillet = min(rng.uniform(*FILLET), 0.35 * narrowest)
+    punt = rng.uniform(*PUNT) if rng.random() < PUNT_PROBABILITY and not outline.solid_below else 0.0
+    return WallShape(wall, taper, base, fillet, corner, min(punt, PUNT_STEEPNESS * foot))
 
 
 def _draw_filling(

@@ -8,8 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...procedural.description.materials_of import materials_of
-from ...procedural.description.scene import Prop
+from ...procedural.description.scene import Prop, materials_of
 from ..frame import Layers
 from ..scene.kernel import Kernel
 from ..scene.rays import Pinhole
