@@ -21,7 +21,7 @@ _NO_NUMBER = (
 )
 
 
-def complaint(where: object, error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
+def setting_error(where: object, error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
     """Return the first error of a validation as one line.
 
     Parameters
@@ -45,7 +45,7 @@ def complaint(where: object, error: ValidationError, model: type[BaseModel] | No
     return InputError(": ".join([str(where), *([".".join(map(str, place))] if place else [])]), expected, found)
 
 
-def unparsed(where: str, message: str, options: Sequence[str]) -> InputError:
+def parser_error(where: str, message: str, options: Sequence[str]) -> InputError:
     """Return an error of the command-line parser as one line of ours.
 
     Parameters

@@ -56,10 +56,10 @@ def apart(a: np.ndarray, b: np.ndarray, gap: float) -> bool:
     return False
 
 
-def spread(
+def draw_positions(
     footprints: Sequence[np.ndarray], board: np.ndarray, settings: PlacementSettings, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return where each footprint's origin goes, so that all lie on the board and apart.
+    """Draw a position for each footprint so that all lie on the board, apart from each other.
 
     Parameters
     ----------
@@ -84,13 +84,20 @@ def spread(
     """
     order = sorted(range(len(footprints)), key=lambda i: -np.ptp(footprints[i], axis=0).max())
     for _ in range(_RESTARTS):
-        shifts = _one_spread(footprints, order, board, settings, rng)
+        shifts = _attempt(footprints, order, board, settings, rng)
         if shifts is not None:
             return shifts
     raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
 
 
-def _one_spread(footprints, order, board, settings, rng) -> np.ndarray | None:
+def _attempt(
+    footprints: Sequence[np.ndarray],
+    order: Sequence[int],
+    board: np.ndarray,
+    settings: PlacementSettings,
+    rng: np.random.Generator,
+) -> np.ndarray | None:
+    """Place the footprints one after another; None where the disc outgrows the board."""
     placed: dict[int, np.ndarray] = {}
     shifts = np.zeros((len(footprints), 2))
     radius, limit = settings.radius, float(np.linalg.norm(board, axis=1).max())

@@ -8,7 +8,7 @@ from ...core.mesh import Mesh
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
 from ..optics.draw import draw_glass, draw_liquid
-from ..placement.placement import CONTACT_GAP, footprint, spread
+from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import draw_prop
 from ..props.settings import PropSettings
@@ -108,7 +108,7 @@ def _placed(
     """Return the objects in their places: vessels upright, props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
     outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
-    shifts = spread(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
+    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     placed = []
     for item, pose, shift in zip(objects, poses, shifts, strict=True):
         world_T_object = pose.copy()
