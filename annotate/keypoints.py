@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 import trimesh
 
-from ..procedural.description.scene import Prop, Scene
+from ..procedural.description.scene import Prop, Scene, SceneObject, Vessel, glass_solid
 from .projection import inside_picture, transformed
-from .surface import Object, outside_vertices
+from .surface import outside_vertices
 
 #: PVNet's choice after its ablation over 4, 8 and 12 points (table 3 there).
 KEYPOINT_COUNT = 8
@@ -34,7 +34,7 @@ class SceneKeypoints:
     world: np.ndarray  #: (n, k, 3) float64, world frame [m]
 
 
-def keypoints(item: Object, count: int = KEYPOINT_COUNT) -> np.ndarray:
+def keypoints(item: SceneObject, count: int = KEYPOINT_COUNT) -> np.ndarray:
     """Return farthest-point keypoints on an object's outside.
 
     The first is the vertex farthest from the frame's origin (the centre of the bounding box); each next one is the
@@ -43,8 +43,8 @@ def keypoints(item: Object, count: int = KEYPOINT_COUNT) -> np.ndarray:
 
     Parameters
     ----------
-    item : Vessel or Prop
-        The object; of a vessel, the outside of the glass.
+    item : GlassBody or Prop
+        The object; of a glass body, the outside of the glass.
     count : int
         Number of keypoints.
 
@@ -63,11 +63,12 @@ def keypoints(item: Object, count: int = KEYPOINT_COUNT) -> np.ndarray:
     return candidates[chosen]
 
 
-def _candidates(item: Object, count: int) -> np.ndarray:
+def _candidates(item: SceneObject, count: int) -> np.ndarray:
     candidates = outside_vertices(item)
-    if len(candidates) >= count or not isinstance(item, Prop):
+    if len(candidates) >= count or isinstance(item, Vessel):
         return candidates
-    vertices, faces = item.mesh.vertices.astype(np.float64), item.mesh.faces
+    mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+    vertices, faces = mesh.vertices.astype(np.float64), mesh.faces
     while len(candidates) < count:
         vertices, faces = trimesh.remesh.subdivide(vertices, faces)[:2]
         candidates = np.unique(vertices, axis=0)

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ..core.errors import InputError
 from ..core.model import Matrix4, Model, Vector3
-from ..procedural.description.scene import Scene
+from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.description.surroundings import Camera
 from ..render.frame import Frame, Geometry, LineOfSight, PictureNoise
 from ..render.renderer import Renderer
@@ -17,7 +17,7 @@ from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states, scene_keypoints
 from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
 from .projection import inverse_pose, project_camera, transformed
-from .surface import Object, hull_vertices
+from .surface import hull_vertices
 
 LABELS_SCHEMA = "glassware/labels/1"
 
@@ -167,7 +167,7 @@ def annotate(
 
 
 def _object_label(
-    item: Object,
+    item: SceneObject,
     index: int,
     camera_T_object: np.ndarray,
     camera: Camera,

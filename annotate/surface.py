@@ -6,27 +6,28 @@ import itertools
 
 import numpy as np
 
-from ..procedural.description.scene import Prop, Vessel
-
-Object = Vessel | Prop
+from ..procedural.description.scene import Prop, SceneObject, Vessel
 
 
-def hull_vertices(item: Object) -> np.ndarray:
+def hull_vertices(item: SceneObject) -> np.ndarray:
     """Return vertices whose convex hull is the object's, object frame, (n, 3) float64 [m]."""
     if isinstance(item, Prop):
         return item.mesh.vertices.astype(np.float64)
     return np.concatenate([i.mesh.vertices for i in item.interfaces if i.part == "outside"]).astype(np.float64)
 
 
-def outside_vertices(item: Object) -> np.ndarray:
+def outside_vertices(item: SceneObject) -> np.ndarray:
     """Return the distinct vertices of an object's outside, object frame, (n, 3) float64 [m], sorted.
 
     The outside of a vessel is the outside of its glass: the vertices of its air|glass surface that are nearer to the
-    outer profile than to the inner one. (The inside of an empty vessel is air|glass as well.)
+    outer profile than to the inner one. (The inside of an empty vessel is air|glass as well.) Of other glass bodies it
+    is the whole air|glass surface.
     """
     if isinstance(item, Prop):
         return np.unique(item.mesh.vertices, axis=0).astype(np.float64)
     vertices = np.unique(hull_vertices(item), axis=0)
+    if not isinstance(item, Vessel):
+        return vertices
     section = np.stack([np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2]], axis=1)
     outer, inner = (_distance(section, np.asarray(profile, np.float64)) for profile in (item.outer, item.inner))
     return vertices[outer < inner]

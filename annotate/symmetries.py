@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from ..core.mesh import Mesh
-from ..procedural.description.scene import Prop, Vessel
+from ..core.mesh import Mesh, joined
+from ..procedural.description.scene import Prop, SceneObject, Vessel
 
 #: A vertex moved this far from the nearest one, as a share of the longest side, is still in its place: meshes are cut
 #: to parts of a millimetre.
@@ -37,14 +37,15 @@ ASYMMETRIC, REVOLUTION, BALL = (
 )
 
 
-def symmetry_of(item: Vessel | Prop) -> Symmetry:
+def symmetry_of(item: SceneObject) -> Symmetry:
     """Return the symmetry of an object's shape; looks are not regarded."""
     if isinstance(item, Vessel):  # an open end, and often a liquid
         return REVOLUTION
+    mesh = item.mesh if isinstance(item, Prop) else joined([part.mesh for part in item.interfaces], item.name)
     turns = item.symmetric
-    if turns and is_ball(item.mesh):
+    if turns and is_ball(mesh):
         return BALL
-    return Symmetry(turns=turns, ball=False, motions=motions_of(item.mesh, turns))
+    return Symmetry(turns=turns, ball=False, motions=motions_of(mesh, turns))
 
 
 def is_ball(mesh: Mesh) -> bool:

@@ -1,4 +1,4 @@
-"""Files that a scene takes in: pictures, environment maps, meshes."""
+"""External files that a scene uses: pictures, environment maps, meshes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from .model import Model
 
 
 class Asset(Model):
-    """A file of somebody else's that the scene uses, pinned by its content.
+    """An external file, identified by the digest of its content.
 
-    In a data set the file lies in ``assets/`` beside ``scenes/``, named by its digest, so the data set carries
-    everything that its scenes need.
+    A data set stores it in ``assets/`` beside ``scenes/``, named by its digest, so that it is self-contained.
     """
 
     path: Path = Field(description="Where the file is (absolute while a scene is drawn; relative in a scene file)")
@@ -25,7 +24,7 @@ class Asset(Model):
 
 
 def asset(path: Path) -> Asset:
-    """Return the pinned record of a file; InputError where it cannot be read."""
+    """Return the record of a file with its digest; InputError where it cannot be read."""
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
@@ -34,7 +33,7 @@ def asset(path: Path) -> Asset:
 
 
 def checked_path(item: Asset) -> Path:
-    """Return the asset's path after checking that the file is there and is the one that was pinned."""
+    """Return the asset's path; InputError where the file is missing or its content has changed."""
     found = asset(item.path).sha256
     if found != item.sha256:
         raise InputError(item.path, f"the file with SHA-256 {item.sha256[:12]}...", f"{found[:12]}...")

@@ -1,4 +1,4 @@
-"""Files and folders that appear whole or not at all, and stay after a power cut."""
+"""Atomic writes: files and folders appear complete or not at all, and survive a power cut."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _PARTIAL = re.compile(r"\.(?P<name>.+)\.(?P<kind>partial|old)-(?P<process>[0-9]+
 
 
 def write_atomically(path: Path, data: bytes) -> None:
-    """Write a file beside its place, sync it, and rename it there."""
+    """Write a file under a temporary name, sync it, and rename it."""
     with whole_file(path) as partial:
         partial.write_bytes(data)
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Give the name of a hidden file to write; put it at ``path`` in the end, or remove it where it went wrong."""
+    """Yield the path of a hidden file to write; rename it to ``path`` at the end, or remove it after an error."""
     partial = _hidden(path, "partial")
     try:
         yield partial
@@ -34,10 +34,10 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def whole_folder(path: Path) -> Iterator[Path]:
-    """Give a hidden folder to fill; put it at ``path`` in the end, or remove it where anything went wrong.
+    """Yield a hidden folder to fill; rename it to ``path`` at the end, or remove it after an error.
 
-    A folder that is at ``path`` already is moved aside just before and removed just after. Where the process is killed
-    between the two moves, `remove_leftovers` puts it back.
+    An existing folder at ``path`` is renamed just before and removed just after. If the process is killed between the
+    two renames, `remove_leftovers` restores it.
     """
     partial, old = _hidden(path, "partial"), _hidden(path, "old")
     try:
@@ -48,7 +48,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
             path.rename(old)
         partial.rename(path)
     except BaseException:
-        # Ctrl-C as well: it is an exception like any other, and nothing half-made may stay.
+        # Also for Ctrl-C: no incomplete folder may remain.
         if old.exists() and not path.exists():
             old.rename(path)
         shutil.rmtree(partial, ignore_errors=True)
@@ -58,16 +58,16 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 
 def discard(folder: Path) -> None:
-    """Remove a folder: gone in one step for readers. A process that is killed meanwhile leaves a hidden leftover."""
+    """Remove a folder, atomically for readers. A process killed during the removal leaves a hidden folder."""
     hidden = _hidden(folder, "partial")
     folder.rename(hidden)
     shutil.rmtree(hidden)
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove what killed processes left half-made in a folder, and put back what they had moved aside.
+    """Remove the incomplete files and folders of killed processes, and restore what they had renamed.
 
-    What belongs to another process that is alive is left alone.
+    Files of other running processes are kept.
     """
     for entry in sorted(folder.iterdir()) if folder.is_dir() else []:
         match = _PARTIAL.fullmatch(entry.name)
@@ -83,13 +83,13 @@ def remove_leftovers(folder: Path) -> None:
 
 
 def another_writes(folder: Path) -> bool:
-    """Say whether another process that is alive is writing something into a folder."""
+    """Return whether another running process is writing into a folder."""
     matches = [_PARTIAL.fullmatch(entry.name) for entry in folder.iterdir()] if folder.is_dir() else []
     return any(_is_another_alive(int(match["process"])) for match in matches if match)
 
 
 def is_leftover(name: str) -> bool:
-    """Say whether a name is one of the hidden names that this module makes."""
+    """Return whether a name is one of the temporary names of this module."""
     return _PARTIAL.fullmatch(name) is not None
 
 
@@ -102,7 +102,7 @@ def _is_another_alive(process: int) -> bool:
         return False
     try:
         os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):  # no process has a number that the system cannot count to
+    except (ProcessLookupError, OverflowError):  # a number too large to be a process id
         return False
     except PermissionError:
         return True

@@ -1,19 +1,19 @@
-"""The one kind of error that is the user's to mend."""
+"""The error class for invalid input."""
 
 from __future__ import annotations
 
 
 class InputError(ValueError):
-    """A request that cannot be carried out: one line that says what, where, expected and found.
+    """Invalid input: one line of the form ``where: expected ..., found ...``.
 
-    Commands print it and exit with code 2. Anything else that goes wrong is ours and stays a traceback.
+    Commands print it and exit with code 2. Every other exception is a bug of ours and shows its traceback.
     """
 
     def __init__(self, where: object, expected: str, found: object) -> None:
         super().__init__(_printable(f"{where}: expected {expected}, found {found}"))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Tell how another process makes the same error of its text."""
+        """Pickle as the message alone, so that the error passes between processes."""
         return _of_text, (str(self),)
 
 
@@ -24,7 +24,7 @@ def _of_text(text: str) -> InputError:
 
 
 def _printable(text: str) -> str:
-    """Return a text with escapes for what a terminal would obey or could not show."""
+    """Return a text with control and unprintable characters escaped."""
     return "".join(_shown(letter) for letter in text)
 
 

@@ -1,4 +1,4 @@
-"""How every command ends: 0 done, 1 the work failed, 2 the request was wrong; 130 stopped by Ctrl-C, 143 by SIGTERM."""
+"""Exit codes of the commands: 0 success, 1 failure, 2 invalid input, 130 stopped by Ctrl-C, 143 by SIGTERM."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from rich.console import Console
 from .errors import InputError
 from .stopping import exit_code, stoppable, was_stopped
 
-#: Errors of a disk, a quota or a limit on file sizes: the work failed; neither request nor program is wrong.
+#: A full disk, an exceeded quota or file size limit: a failure, but neither invalid input nor a bug.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-#: Errors of a disk that became read-only, or of permissions that were taken away, while the work went on.
+#: A disk that became read-only, or permissions that were removed, while the command ran.
 _REFUSED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 class WorkFailed(Exception):
-    """Work that could not be done for a reason that is told already: one line, exit code 1, no traceback."""
+    """A failure with a known reason: printed as one line without a traceback, exit code 1."""
 
 
 def outcome(command: Callable[[], None]) -> int:
-    """Run a command and return its exit code; a wrong request is told in one line, a fault of ours as a traceback."""
+    """Run a command and return its exit code. Invalid input prints one line; a bug of ours shows a traceback."""
     console = Console(stderr=True)
     try:
         with stoppable():
@@ -33,7 +33,7 @@ def outcome(command: Callable[[], None]) -> int:
         console.print(str(error), markup=False, highlight=False, soft_wrap=True)
         return 1
     except BaseException as error:
-        # Dr.Jit and the import system wrap what a signal raises inside them.
+        # Dr.Jit and the import system wrap an exception that a signal handler raises inside them.
         if _stopped(error):
             console.print("stopped; nothing half-written is left", markup=False, highlight=False)
             return exit_code()
@@ -48,7 +48,7 @@ def outcome(command: Callable[[], None]) -> int:
 
 
 def _stopped(error: BaseException | None) -> bool:
-    """Tell whether a signal to stop is behind an error."""
+    """Return whether a stop signal caused an error."""
     if was_stopped():
         return True
     while error is not None:

@@ -15,19 +15,19 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
     Parameters
     ----------
     folder : Path
-        As the user gave it.
+        The folder.
     content : str
-        What it is a folder of, for the message.
+        What the folder holds, for the message.
     suffixes : sequence of str
-        In lower case; files may have them in any.
+        In lower case; compared without case.
     below : bool
-        Whether its subfolders are searched too.
+        Whether to search subfolders too.
 
     Raises
     ------
     InputError
-        Where it is no folder, cannot be read, has no such file, or one whose name is not UTF-8: no JSON file of ours
-        could name that.
+        Where it is not a folder, cannot be read, has no such file, or has one whose name is not UTF-8, which a JSON
+        file cannot hold.
     """
     try:
         if not folder.is_dir():

@@ -21,7 +21,7 @@ def json_text(data: object) -> str:
 
 
 def read_json(path: Path) -> Any:
-    """Read a JSON file; InputError where it is missing or damaged, says a key twice, or holds no finite number."""
+    """Read a JSON file; InputError where it is missing or damaged, repeats a key, or has infinite numbers."""
     try:
         return json.loads(
             path.read_text(encoding="utf-8"),
@@ -45,7 +45,7 @@ def check_schema(path: Path, data: object, schema: str) -> None:
 
 
 def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | None = None) -> M:
-    """Validate JSON data as a model; the first thing wrong becomes one InputError with file and field."""
+    """Validate JSON data as a model; the first error becomes an InputError with file and field."""
     try:
         return model.model_validate(data, strict=False, context=context)
     except ValidationError as error:
@@ -70,7 +70,7 @@ def _finite(text: str) -> float:
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    # Readers differ in which of two values they take.
+    # JSON readers differ in which of two values they keep.
     data = dict(pairs)
     if len(data) != len(pairs):
         keys = [key for key, _ in pairs]

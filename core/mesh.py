@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
+from .errors import InputError
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """A triangle mesh in the frame of its object.
 
-    Vertices may stand twice where the surface has a crease or a seam (two normals, two texture coordinates), with
-    bit-identical positions. Counter-clockwise faces look along the outward normal.
+    Vertices are duplicated at a crease or a seam (two normals, two texture coordinates), with bit-identical positions.
+    Counter-clockwise faces look along the outward normal.
 
     Parameters
     ----------
@@ -24,7 +26,7 @@ class Mesh:
     faces : (m, 3) int32
         Indices into ``vertices``.
     normals : (n, 3) float32, optional
-        Unit shading normals; None asks for flat shading.
+        Unit shading normals; None means flat shading.
     uv : (n, 2) float32, optional
         Texture coordinates.
     """
@@ -48,10 +50,42 @@ class Mesh:
                     )
                 object.__setattr__(self, field, value)
 
+    def __repr__(self) -> str:
+        """Return name and counts, never the arrays."""
+        return f"Mesh({self.name!r}: {len(self.vertices)} vertices, {len(self.faces)} faces)"
+
     @property
     def bounds(self) -> np.ndarray:
         """Smallest and largest coordinates, (2, 3) float64 [m]."""
         return np.stack([self.vertices.min(0), self.vertices.max(0)]).astype(np.float64)
+
+
+def check_closed(where: str, mesh: Mesh) -> None:
+    """Refuse a mesh that does not enclose a volume.
+
+    Raises
+    ------
+    InputError
+        An edge that is not passed once in each direction, or faces that look inwards.
+    """
+    # As bytes: rows of plain memory sort much faster than rows of numbers. Adding 0 makes -0 the same as 0.
+    _, index = np.unique(np.ascontiguousarray(mesh.vertices + np.float32(0.0)).view("V12").ravel(), return_inverse=True)
+    faces = index.reshape(-1)[mesh.faces].astype(np.int64)
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = int(index.max()) + 1
+    forth, back = np.sort(start * count + end), np.sort(end * count + start)
+    if (forth[1:] == forth[:-1]).any() or not np.array_equal(forth, back):
+        open_edges = len(np.setxor1d(forth, back, assume_unique=False))
+        raise InputError(where, "a closed surface, each edge between two triangles", f"{open_edges} loose edges")
+    volume = volume_of(mesh)
+    if volume <= 0.0:
+        raise InputError(where, "normals that point out of the body", f"a volume of {volume:.3e} m^3")
+
+
+def volume_of(mesh: Mesh) -> float:
+    """Return the volume of a closed mesh [m^3]: the sum of its triangles' tetrahedra with the origin."""
+    corners = mesh.vertices.astype(np.float64)[mesh.faces]
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
 
 
 def joined(meshes: tuple[Mesh, ...] | list[Mesh], name: str) -> Mesh:
@@ -63,13 +97,13 @@ def joined(meshes: tuple[Mesh, ...] | list[Mesh], name: str) -> Mesh:
 
 
 def turned(mesh: Mesh, name: str | None = None) -> Mesh:
-    """Return the mesh with faces and normals turned round."""
+    """Return the mesh with its faces and normals reversed."""
     normals = None if mesh.normals is None else -mesh.normals
     return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv)
 
 
 def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trimesh:
-    """Return a `trimesh.Trimesh` of the positions, with doubled vertices welded.
+    """Return a `trimesh.Trimesh` of the positions, with duplicate vertices merged.
 
     Parameters
     ----------

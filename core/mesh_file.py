@@ -1,8 +1,7 @@
-"""Meshes as binary PLY files that give back every bit.
+"""Meshes as binary PLY files, read back bit for bit.
 
-`trimesh` reads these files (a test proves it) but does not write or check them: it stores texture coordinates as
-doubles, scales normals again, and mends damaged input quietly, where a scene must come back exactly as it was or not at
-all.
+`trimesh` reads these files (a test proves it) but is not used to write or check them: it stores texture coordinates as
+doubles, normalises normals again, and repairs damaged input silently.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ _PROPERTIES = {"vertices": ("x", "y", "z"), "normals": ("nx", "ny", "nz"), "uv":
 _FACE = np.dtype([("count", "u1"), ("index", "<i4", (3,))])
 _FIRST_LINES = ["ply", "format binary_little_endian 1.0"]
 _FACE_LINE = "property list uchar int vertex_indices"
-#: No header of ours is longer [bytes]; a search for its end stops here in a file that is something else.
+#: Longest header [bytes]; the search for its end stops here in other files.
 _LONGEST_HEADER = 1024
 _END = b"end_header\n"
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write positions, faces, and normals and texture coordinates where there are any, as float32 and int32."""
+    """Write positions, faces, and (if present) normals and texture coordinates, as float32 and int32."""
     fields = [field for field in _PROPERTIES if getattr(mesh, field) is not None]
     table = np.concatenate([getattr(mesh, field) for field in fields], axis=1).astype("<f4")
     faces = np.zeros(len(mesh.faces), _FACE)
@@ -68,7 +67,7 @@ def _parsed(lines: list[str], path: Path) -> tuple[list[str], int, int]:
     fields = [field for field, properties in _PROPERTIES.items() if names.issuperset(properties)]
     if len(counts) == 2 and all(count.isdecimal() for count in counts):
         n_vertices, n_faces = (int(count) for count in counts)
-        # Written again from what was understood, the header has to be the one in the file.
+        # The header that follows from the parsed fields must be the one in the file.
         if "vertices" in fields and [*lines[:-1], _END.decode().strip()] == _header(fields, n_vertices, n_faces):
             return fields, n_vertices, n_faces
     raise InputError(path, "a binary PLY header as scene files have it", "something else")

@@ -1,4 +1,4 @@
-"""The base of the description's types, and the array fields they share."""
+"""The base class of all models, and their common field types."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
     return limits
 
 
-#: For pairs of numbers that limit a draw.
+#: For (smallest, largest) ranges.
 Ordered = AfterValidator(_ordered)
 #: ``a_T_b``, (4, 4) float64, read-only.
 Matrix4 = Annotated[

@@ -1,4 +1,4 @@
-"""Named random streams: a draw added to one stream changes no other."""
+"""Named random streams: draws from one stream do not affect the others."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def stream(seed: int, scene_id: int, name: str) -> np.random.Generator:
     Returns
     -------
     numpy.random.Generator
-        PCG64 generator that depends on the three arguments and on nothing else.
+        PCG64 generator that depends on the three arguments only.
     """
     return np.random.Generator(np.random.PCG64(_sequence(seed, scene_id, name)))
 

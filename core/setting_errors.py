@@ -1,4 +1,4 @@
-"""What is told of a setting that cannot be: its full name, what is allowed, what was found."""
+"""Error messages for invalid settings: full name of the setting, expected values, value found."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pydantic import BaseModel, ValidationError
 
 from .errors import InputError
 
-#: How our own checks say it; one over several fields names its own first.
+#: Form of the messages of our own checks; a check of several fields puts the name of the field first.
 _OWN = re.compile(r"(?:(?P<field>\w+): )?expected (?P<expected>.*), found (?P<found>.*)", re.DOTALL)
-#: What Python says of words that are no numbers, and how we say it.
+#: Messages of Python for text that is not a number, and what we print as expected.
 _NO_NUMBER = (
     (re.compile(r"invalid literal for int\(\) with base 10: (.*)", re.DOTALL), "a whole number"),
     (re.compile(r"could not convert string to float: (.*)", re.DOTALL), "a number"),
@@ -21,17 +21,17 @@ _NO_NUMBER = (
 )
 
 
-def complaint(where: object, error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
-    """Return the first fault of a validation as one line.
+def setting_error(where: object, error: ValidationError, model: type[BaseModel] | None = None) -> InputError:
+    """Return the first error of a validation as one line.
 
     Parameters
     ----------
     where : object
-        What was checked: a file, a command.
+        What was validated: a file, a command.
     error : pydantic.ValidationError
         Of `model`, or of one of the models that it holds.
     model : type, optional
-        The whole request; without it, fields have the names that they have in their own model.
+        Model of all settings, which gives fields their full names.
     """
     first = error.errors()[0]
     place = [*([] if model is None else _group(model, error.title)), *first["loc"]]
@@ -45,15 +45,15 @@ def complaint(where: object, error: ValidationError, model: type[BaseModel] | No
     return InputError(": ".join([str(where), *([".".join(map(str, place))] if place else [])]), expected, found)
 
 
-def unparsed(where: str, message: str, options: Sequence[str]) -> InputError:
-    """Return in our words what the command line's parser says of arguments that it cannot take.
+def parser_error(where: str, message: str, options: Sequence[str]) -> InputError:
+    """Return an error of the command-line parser as one line of ours.
 
     Parameters
     ----------
     where : str
         The command.
     message : str
-        The parser's own words, on one line.
+        The parser's message, on one line.
     options : sequence of str
         All options in full, such as ``--cameras.views``.
     """
@@ -90,7 +90,7 @@ def _names(message: str, option: str) -> bool:
 
 
 def _group(model: type[BaseModel], title: str) -> list[str]:
-    """Return the name of the field that holds the model of this title; nothing where it is the request itself."""
+    """Return the name of the field that holds the model of this title; nothing for the top model itself."""
     groups = ((name, field.annotation) for name, field in model.model_fields.items())
     return [name for name, kind in groups if isinstance(kind, type) and kind.__name__ == title][:1]
 
@@ -100,7 +100,7 @@ def _rule(message: str) -> str:
 
 
 def _nearest(model: type[BaseModel] | None, place: Sequence[int | str]) -> str:
-    """Return a hint at the known setting that is spelt most like an unknown one, or nothing."""
+    """Return a hint with the known setting closest in spelling to an unknown one, or nothing."""
     for part in place[:-1]:
         inner = None if model is None else model.model_fields[str(part)].annotation
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):

@@ -1,8 +1,7 @@
-"""Decoders that print: a stretch of time in which nothing reaches the terminal.
+"""Suppress the terminal output of C libraries.
 
-OpenEXR, libpng, libtiff and OpenCV say what is wrong with a file on the process's own stderr or stdout, from C, where
-`contextlib.redirect_stderr` does not reach. A damaged file would then leave lines of theirs beside our one line that
-names it, in a log that is read line by line.
+OpenEXR, libpng, libtiff and OpenCV print errors to the process's stderr or stdout from C, where
+`contextlib.redirect_stderr` has no effect. For a damaged file, the log should hold our one line only.
 """
 
 from __future__ import annotations
@@ -16,17 +15,17 @@ from threading import Lock
 
 _STDOUT, _STDERR = 1, 2
 _lock = Lock()
-#: How many stretches are going on, in all threads, and the files that the descriptors stood for before the first.
+#: Number of active `quiet` blocks in all threads, and duplicates of the original descriptors.
 _depth = 0
 _kept: dict[int, int] = {}
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Send the process's file descriptors 1 and 2 to /dev/null, and put them back however the block ends.
+    """Redirect the process's file descriptors 1 and 2 to /dev/null inside the block.
 
-    They belong to the whole process: what other threads print meanwhile is lost too, so the block holds one call of a
-    foreign decoder and no more. Blocks may be nested and may overlap in threads; the last to end puts them back.
+    This affects all threads, so a block should hold one library call and nothing else. Blocks may be nested and may
+    overlap in threads; the last one to end restores the descriptors.
     """
     global _depth
     with _lock:
@@ -45,7 +44,7 @@ def quiet() -> Iterator[None]:
 def _redirect() -> None:
     _flush()
     for descriptor in (_STDOUT, _STDERR):
-        # A process in the background may have closed them: then there is nothing to put back.
+        # A background process may have closed them; they stay closed then.
         with suppress(OSError):
             _kept[descriptor] = os.dup(descriptor)
     nothing = os.open(os.devnull, os.O_WRONLY)
@@ -55,7 +54,7 @@ def _redirect() -> None:
 
 
 def _restore() -> None:
-    # What the decoder left in C's buffer must go where it was meant to go: nowhere.
+    # Discard what the library left in C's buffer.
     ctypes.CDLL(None).fflush(None)
     for descriptor, kept in _kept.items():
         os.dup2(kept, descriptor)
@@ -64,9 +63,9 @@ def _restore() -> None:
 
 
 def _flush() -> None:
-    """Write out what was printed before, in Python and in C."""
+    """Flush what was printed before, in Python and in C."""
     for stream in (sys.stdout, sys.stderr):
-        # None without a terminal; a closed stream or a pipe nobody reads is found by whoever prints next.
+        # None without a terminal. The next print reports a closed stream or a broken pipe.
         if stream is not None:
             with suppress(OSError, ValueError):
                 stream.flush()

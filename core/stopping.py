@@ -1,4 +1,4 @@
-"""Being stopped: Ctrl-C and a scheduler's SIGTERM end the work between two steps, and are never lost."""
+"""Stop signals: Ctrl-C and SIGTERM end a command between two steps and are never lost."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-#: Signals that ask a command to stop. One that the parent process ignores stays ignored, as for jobs in a script's
-#: background.
+#: Signals that stop a command. A signal that the parent process ignores stays ignored, as for background jobs of a
+#: script.
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 _received: list[int] = []
@@ -16,7 +16,7 @@ _received: list[int] = []
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """Turn signals that ask to stop into `KeyboardInterrupt` inside, and remember them."""
+    """Turn stop signals into `KeyboardInterrupt` inside the block, and record them."""
     _received.clear()
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     for number in _SIGNALS:
@@ -30,18 +30,18 @@ def stoppable() -> Iterator[None]:
 
 
 def check_stop() -> None:
-    """Raise `KeyboardInterrupt` if a signal was received; a library may have swallowed the first one."""
+    """Raise `KeyboardInterrupt` if a stop signal was received; a library may have caught the first exception."""
     if _received:
         raise KeyboardInterrupt
 
 
 def was_stopped() -> bool:
-    """Return whether a signal to stop was received."""
+    """Return whether a stop signal was received."""
     return bool(_received)
 
 
 def exit_code() -> int:
-    """Return what a shell reports for a program that the signal ended: 128 and its number (130 for Ctrl-C)."""
+    """Return the shell's exit code for a program ended by the signal: 128 + its number (130 for Ctrl-C)."""
     return 128 + (_received[0] if _received else signal.SIGINT)
 
 

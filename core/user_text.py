@@ -1,4 +1,4 @@
-"""Paths and names as a user gives them: what no file system or file of ours could hold is refused."""
+"""Validation of paths and names from users: they must fit file systems and JSON files."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def usable_text(text: str) -> str:
     try:
         text.encode("utf-8")
     except UnicodeEncodeError as error:
-        # Bytes of the command line that are no UTF-8 arrive as lone surrogates.
+        # Command-line bytes that are not UTF-8 arrive as lone surrogates.
         raise ValueError(f"expected valid Unicode, found {_shown(text)}") from error
     return text
 
 
 def usable_path(path: Path) -> Path:
-    """Return a path that a file system can hold and a JSON file can name; ValueError otherwise."""
+    """Return a path that file systems and JSON files can hold; ValueError otherwise."""
     usable_text(str(path))
     longest = max((len(os.fsencode(part)) for part in path.parts), default=0)
     if longest > LONGEST_NAME:
@@ -49,7 +49,7 @@ def _shown(text: str) -> str:
     return ascii(text if len(text) <= 80 else text[:77] + "...")
 
 
-#: A path out of a request.
+#: A path in settings.
 UserPath = Annotated[Path, BeforeValidator(_not_empty), AfterValidator(usable_path)]
-#: A text out of a request.
+#: A text in settings.
 UserText = Annotated[str, AfterValidator(usable_text)]

@@ -19,16 +19,15 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import trimesh
 from rich.console import Console
 
 from glassware.core.assets import asset
-from glassware.core.mesh import Mesh
 from glassware.dataset.format.exr import write_exr
-from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
-from glassware.procedural.description.scene import Interface, Picture, Scene, Vessel
-from glassware.procedural.description.surroundings import Camera, PictureEnvironment, Table
-from glassware.procedural.optics.medium import AIR, Medium
+from glassware.procedural.description.scene import Picture, Scene
+from glassware.procedural.description.surroundings import PictureEnvironment
+from glassware.procedural.optics.medium import Medium
+from glassware.procedural.primitives.bodies import ball
+from glassware.procedural.primitives.scenes import board, camera, scene
 from glassware.render.backend.variant import activate
 
 mpl.use("Agg")
@@ -73,52 +72,14 @@ def write_pattern(path: Path) -> None:
 def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) -> Scene:
     """Return a ball of dyed liquid before a pattern; the table that every scene has lies far below."""
     liquid = Medium(name="dyed liquid", eta=index, sigma_a=colour)
-    solid = trimesh.creation.icosphere(subdivisions=5)
-    normals = solid.vertices / np.linalg.norm(solid.vertices, axis=1, keepdims=True)
-    mesh = Mesh("ball", RADIUS * normals, solid.faces, normals)
-    pose = np.eye(4)
-    pose[2, 3] = HEIGHT
-    ball = Vessel(
-        id=2,
-        name="ball",
-        category="ball",
-        glass=liquid,
-        roughness=0.0,
-        wall=2 * RADIUS,
-        outer=((0.0, -RADIUS), (RADIUS, 0.0), (0.0, RADIUS)),
-        inner=((0.0, RADIUS), (0.0, RADIUS)),
-        interfaces=(Interface(part="outside", mesh=mesh, front=AIR, back=liquid),),
-        size=(2 * RADIUS,) * 3,
-        world_T_object=pose,
-    )
-    board = trimesh.creation.box(extents=(0.1, 0.1, 0.01))
-    grey = OpaqueMaterial(name="grey", base_colour=UniformTexture(colour=(0.5, 0.5, 0.5)), roughness=1.0)
-    world_T_camera = np.eye(4)
-    world_T_camera[:3, :3] = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-    world_T_camera[:3, 3] = (0.0, -0.5, HEIGHT)
-    return Scene(
-        seed=1,
-        scene_id=0,
-        table=Table(
-            mesh=Mesh("table", board.vertices - [0, 0, 0.005], board.faces), material=grey, size=(0.1, 0.1, 0.01)
-        ),
-        vessels=(ball,),
-        props=(),
+    eye = camera((0.0, -0.5, HEIGHT), (0.0, 0.0, HEIGHT), width=SIZE, height=SIZE, focal=2.0 * SIZE)
+    return scene(
+        (ball(RADIUS, liquid, (0.0, 0.0, HEIGHT), chord_error=2.1e-5),),
+        (eye,),
+        table=board((0.1, 0.1, 0.01)),
         environment=PictureEnvironment(asset=asset(pattern)),
-        lights=(),
-        cameras=(
-            Camera(
-                width=SIZE,
-                height=SIZE,
-                focal=2.0 * SIZE,
-                centre=((SIZE - 1) / 2,) * 2,
-                world_T_camera=world_T_camera,
-                baseline=0.05,
-                exposure=1.0,
-                grid_index=0,
-            ),
-        ),
         picture=Picture(spp=256, denoise=False),
+        seed=1,
     )
 
 
@@ -131,14 +92,14 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
     from glassware.render.scene.loaded_scene import load
     from glassware.render.scene.rays import pinhole, pixel_rays
 
-    scene = ball_scene(TRUTH, COLOUR, pattern)
-    kernel, camera = load(scene), scene.cameras[0]
-    picture = trace_picture(kernel, camera, "left", 1).radiance
-    ray, _ = pixel_rays(pinhole(camera), dr.arange(mi.UInt32, SIZE * SIZE), mi.Point2f(0.0))
+    truth = ball_scene(TRUTH, COLOUR, pattern)
+    kernel, view = load(truth), truth.cameras[0]
+    picture = trace_picture(kernel, view, "left", 1).radiance
+    ray, _ = pixel_rays(pinhole(view), dr.arange(mi.UInt32, SIZE * SIZE), mi.Point2f(0.0))
     target = mi.Color3f(np.ascontiguousarray(picture.reshape(-1, 3).T))
     rows, columns = np.mgrid[:SIZE, :SIZE] - (SIZE - 1) / 2
     # The ball's outline is the cone of half angle asin(radius / distance).
-    inner = np.hypot(rows, columns) < INNER * camera.focal * np.tan(np.arcsin(RADIUS / 0.5))
+    inner = np.hypot(rows, columns) < INNER * view.focal * np.tan(np.arcsin(RADIUS / 0.5))
     weight = mi.Float(inner.ravel().astype(np.float32) / inner.sum())
 
     optimiser = mi.ad.Adam(lr=RATE, params={"index": mi.Float(START), "colour": mi.Color3f(COLOUR_START)})
@@ -149,7 +110,7 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
         shown = model(kernel, ray, index, colour)
         if step % RENEWED == 0:
             guess = ball_scene(float(index[0]), tuple(np.array(colour).ravel().tolist()), pattern)
-            rendered = trace_picture(load(guess), camera, "left", 2 + step).radiance
+            rendered = trace_picture(load(guess), view, "left", 2 + step).radiance
             rest = mi.Color3f(np.ascontiguousarray(rendered.reshape(-1, 3).T)) - dr.detach(shown)
         loss = dr.sum(weight * dr.squared_norm(shown + rest - target))
         history.append((float(index[0]), float(loss[0]), *np.array(colour).ravel().tolist()))

@@ -13,10 +13,10 @@ import numpy as np
 import trimesh
 
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
 from glassware.procedural.description.scene import Interface, Picture, Prop, Scene, Vessel
-from glassware.procedural.description.surroundings import Camera, SkyEnvironment, Table
+from glassware.procedural.description.surroundings import Camera, SkyEnvironment
 from glassware.procedural.optics.medium import AIR, Medium
+from glassware.procedural.primitives import bodies, scenes
 from glassware.render.frame import Frame, Geometry
 
 SEGMENTS = 256
@@ -35,42 +35,24 @@ class Sight:
 
 
 def scene(views: int = 3) -> Scene:
-    clay = OpaqueMaterial(name="clay", base_colour=UniformTexture(colour=(0.6, 0.3, 0.2)), roughness=0.8)
-    board = Mesh("table", *_box(BOARD, (0, 0, -BOARD[2] / 2)))
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=BALL)
+    clay = scenes.matte((0.6, 0.3, 0.2), "clay").model_copy(update={"roughness": 0.8})
+    solid = trimesh.creation.icosphere(subdivisions=4, radius=BALL)
+    ball = scenes.block(Mesh("ball", solid.vertices, solid.faces), clay, id=3, category="sphere")
+    block = scenes.block(bodies.box_mesh(BLOCK, "block"), clay, id=4, category="box")
     sky = SkyEnvironment(
         sun_elevation=0.7, sun_radiance=20.0, sun_radius=0.05, turbidity=3.0, cloudiness=0.1, ground=(0.3,) * 3, seed=1
     )
-    return Scene(
-        seed=7,
-        scene_id=0,
-        table=Table(mesh=board, material=clay, size=BOARD),
-        vessels=(_glass(),),
+    return scenes.scene(
+        (_glass(),),
+        tuple(camera(i) for i in range(views)),
         props=(
-            Prop(
-                id=3,
-                name="ball",
-                category="sphere",
-                mesh=Mesh("ball", ball.vertices, ball.faces),
-                material=clay,
-                size=(2 * BALL,) * 3,
-                symmetric=True,
-                world_T_object=pose((-0.09, 0.06, BALL), 0.0),
-            ),
-            Prop(
-                id=4,
-                name="block",
-                category="box",
-                mesh=Mesh("block", *_box(BLOCK)),
-                material=clay,
-                size=BLOCK,
-                world_T_object=pose((0.08, 0.05, BLOCK[2] / 2), 0.6),
-            ),
+            ball.model_copy(update={"symmetric": True, "world_T_object": pose((-0.09, 0.06, BALL), 0.0)}),
+            block.model_copy(update={"world_T_object": pose((0.08, 0.05, BLOCK[2] / 2), 0.6)}),
         ),
+        table=scenes.board(BOARD, clay),
         environment=sky,
-        lights=(),
-        cameras=tuple(camera(i) for i in range(views)),
         picture=Picture(spp=4, max_depth=8),
+        seed=7,
     )
 
 
@@ -88,21 +70,13 @@ def camera(index: int, width: int = 160, height: int = 120) -> Camera:
     eye = distance * np.array(
         [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
     )
-    forward = np.array([0.0, 0.02, 0.04]) - eye
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, [0, 0, 1])
-    right /= np.linalg.norm(right)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
-    matrix[:3, 3] = eye
-    return Camera(
+    return scenes.camera(
+        tuple(eye),
+        (0.0, 0.02, 0.04),
         width=width,
         height=height,
         focal=1.1 * width,
-        centre=((width - 1) / 2, (height - 1) / 2),
-        world_T_camera=matrix,
         baseline=0.03,
-        exposure=1.0,
         grid_index=index,
     )
 
@@ -224,11 +198,6 @@ def _slabs(o: np.ndarray, d: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, 
         a, b = (-half - o) / d, (half - o) / d
     near, far = np.minimum(a, b), np.maximum(a, b)
     return near.max(axis=1), far.min(axis=1), near.argmax(axis=1)
-
-
-def _box(size: tuple[float, float, float], shift: tuple[float, float, float] = (0, 0, 0)):
-    solid = trimesh.creation.box(extents=size)
-    return solid.vertices + np.array(shift), solid.faces
 
 
 def _glass() -> Vessel:

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from glassware.core.mesh import Mesh, turned
+from glassware.procedural.primitives.bodies import box_mesh
 
 #: An icosphere's axes meet vertices, which are better than any other point. Balls are turned by this rotation vector,
 #: so that rays meet what rays meet.
@@ -18,8 +20,8 @@ _NO_AREA = 1e-16
 
 def box(lower: Sequence[float], upper: Sequence[float], name: str = "box") -> Mesh:
     """Return an axis-parallel box between two corners [m], flat."""
-    solid = trimesh.creation.box(bounds=[lower, upper])
-    return Mesh(name, solid.vertices, solid.faces)
+    low, high = np.array(lower, float), np.array(upper, float)
+    return box_mesh(tuple(high - low), name, tuple(0.5 * (low + high)))
 
 
 def prism(apex: float, side: float, height: float) -> Mesh:
@@ -44,8 +46,7 @@ def prism(apex: float, side: float, height: float) -> Mesh:
 def ball(radius: float, subdivisions: int = 6, flat: bool = False, name: str = "ball") -> Mesh:
     """Return a ball about the origin, normals outwards: an icosphere turned away from its symmetry."""
     solid = trimesh.creation.icosphere(subdivisions=subdivisions)
-    angle = float(np.linalg.norm(_TURN))
-    directions = solid.vertices @ trimesh.transformations.rotation_matrix(angle, _TURN)[:3, :3].T
+    directions = Rotation.from_rotvec(_TURN).apply(solid.vertices)
     return Mesh(name, radius * directions, solid.faces, None if flat else directions)
 
 

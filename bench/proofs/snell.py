@@ -9,8 +9,8 @@ import mitsuba as mi
 import numpy as np
 
 from glassware.procedural.optics.catalogue import catalogue
-from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE, eta
-from glassware.procedural.optics.medium import Medium
+from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE
+from glassware.procedural.optics.medium import Medium, eta
 from glassware.render.backend.variant import activate
 
 from .bodies import box, prism

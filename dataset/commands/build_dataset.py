@@ -16,8 +16,7 @@ from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed, outcome
 from ...core.user_text import UserPath, UserText
-from ...procedural.scene.asset_files import AssetFiles, asset_files
-from ...procedural.scene.check_inputs import check_inputs
+from ...procedural.scene.asset_files import AssetFiles, asset_files, check_inputs
 from ...procedural.scene.settings import SceneSettings
 from ..builds.finalize import finish
 from ..builds.journal import Journal

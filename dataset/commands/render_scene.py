@@ -11,7 +11,7 @@ from rich.console import Console
 
 from ...core.exit_codes import outcome
 from ...core.user_text import UserPath, UserText
-from ...procedural.scene.check_inputs import check_inputs
+from ...procedural.scene.asset_files import check_inputs
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate

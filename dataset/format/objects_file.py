@@ -11,8 +11,7 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.materials_of import materials_of
-from ...procedural.description.scene import Prop, Scene, Vessel
+from ...procedural.description.scene import Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -109,8 +108,8 @@ def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurfac
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
-def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
-    liquid = item.liquid if isinstance(item, Vessel) else None
+def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
+    liquid = None if isinstance(item, Prop) else item.liquid
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -128,17 +127,17 @@ def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
     )
 
 
-def _parts(item: Vessel | Prop) -> tuple[Part, ...]:
+def _parts(item: SceneObject) -> tuple[Part, ...]:
     if isinstance(item, Prop):
         return (Part(id=1, name="body"),)
     glass = Part(id=1, name="glass")
     return (glass,) if item.liquid is None else (glass, Part(id=2, name="liquid"))
 
 
-def _material(item: Vessel | Prop) -> GlassMaterial | OpaqueSurface:
-    if isinstance(item, Vessel):
-        return GlassMaterial(medium=item.glass, roughness=item.roughness)
-    return _opaque(item.material)
+def _material(item: SceneObject) -> GlassMaterial | OpaqueSurface:
+    if isinstance(item, Prop):
+        return _opaque(item.material)
+    return GlassMaterial(medium=item.glass, roughness=item.roughness)
 
 
 def _opaque(surface: OpaqueMaterial) -> OpaqueSurface:

@@ -15,7 +15,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from ...core.errors import InputError
-from ...core.setting_errors import complaint, shortened, unparsed
+from ...core.setting_errors import parser_error, setting_error, shortened
 from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
@@ -60,7 +60,7 @@ def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
     try:
         return model.model_validate(settings)
     except ValidationError as error:
-        raise complaint(where, error, model) from error
+        raise setting_error(where, error, model) from error
 
 
 def layered(model: type[T], arguments: Sequence[str]) -> T:
@@ -137,8 +137,8 @@ def parsed(model: type[T], default: T | None, arguments: Sequence[str], prog: st
             raise
         wrong = _validation_behind(stop)
         if wrong is not None:
-            raise complaint(prog, wrong, model) from stop
-        raise unparsed(prog, _unframed(told.getvalue()), list(_options(model))) from stop
+            raise setting_error(prog, wrong, model) from stop
+        raise parser_error(prog, _unframed(told.getvalue()), list(_options(model))) from stop
 
 
 def _validation_behind(error: BaseException | None) -> ValidationError | None:

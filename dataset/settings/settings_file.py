@@ -11,7 +11,7 @@ import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from ...core.errors import InputError
-from ...core.setting_errors import complaint
+from ...core.setting_errors import setting_error
 from ...core.user_text import UserPath
 
 #: Largest file that is read [bytes]: all settings with their descriptions are under a hundredth of it.
@@ -58,7 +58,7 @@ def _checked(path: str | Path) -> Path:
     try:
         return TypeAdapter(UserPath).validate_python(path)
     except ValidationError as error:
-        raise complaint("--config", error) from error
+        raise setting_error("--config", error) from error
 
 
 def _text(path: Path) -> str:

@@ -39,7 +39,7 @@ Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture, Field(d
 class OpaqueMaterial(Model):
     """An opaque surface: Disney's principled model (Burley 2012) without transmission."""
 
-    name: str = Field(description="What it imitates, such as 'oak' or 'glazed ceramic'")
+    name: str = Field(description="Name, such as 'oak' or 'glazed ceramic'")
     base_colour: Texture
     repeats: float = Field(default=1.0, gt=0.0, description="Repeats of the texture per unit of texture coordinate")
     roughness: float = Field(ge=0.0, le=1.0, description="Principled roughness; GGX alpha is its square")

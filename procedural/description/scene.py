@@ -6,13 +6,14 @@ in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` 
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
+from ...core.errors import InputError
 from ...core.mesh import Mesh, joined, turned
 from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
-from ..optics.medium import Medium
+from ..optics.medium import AIR, Medium
 from .material import OpaqueMaterial
 from .surroundings import AreaLight, Camera, Environment, Table
 
@@ -26,7 +27,7 @@ class Interface(Model):
     """A surface between two media. Its normals point from `back` to `front`."""
 
     part: Literal["outside", "wet_wall", "liquid_surface"] = Field(
-        description="air|glass, glass|liquid, liquid|air: which two media it parts"
+        description="air|glass, glass|liquid, liquid|air: the two media that it separates"
     )
     mesh: MeshField
     front: Medium = Field(description="The medium that the normals point into")
@@ -42,28 +43,60 @@ class Liquid(Model):
     centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
     contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
     contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
-    fill: float = Field(gt=0.0, le=1.0, description="Share of the vessel's brimful volume")
+    fill: float = Field(gt=0.0, le=1.0, description="Fraction of the vessel's brimful volume")
     volume: float = Field(gt=0.0, description="Volume [m^3]")
 
 
-class Vessel(Model):
-    """A glass solid of revolution about its z axis; the frame's origin is the centre of its bounding box."""
+class GlassBody(Model):
+    """A transparent solid, with or without a liquid in it; the frame's origin is the centre of its bounding box."""
 
     id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
     name: str = Field(description="Unique in the scene")
-    category: str = Field(description="Such as 'tumbler', 'bowl', 'bottle'")
-    glass: Medium
+    category: str = Field(description="Such as 'tumbler', 'bottle', 'prism'")
+    glass: Medium = Field(description="The medium that the body is made of")
     roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
-    wall: float = Field(gt=0.0, description="Smallest thickness of the glass, across the wall [m]")
-    outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
-    inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
     liquid: Liquid | None = None
     interfaces: tuple[Interface, ...] = Field(
         description="The surfaces that light meets, each once; normals of outside and wet_wall point out of the glass, "
         "those of liquid_surface into the air"
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
+    symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
     world_T_object: Matrix4
+
+    def __repr__(self) -> str:
+        """Return one line: id, name, media and size."""
+        media = self.glass.name + (f" with {self.liquid.medium.name}" if self.liquid else "")
+        return f"{type(self).__name__}({self.id} {self.name!r}: {self.category} of {media}, {_millimetres(self.size)})"
+
+    __str__ = __repr__
+
+    def with_media(self, glass: Medium | None = None, liquid: Medium | None = None) -> Self:
+        """Return a copy of another glass or another liquid; shapes stay, also that of the liquid's surface."""
+        glass = glass or self.glass
+        content = self.liquid
+        if liquid is not None:
+            if content is None:
+                raise InputError(f"{self.name}, liquid", "a body that holds one", "an empty one")
+            content = content.model_copy(update={"medium": liquid})
+        media = {"outside": (AIR, glass)}
+        if content is not None:
+            media |= {"wet_wall": (content.medium, glass), "liquid_surface": (AIR, content.medium)}
+        interfaces = tuple(
+            part.model_copy(update=dict(zip(("front", "back"), media[part.part], strict=True)))
+            for part in self.interfaces
+        )
+        return self.model_copy(update={"glass": glass, "liquid": content, "interfaces": interfaces})
+
+
+class Vessel(GlassBody):
+    """A glass solid of revolution about its z axis, which its wall's profile describes."""
+
+    wall: float = Field(gt=0.0, description="Smallest thickness of the glass, across the wall [m]")
+    outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
+    inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
+    # Every vessel is one, so scene files do not say it.
+    symmetric: bool = Field(default=True, exclude=True)
 
 
 class Prop(Model):
@@ -78,6 +111,13 @@ class Prop(Model):
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
     world_T_object: Matrix4
 
+    def __repr__(self) -> str:
+        """Return one line: id, name, material and size."""
+        what = f"{self.category} of {self.material.name}"
+        return f"Prop({self.id} {self.name!r}: {what}, {_millimetres(self.size)})"
+
+    __str__ = __repr__
+
 
 class Picture(Model):
     """How the pictures are computed."""
@@ -86,31 +126,31 @@ class Picture(Model):
         default=64,
         ge=1,
         le=1_048_576,
-        description="Samples per pixel on the average over the picture; with `noise`, of each pass",
+        description="Mean samples per pixel of a picture; with `noise`, of each pass",
     )
     noise: float | None = Field(
         default=None,
         gt=0.0,
         lt=1.0,
-        description="Relative error at which passes stop, of the picture before the denoiser; none takes `spp` samples",
+        description="Relative error of the picture before the denoiser at which passes stop; none takes `spp` samples",
     )
-    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: samples per pixel at the most")
-    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples than others")
+    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: most samples per pixel")
+    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples")
     light: Literal["auto", "path", "shared"] = Field(
         default="auto",
-        description="Trace the light anew for every picture (path), store it once per scene and read it in every "
-        "picture (shared), or what takes less time (auto)",
+        description="Path tracing for every picture (path), an irradiance cache filled once per scene (shared), or "
+        "whichever takes less time (auto)",
     )
     keep_light: bool = Field(
-        default=False, description="Whether the light that is stored is written with the scene; it is stored then"
+        default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"
     )
-    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path, in surfaces met")
-    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces met before Russian roulette begins")
-    denoise: bool = Field(default=True, description="Whether Open Image Denoise cleans the picture")
-    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's straight ray")
-    refraction: bool = Field(default=True, description="Whether each pixel's refracted ray is recorded")
-    spectral: bool = Field(default=False, description="Whether light has wavelengths instead of red, green and blue")
-    dispersion: bool = Field(default=False, description="Whether indices follow the wavelength; needs `spectral`")
+    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
+    denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
+    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
+    refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
+    spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
+    dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
 
     @model_validator(mode="after")
     def _fit_together(self) -> Picture:
@@ -124,14 +164,29 @@ class Picture(Model):
         return self
 
 
+def _millimetres(size: Vector3) -> str:
+    """Return an extent as text, such as ``80x80x120 mm``."""
+    return "x".join(f"{1e3 * side:.0f}" for side in size) + " mm"
+
+
+def _kind_of_body(body: object) -> str:
+    """Return the type of a glass body in a scene file, or of one made by hand: a vessel has profiles."""
+    if isinstance(body, dict):
+        return "vessel" if body.keys() & {"wall", "outer", "inner"} else "body"
+    return "vessel" if isinstance(body, Vessel) else "body"
+
+
 class Scene(Model):
-    """Everything that light can meet, and how it is looked at."""
+    """Table, objects, light, cameras and picture settings."""
 
     schema_version: Literal["glassware/scene/1"] = SCENE_SCHEMA
     seed: int = Field(ge=0, description="Seed of the data set")
     scene_id: int = Field(ge=0, description="Number of the scene in the data set")
     table: Table
-    vessels: tuple[Vessel, ...]
+    vessels: tuple[
+        Annotated[Annotated[Vessel, Tag("vessel")] | Annotated[GlassBody, Tag("body")], Discriminator(_kind_of_body)],
+        ...,
+    ] = Field(description="Vessels and other transparent bodies")
     props: tuple[Prop, ...]
     environment: Environment
     lights: tuple[AreaLight, ...]
@@ -139,26 +194,60 @@ class Scene(Model):
     picture: Picture
 
     @property
-    def objects(self) -> tuple[Vessel | Prop, ...]:
-        """Vessels and props in the order of their ids."""
+    def objects(self) -> tuple[SceneObject, ...]:
+        """Glass bodies and props in the order of their ids."""
         return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
 
+    def __repr__(self) -> str:
+        """Return one line: the seed, what is in the scene, and the pictures' size."""
+        counts = (("vessel", self.vessels), ("prop", self.props), ("camera", self.cameras))
+        vessels, props, cameras = (f"{len(some)} {name}{'' if len(some) == 1 else 's'}" for name, some in counts)
+        surroundings = {"picture": "map"}.get(self.environment.kind, self.environment.kind)
+        sizes = sorted({f"{camera.width}x{camera.height}" for camera in self.cameras})
+        seed = f"seed {self.seed}/{self.scene_id}"
+        return f"Scene({seed}: {vessels}, {props}, {surroundings}, {cameras} {' '.join(sizes)})"
 
-def glass_solid(vessel: Vessel) -> Mesh:
+    __str__ = __repr__
+
+
+#: Everything with an instance id of its own.
+SceneObject = GlassBody | Prop
+
+
+def glass_solid(body: GlassBody) -> Mesh:
     """Return the closed surface of the glass alone, object frame, normals out of the glass."""
-    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
-    return joined([mesh for part, mesh in parts.items() if part != "liquid_surface"], f"{vessel.name}-glass")
+    parts = {interface.part: interface.mesh for interface in body.interfaces}
+    return joined([mesh for part, mesh in parts.items() if part != "liquid_surface"], f"{body.name}-glass")
 
 
-def liquid_solid(vessel: Vessel) -> Mesh:
+def liquid_solid(body: GlassBody) -> Mesh:
     """Return the closed surface of the liquid's body, object frame, normals out of the liquid.
 
     Raises
     ------
     ValueError
-        Where the vessel holds no liquid.
+        Where the body holds no liquid.
     """
-    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    parts = {interface.part: interface.mesh for interface in body.interfaces}
     if "wet_wall" not in parts:
-        raise ValueError(f"vessel {vessel.name}: expected a liquid in it, found none")
-    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{vessel.name}-liquid")
+        raise ValueError(f"{body.name}: expected a liquid in it, found none")
+    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{body.name}-liquid")
+
+
+def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
+    """Return the materials of a scene, each once: air, the table's, then those of the objects by their ids.
+
+    Labels name them by their place in this list. Of a glass body, the glass comes before the liquid.
+    """
+    found: list[Medium | OpaqueMaterial] = [AIR]
+    for material in [scene.table.material, *(part for item in scene.objects for part in _materials_of_object(item))]:
+        if material not in found:
+            found.append(material)
+    return tuple(found)
+
+
+def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
+    if isinstance(item, Prop):
+        return [item.material]
+    media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
+    return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]

@@ -11,6 +11,7 @@ from ...core.assets import Asset
 from ...core.model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
 from .material import OpaqueMaterial
 
+NotNegative = Annotated[float, Field(ge=0.0)]
 Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
 
 
@@ -23,7 +24,7 @@ class Table(Model):
 
 
 class Window(Model):
-    """A bright rectangle on a wall or the ceiling of a room."""
+    """A light source: a rectangle on a wall or the ceiling of a room."""
 
     kind: Literal["window", "lamp"] = Field(
         default="window", description="A view to the outside, or an evenly lit diffuser (ceiling lamp, soft box)"
@@ -63,7 +64,7 @@ class RoomEnvironment(Model):
     wall_colours: tuple[Reflectance, ...] = Field(
         min_length=6, max_length=6, description="Reflectance of +x -x +y -y ceiling floor"
     )
-    windows: tuple[Window, ...] = Field(min_length=1, description="Everything that shines")
+    windows: tuple[Window, ...] = Field(min_length=1, description="Windows and lamps")
     panels: tuple[Panel, ...] = ()
     blocks: tuple[Block, ...] = ()
     board_width: float = Field(default=0.0, ge=0.0, description="Width of the floor's boards [m]; 0 for none")
@@ -80,7 +81,7 @@ class SkyEnvironment(Model):
     sun_radiance: float = Field(ge=0.0, description="Luminance of the blurred disc's middle, relative to the zenith's")
     sun_radius: float = Field(gt=0.0, description="Angular radius of the blurred disc [rad]")
     turbidity: float = Field(ge=1.7, le=10.0, description="Haze (Preetham et al. 1999), 2 clear to 10 hazy")
-    cloudiness: Unit = Field(description="Share of the sky under clouds")
+    cloudiness: Unit = Field(description="Fraction of the sky covered by clouds")
     ground: Reflectance = Field(description="Reflectance of the ground, lit by this sky")
     seed: int = Field(ge=0, description="Seed of the clouds and the skyline")
     rotation: float = Field(default=0.0, description="Turn about +z [rad]; 0 has the sun at azimuth 0")
@@ -96,11 +97,28 @@ class PictureEnvironment(Model):
     strength: float = Field(default=1.0, gt=0.0)
 
 
-Environment = Annotated[RoomEnvironment | SkyEnvironment | PictureEnvironment, Field(discriminator="kind")]
+class ConstantEnvironment(Model):
+    """The same radiance from every direction (a white furnace, an overcast day without a horizon)."""
+
+    kind: Literal["constant"] = "constant"
+    radiance: tuple[NotNegative, NotNegative, NotNegative] = Field(
+        default=(1.0, 1.0, 1.0), description="Linear Rec.709"
+    )
+    strength: float = Field(default=1.0, gt=0.0, description="Factor on all radiance")
+
+    @property
+    def rotation(self) -> float:
+        """Turn about +z [rad], as the other environments have it: none."""
+        return 0.0
+
+
+Environment = Annotated[
+    RoomEnvironment | SkyEnvironment | PictureEnvironment | ConstantEnvironment, Field(discriminator="kind")
+]
 
 
 class AreaLight(Model):
-    """A rectangle that shines from one side: along its local +z."""
+    """A rectangle that emits light on one side, along its local +z."""
 
     world_T_light: Matrix4
     size: tuple[float, float] = Field(description="Extent along its local x and y [m]")

@@ -141,7 +141,7 @@ def soda_lime(iron: float = 0.3) -> Medium:
         have 0.02-0.08 % Fe2O3, low-iron glass about 0.01-0.02 and window glass about 0.1.
     """
     if not 0.0 <= iron <= 1.0:
-        raise InputError("soda-lime glass, iron", "a share in [0, 1]", iron)
+        raise InputError("soda-lime glass, iron", "a fraction in [0, 1]", iron)
     parts = (
         Absorber(spectrum="soda-lime, low-iron", amount=1.0 - iron),
         Absorber(spectrum="soda-lime, clear", amount=iron),
@@ -167,11 +167,11 @@ def sugar_solution(sugar: float, *dyes: Absorber) -> Medium:
     dyes : Absorber
         Dyes of `dyes.DYES` with their concentrations.
     """
-    shares, indices, densities = np.array(SUCROSE).T
-    if not 0.0 <= sugar <= shares[-1]:
-        raise InputError("sugar solution, mass fraction", f"a share in [0, {shares[-1]:g}]", sugar)
-    density = float(np.interp(sugar, shares, densities))
-    factor = float(np.interp(sugar, shares, indices) - 1.0) / (indices[0] - 1.0)
+    fractions, indices, densities = np.array(SUCROSE).T
+    if not 0.0 <= sugar <= fractions[-1]:
+        raise InputError("sugar solution, mass fraction", f"a fraction in [0, {fractions[-1]:g}]", sugar)
+    density = float(np.interp(sugar, fractions, densities))
+    factor = float(np.interp(sugar, fractions, indices) - 1.0) / (indices[0] - 1.0)
     formula = Scaled(base=WATER, factor=factor, source=f"ICUMSA 1974 at the sodium line; dispersion of {WATER.source}")
     # Sucrose does not absorb visible light; the water in the solution does, by its concentration.
     water = Absorber(spectrum="water", amount=(1.0 - sugar) * density / densities[0])

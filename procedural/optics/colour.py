@@ -1,4 +1,4 @@
-"""RGB absorption from spectra: the three numbers that best stand for the colour of an absorbing medium.
+"""RGB absorption from spectra: three coefficients that reproduce the colour of an absorbing medium.
 
 Spectral Beer-Lambert is ``T(lambda) = exp(-a(lambda) L)``; the renderer's RGB variants compute ``exp(-sigma_c L)`` per
 channel. Both agree at one length only, the reference length. ``docs/media.md`` has the error at other lengths.
@@ -19,8 +19,8 @@ WAVELENGTHS, WEIGHTS = _TABLE[:, 0], _TABLE[:, 1:]
 #: Longest reference length [m]: 20 mm for liquids (half the width of a narrow glass), 5 mm for walls.
 LIQUID_LENGTH, WALL_LENGTH = 0.02, 0.005
 #: A channel that is darker than this at the longest reference length is matched where it has fallen to this. A pure
-#: yellow liquid has negative blue, outside Rec.709, after a few centimetres: there is nothing to match there, while
-#: its thin layers still have a blue.
+#: yellow liquid has negative blue, outside Rec.709, after a few centimetres: nothing can be matched, while thin layers
+#: still transmit blue.
 REFERENCE_TRANSMITTANCE = 0.05
 #: Halvings of the interval that holds a reference length: 2^-40 of 20 mm is far below any wall's tolerance.
 HALVINGS = 40

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,16 +11,13 @@ from pydantic import Field
 from ...core.errors import InputError
 from ...core.model import Model
 
-if TYPE_CHECKING:
-    from .medium import Medium
-
 #: Fraunhofer lines: helium d, hydrogen F and C, sodium D (mean of the doublet) [nm]. ISO 7944:1998, table 1 for d, F
 #: and C; the sodium doublet is at 588.995 and 589.592 nm.
 D_LINE, F_LINE, C_LINE, SODIUM_LINE = 587.5618, 486.1327, 656.2725, 589.29
 
-#: Index of air at 20 degC and 1013 hPa at the d line (Ciddor 1996, doi:10.1364/AO.35.001566). It changes by 6e-6 over
-#: the visible, which is below the uncertainty of every formula here.
-AIR_INDEX = 1.000272
+#: Refractive index of air relative to vacuum, 20 degC and 1013 hPa, d line (Ciddor 1996, doi:10.1364/AO.35.001566). It
+#: changes by 6e-6 over the visible, which is below the uncertainty of every formula here.
+AIR_TO_VACUUM = 1.000272
 
 Range = tuple[float, float]
 
@@ -99,34 +96,7 @@ def index(formula: Dispersion, wavelength_nm: ArrayLike) -> np.ndarray:
         powers = [a * x2 ** (e / 2.0) for a, e in zip(formula.coefficients, formula.exponents, strict=True)]
         return np.sqrt(np.sum(powers, axis=0))
     terms = [b * x2 / (x2 - c) for b, c in zip(formula.B, formula.C, strict=True)]
-    return np.sqrt(1.0 + np.sum(terms, axis=0)) / (AIR_INDEX if formula.absolute else 1.0)
-
-
-def eta(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refuse", "hold"] = "refuse") -> np.ndarray:
-    """Return the refractive index of a medium at some wavelengths.
-
-    A medium without a dispersion formula has the same index at all wavelengths.
-
-    Parameters
-    ----------
-    medium : Medium
-        The medium.
-    wavelength_nm : float or array of any shape
-        Wavelength in air [nm].
-    outside : {"refuse", "hold"}
-        What to do outside the formula's valid range: raise, or use the nearest valid wavelength. A spectral renderer
-        samples down to 360 nm and up to 830 nm, where some formulas end and the eye sees next to nothing, so it holds.
-
-    Raises
-    ------
-    InputError
-        A wavelength is outside the valid range and `outside` is ``"refuse"``.
-    """
-    wavelength = np.asarray(wavelength_nm, dtype=np.float64)
-    if medium.dispersion is None:
-        return np.full(wavelength.shape, medium.eta)
-    low, high = medium.dispersion.valid
-    return index(medium.dispersion, in_range(wavelength, low, high, f"index of {medium.name}", outside))
+    return np.sqrt(1.0 + np.sum(terms, axis=0)) / (AIR_TO_VACUUM if formula.absolute else 1.0)
 
 
 def abbe_number(formula: Dispersion) -> float:

@@ -8,8 +8,8 @@ from .catalogue import catalogue, olive_oil, soda_lime, sugar_solution, water
 from .dyes import DYES, PIGMENTS
 from .medium import Absorber, Medium
 
-#: How often a vessel is made of what [1]. Tableware and laboratory ware are mostly soda-lime and borosilicate; the rest
-#: is there so that a network sees the whole span of indices (1.46-1.59) and tints.
+#: Probabilities of the glasses. Tableware and laboratory ware are mostly soda-lime and borosilicate; the rest
+#: gives a network the whole range of indices (1.46-1.59) and tints.
 GLASS_WEIGHTS = {
     "soda-lime glass": 0.45,
     "borosilicate glass 3.3": 0.20,
@@ -75,5 +75,5 @@ def _log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float
 
 
 def _choice(rng: np.random.Generator, weights: dict[str, float]) -> str:
-    share = np.array(list(weights.values()))
-    return list(weights)[int(rng.choice(len(share), p=share / share.sum()))]
+    weight = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(weight), p=weight / weight.sum()))]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from ...core.errors import InputError
 from ...core.model import Model
-from .dispersion import D_LINE, Dispersion, index
+from .dispersion import D_LINE, Dispersion, in_range, index
 
 #: `Medium.eta` is stored rounded to this many digits, so it may differ from its formula by half of the last one.
 ETA_DIGITS = 6
@@ -18,14 +20,14 @@ class Absorber(Model):
     """One part of a medium's absorption: a spectrum of `spectra.SPECTRA` times a factor."""
 
     spectrum: str = Field(description="Name of the spectrum in `spectra.SPECTRA`")
-    amount: float = Field(ge=0.0, description="Share of a substance [1], or concentration of a dye or pigment [kg/m^3]")
+    amount: float = Field(ge=0.0, description="Fraction of a substance [1], or concentration of a dye [kg/m^3]")
 
 
 class Medium(Model):
     """A homogeneous medium.
 
-    `eta` and `sigma_a` are what the RGB variants of the renderer use; `dispersion.eta` and `spectra.absorption` are
-    their spectral counterparts. Numbers that are not known are None.
+    The RGB variants of the renderer use the fields `eta` and `sigma_a`; the functions `eta` and `spectra.absorption`
+    are their spectral counterparts. Numbers that are not known are None.
     """
 
     name: str = Field(description="Name in the catalogue")
@@ -46,7 +48,7 @@ class Medium(Model):
 
     @model_validator(mode="before")
     @classmethod
-    def _name_what_is_wrong(cls, data: Any) -> Any:
+    def _name_the_medium_in_errors(cls, data: Any) -> Any:
         # pydantic's own message has the field but not the medium; a scene holds many media.
         if isinstance(data, dict):
             name = f"medium {data.get('name', '?')}"
@@ -70,3 +72,30 @@ class Medium(Model):
 #: Air at 15 degC and 1013 hPa has index 1.00028 (Edlen 1966, doi:10.1088/0026-1394/2/2/002). Indices of solids and
 #: liquids in the catalogue are relative to air, so air is 1.
 AIR = Medium(name="air", eta=1.0)
+
+
+def eta(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refuse", "hold"] = "refuse") -> np.ndarray:
+    """Return the refractive index of a medium at some wavelengths.
+
+    A medium without a dispersion formula has the same index at all wavelengths.
+
+    Parameters
+    ----------
+    medium : Medium
+        The medium.
+    wavelength_nm : float or array of any shape
+        Wavelength in air [nm].
+    outside : {"refuse", "hold"}
+        What to do outside the formula's valid range: raise, or use the nearest valid wavelength. A spectral renderer
+        samples down to 360 nm and up to 830 nm, where some formulas end and the eye sees next to nothing, so it holds.
+
+    Raises
+    ------
+    InputError
+        A wavelength is outside the valid range and `outside` is ``"refuse"``.
+    """
+    wavelength = np.asarray(wavelength_nm, dtype=np.float64)
+    if medium.dispersion is None:
+        return np.full(wavelength.shape, medium.eta)
+    low, high = medium.dispersion.valid
+    return index(medium.dispersion, in_range(wavelength, low, high, f"index of {medium.name}", outside))

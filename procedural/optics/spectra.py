@@ -74,7 +74,7 @@ def _lead(k: tuple[float, ...], kind: str) -> Sampled:
     return from_extinction(k, 1e-9, tables.LEAD_WAVELENGTHS, f"Schott data sheet {kind}, 2017-01-20")
 
 
-#: All spectra by name. `Absorber.amount` multiplies them: a share of the substance for `Sampled`, a concentration
+#: All spectra by name. `Absorber.amount` multiplies them: a fraction of the substance for `Sampled`, a concentration
 #: [kg/m^3, that is g/L] for `Dye`.
 SPECTRA: dict[str, Sampled | Dye] = {
     "water": Sampled(
@@ -127,7 +127,7 @@ def absorption(medium: Medium, wavelength_nm: ArrayLike, outside: Literal["refus
     wavelength_nm : float or array of any shape
         Wavelength [nm].
     outside : {"refuse", "hold"}
-        As in `dispersion.eta`.
+        As in `medium.eta`.
 
     Returns
     -------

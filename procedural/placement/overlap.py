@@ -1,4 +1,4 @@
-"""Whether two solid bodies share space."""
+"""Whether two solid bodies overlap."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class Solid:
 
 
 def overlap(a: Solid, b: Solid) -> bool:
-    """Return whether the bodies share more than `ALLOWANCE` of depth.
+    """Return whether the bodies overlap by more than `ALLOWANCE` of depth.
 
     Bounding boxes and then a separating plane of the convex hulls clear most pairs. Otherwise the surface of each,
-    moved into its own body by the allowance, is looked for inside the other.
+    moved inwards by the allowance, is tested for points inside the other.
     """
     low, high = np.maximum(a.points.min(0), b.points.min(0)), np.minimum(a.points.max(0), b.points.max(0))
     if (low > high - ALLOWANCE).any() or hulls_apart(a.points, b.points):
@@ -48,7 +48,9 @@ def overlap(a: Solid, b: Solid) -> bool:
 
 
 def hulls_apart(a: np.ndarray, b: np.ndarray) -> bool:
-    """Return whether a plane parts two sets of points (n, 3) and (m, 3); False also where none is found in time.
+    """Return whether a plane separates two sets of points (n, 3) and (m, 3).
+
+    False also where none is found in `PLANE_STEPS` steps.
 
     Seeks the point of the Minkowski difference nearest to the origin by going to the best support point each time
     (Gilbert 1966, "An iterative procedure for computing the minimum of a quadratic form on a convex set"). A support

@@ -12,24 +12,24 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.model import Model
 
-#: Height of every object over the table [m]. Dry glass on wood is held off by roughness and dust: there is air, not
-#: optical contact, between them. A tenth of a millimetre is far above the renderer's ray offset (1e-6 m) and far below
+#: Height of every object over the table [m]. Dry glass on wood is separated by roughness and dust: air, not optical
+#: contact, lies between them. A tenth of a millimetre is far above the renderer's ray offset (1e-6 m) and far below
 #: what a picture or a label shows.
 CONTACT_GAP = 1e-4
-#: Tries for one object before the disc grows, and growth of the disc.
+#: Attempts to place one object before the disc grows, and factor of its growth.
 _TRIES, _GROWTH = 60, 1.15
-#: Fresh starts before a crowd is called too large for its table.
+#: Restarts of the whole placement before the objects are said not to fit.
 _RESTARTS = 20
 
 
 class PlacementSettings(Model):
-    """How objects are spread over the table."""
+    """How objects are distributed over the table."""
 
     radius: float = Field(
         default=0.16,
         gt=0.0,
         le=2.0,
-        description="Objects are centred in a disc of this radius [m]; it grows if they need more",
+        description="Objects are centred in a disc of this radius [m]; it grows if they do not fit",
     )
     gap: float = Field(
         default=0.005, ge=0.001, le=0.2, description="Smallest distance between two objects, seen from above [m]"
@@ -44,7 +44,7 @@ def footprint(mesh: Mesh, pose: np.ndarray) -> np.ndarray:
 
 
 def apart(a: np.ndarray, b: np.ndarray, gap: float) -> bool:
-    """Return whether a straight strip of width `gap` parts two convex polygons (separating axis over their edges)."""
+    """Return whether a strip of width `gap` separates two convex polygons (separating axis over their edges)."""
     for polygon in (a, b):
         edges = np.roll(polygon, -1, axis=0) - polygon
         normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1)
@@ -56,10 +56,10 @@ def apart(a: np.ndarray, b: np.ndarray, gap: float) -> bool:
     return False
 
 
-def spread(
+def draw_positions(
     footprints: Sequence[np.ndarray], board: np.ndarray, settings: PlacementSettings, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return where each footprint's origin goes, so that all lie on the board and apart.
+    """Draw a position for each footprint so that all lie on the board, apart from each other.
 
     Parameters
     ----------
@@ -84,13 +84,20 @@ def spread(
     """
     order = sorted(range(len(footprints)), key=lambda i: -np.ptp(footprints[i], axis=0).max())
     for _ in range(_RESTARTS):
-        shifts = _one_spread(footprints, order, board, settings, rng)
+        shifts = _attempt(footprints, order, board, settings, rng)
         if shifts is not None:
             return shifts
     raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
 
 
-def _one_spread(footprints, order, board, settings, rng) -> np.ndarray | None:
+def _attempt(
+    footprints: Sequence[np.ndarray],
+    order: Sequence[int],
+    board: np.ndarray,
+    settings: PlacementSettings,
+    rng: np.random.Generator,
+) -> np.ndarray | None:
+    """Place the footprints one after another; None where the disc outgrows the board."""
     placed: dict[int, np.ndarray] = {}
     shifts = np.zeros((len(footprints), 2))
     radius, limit = settings.radius, float(np.linalg.norm(board, axis=1).max())
@@ -99,8 +106,8 @@ def _one_spread(footprints, order, board, settings, rng) -> np.ndarray | None:
             if radius > limit:
                 return None
             for _ in range(_TRIES):
-                angle, share = rng.uniform(0.0, 2.0 * np.pi), np.sqrt(rng.uniform())
-                shifts[index] = radius * share * np.array([np.cos(angle), np.sin(angle)])
+                angle, distance = rng.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(rng.uniform())
+                shifts[index] = distance * np.array([np.cos(angle), np.sin(angle)])
                 outline = footprints[index] + shifts[index]
                 if _inside(outline, board, settings.edge) and all(
                     apart(outline, b, settings.gap) for b in placed.values()

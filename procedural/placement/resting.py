@@ -9,7 +9,7 @@ from ...core.mesh import Mesh
 
 
 def resting_pose(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
-    """Return a pose in which the mesh rests on z = 0, drawn by how likely it lands so when dropped.
+    """Return a pose in which the mesh rests on z = 0, drawn with the probability that it lands so when dropped.
 
     Parameters
     ----------
@@ -23,17 +23,17 @@ def resting_pose(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
     (4, 4) float64
         ``world_T_object`` with the lowest vertex at z = 0.
     """
-    normals, odds = stable_faces(mesh.vertices.astype(np.float64))
-    down = normals[rng.choice(len(normals), p=odds)]
+    normals, probability = stable_faces(mesh.vertices.astype(np.float64))
+    down = normals[rng.choice(len(normals), p=probability)]
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)) @ _turned_down(down), mesh)
 
 
 def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the faces of the convex hull that a body can rest on, and how likely it lands on each.
+    """Return the faces of the convex hull that a body can rest on, and the probability that it lands on each.
 
-    A face is stable where the centre of mass, taken as the hull's, stands over it. The odds are the solid angle that
-    the face takes seen from that centre: the quasi-static estimate without toppling of Goldberg et al. 1999, "Part
-    Pose Statistics" (IEEE T-RA 15(5)), section III.
+    A face is stable where the centre of mass, taken as the hull's, stands over it. The probability is proportional to
+    the solid angle of the face seen from that centre: the quasi-static estimate without toppling of Goldberg et
+    al. 1999, "Part Pose Statistics" (IEEE T-RA 15(5)), section III.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     -------
     normals : (k, 3) float64
         Outward unit normals.
-    odds : (k,) float64
+    probability : (k,) float64
         Sum to 1.
     """
     hull = ConvexHull(points)
@@ -57,8 +57,8 @@ def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     stable = np.flatnonzero(_within(below, corners))
     _, first = np.unique(face[stable], return_index=True)
     chosen = stable[first]
-    odds = solid_angle[face[chosen]]
-    return hull.equations[chosen, :3], odds / odds.sum()
+    weight = solid_angle[face[chosen]]
+    return hull.equations[chosen, :3], weight / weight.sum()
 
 
 def _centre_of_mass(corners: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The files of the user's folders that scenes draw from: found once, then handed to every scene."""
+"""Files of the user's folders that scenes draw from: listed once for all scenes, and read once to check them."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from ..materials.picture_files import picture_files
-from ..props.mesh_files import MeshFile, mesh_files
-from ..surroundings.hdri import hdri_files
+from ...core.assets import asset
+from ..materials.picture_files import check_pictures, picture_files
+from ..props.mesh_files import MeshFile, check_meshes, mesh_files
+from ..surroundings.hdri import hdri_files, read_hdri
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -18,7 +19,7 @@ F = TypeVar("F")
 
 @dataclass(frozen=True)
 class AssetFiles:
-    """What is in the folders of the settings; nothing for a folder that is None."""
+    """The files in the folders of the settings; none for a folder that is None."""
 
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
@@ -47,3 +48,25 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
     )
+
+
+def check_inputs(settings: SceneSettings) -> None:
+    """Read every file of the folders in the settings, and refuse invalid ones before any work begins.
+
+    Parameters
+    ----------
+    settings : SceneSettings
+        Folders that are None are skipped.
+
+    Raises
+    ------
+    InputError
+        Names the first folder or file that cannot be used.
+    """
+    if settings.environment.hdri_dir is not None:
+        for path in hdri_files(settings.environment.hdri_dir):
+            read_hdri(asset(path))
+    if settings.mesh_dir is not None:
+        check_meshes(mesh_files(settings.mesh_dir))
+    if settings.texture_dir is not None:
+        check_pictures(picture_files(settings.texture_dir))

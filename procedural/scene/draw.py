@@ -6,9 +6,9 @@ import numpy as np
 
 from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, Vessel, glass_solid
+from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
 from ..optics.draw import draw_glass, draw_liquid
-from ..placement.placement import CONTACT_GAP, footprint, spread
+from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import draw_prop
 from ..props.settings import PropSettings
@@ -31,11 +31,11 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     Parameters
     ----------
     settings : SceneSettings
-        What may be drawn.
+        The settings.
     seed : int
         Seed of the data set.
     scene_id : int
-        Number of the scene. Nothing but these three, and the files in the settings' folders, decides the scene.
+        Number of the scene. The scene depends on these three and the files in the settings' folders only.
     files : AssetFiles, optional
         What `asset_files` found in the settings' folders, for many scenes; they are searched without it.
 
@@ -103,12 +103,12 @@ def _props(
 
 
 def _placed(
-    objects: list[Vessel | Prop], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
-) -> list[Vessel | Prop]:
-    """Return the objects in their places: vessels upright, props as they would come to rest."""
+    objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
+) -> list[SceneObject]:
+    """Return the objects in their places: vessels upright, props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
     outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
-    shifts = spread(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
+    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     placed = []
     for item, pose, shift in zip(objects, poses, shifts, strict=True):
         world_T_object = pose.copy()
@@ -117,18 +117,18 @@ def _placed(
     return placed
 
 
-def _pose(item: Vessel | Prop, rng: np.random.Generator) -> np.ndarray:
+def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
     if isinstance(item, Vessel):
         return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
     return resting_pose(item.mesh, rng)
 
 
-def _body(item: Vessel | Prop) -> Mesh:
-    return glass_solid(item) if isinstance(item, Vessel) else item.mesh
+def _body(item: SceneObject) -> Mesh:
+    return item.mesh if isinstance(item, Prop) else glass_solid(item)
 
 
-def _workspace(objects: list[Vessel | Prop]) -> tuple[np.ndarray, float]:
-    """Return centre (3,) and radius [m] of a ball round all objects, or round the middle of a bare table."""
+def _workspace(objects: list[SceneObject]) -> tuple[np.ndarray, float]:
+    """Return centre (3,) and radius [m] of a ball around all objects, or around the middle of an empty table."""
     if not objects:
         return np.zeros(3), 0.1
     clouds = [_body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3] for item in objects]

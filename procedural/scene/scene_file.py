@@ -1,4 +1,4 @@
-"""Scenes on disk: ``scene.json``, its meshes beside it, and the files of others that it uses.
+"""Scenes on disk: ``scene.json``, its meshes, and the external files that it uses.
 
 ::
 
@@ -6,8 +6,8 @@
     <data set>/scenes/000007/scene.json
     <data set>/scenes/000007/meshes/*.ply
 
-Nothing that a scene file says is used as a path before it is checked: meshes are named by a plain word, and assets lie
-in one of two folders, inside the data set, with the content that the scene pins.
+Names in a scene file are checked before they are used as paths: meshes are named by a plain word, and assets lie in one
+of two folders, inside the data set, with the digest that the scene states.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ def save_scene(scene: Scene, path: Path | str, assets_dir: Path | None = None) -
     Parameters
     ----------
     scene : Scene
-        The scene; its assets are absolute paths of files with the pinned content.
+        The scene; its assets are absolute paths of files with the stated digest.
     path : Path or str
         The JSON file to write; meshes go to ``meshes/`` beside it.
     assets_dir : Path, optional
         Where assets go: ``assets/`` beside the scene file (the default) or beside its grandparent, which is the data
-        set's folder. A file that is there already stays.
+        set's folder. An existing file is kept.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def load_scene(path: Path | str) -> Scene:
     ------
     InputError
         For a damaged or unknown file, a missing mesh, an asset that is missing, changed or outside the data set, or
-        a scene that cannot exist (`sanity.check_scene`).
+        a scene that cannot exist (`validate.check_scene`).
     """
     path = Path(path)
     data = read_json(path)
@@ -101,7 +101,7 @@ def assets_of(scene: Scene) -> tuple[Asset, ...]:
 
 
 def stored_name(item: Asset) -> str:
-    """Return the name of an asset's file in a data set: the start of its digest, and its own name made plain."""
+    """Return the name of an asset's file in a data set: start of the digest, and its own name in plain characters."""
     name = re.sub(r"[^A-Za-z0-9._-]", "_", item.source)[-_KEPT_NAME:]
     return f"{item.sha256[:16]}-{name}"
 

@@ -1,4 +1,4 @@
-"""What may be asked of a scene: the settings that a scene is drawn from."""
+"""The settings that a scene is drawn from."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
-"""Training, validation and test: which scenes, and which vessel families and files only test scenes may show.
+"""Training, validation and test splits of scenes, vessel families and files.
 
-All of it follows from the seed. A split depends on the seed and the scene's number alone: a data set that grows keeps
-the splits that it has.
+A split depends on the seed and the scene's number only, so scenes keep their splits when a data set grows.
 """
 
 from __future__ import annotations
@@ -21,15 +20,18 @@ T = TypeVar("T")
 
 
 class SplitSettings(Model):
-    """How scenes are shared out, and what is kept for those of the test split."""
+    """How scenes are split, and what only scenes of the test split show."""
 
-    val: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is for validation")
-    test: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is for the test")
+    val: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is in the validation split")
+    test: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is in the test split")
     unseen_families: int = Field(
-        default=0, ge=0, le=7, description="Vessel families that test scenes alone show, and they show no others"
+        default=0, ge=0, le=7, description="Number of vessel families that only test scenes show (no others)"
     )
     unseen_assets: float = Field(
-        default=0.0, ge=0.0, lt=1.0, description="Share of each folder's files that test scenes alone use (no others)"
+        default=0.0,
+        ge=0.0,
+        lt=1.0,
+        description="Fraction of each folder's files that only test scenes use (no others)",
     )
 
     @model_validator(mode="after")
@@ -53,7 +55,7 @@ def families_of(settings: SplitSettings, seed: int, split: Split, families: Sequ
     Raises
     ------
     InputError
-        Where as many families are to be unseen as there are.
+        Where all families would be unseen.
     """
     count = settings.unseen_families
     if not count:
@@ -72,7 +74,7 @@ def files_of(
     Parameters
     ----------
     settings : SplitSettings
-        What share is kept for the test.
+        The fraction of files for the test split.
     seed : int
         Of the data set.
     split : str
@@ -85,7 +87,7 @@ def files_of(
     Raises
     ------
     InputError
-        Where a single file is to be both seen and unseen.
+        Where a folder has one file only.
     """
     if not settings.unseen_assets or not files:
         return tuple(files)

@@ -3,20 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.mesh import Mesh, joined
-from ..description.scene import Interface, Prop, Scene, Vessel, glass_solid, liquid_solid
-from ..optics.medium import Medium
+from ...core.mesh import Mesh, check_closed, joined, volume_of
+from ..description.scene import (
+    FIRST_OBJECT_ID,
+    GlassBody,
+    Prop,
+    Scene,
+    SceneObject,
+    Vessel,
+    glass_solid,
+    liquid_solid,
+)
+from ..description.surroundings import Camera
+from ..optics.medium import AIR, Medium
 from ..placement.overlap import ALLOWANCE, Solid, overlap
-from .validate_fields import check_fields
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
 #: most of that, and the default ones a twentieth of a percent.
 VOLUME_TOLERANCE = 0.01
+#: Largest instance id: `instances.png` holds 16 bits a pixel.
+LARGEST_ID = (1 << 16) - 1
+#: Largest error of a rotation's entries, and of its rows' products [1]. Poses typed with seven digits pass; the error
+#: moves a point one metre away by a micrometre.
+RIGID_TOLERANCE = 1e-6
+#: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
+SIZE_TOLERANCE = 1e-4
+#: Longest side of a picture [px], as `CameraSettings` allows it; the product of two is 2^28 pixels.
+LONGEST_SIDE = 16384
+#: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
+#: rest is room for maps of floats in other units.
+EXPOSURES = (1e-12, 1e12)
 
 
 def check_scene(scene: Scene) -> None:
@@ -33,15 +54,168 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        Naming the object: fields that contradict each other (`consistency.check_fields`), a refractive index below 1,
-        a negative absorption, glass or a liquid whose surface is not closed or is turned inside out, a liquid above
-        the rim or of another volume, an object in the table, two objects in each other.
+        Naming the object or camera: an id or name that two objects have, a pose that is not rigid, a size that is not
+        that of the mesh, a refractive index below 1, a negative absorption, interfaces whose media or roughness are
+        not those of their body, glass or a liquid whose surface is not closed or is inside out, a liquid above the rim
+        or of another volume, an object in the table, two objects that overlap, a camera that no file can hold.
     """
-    check_fields(scene)
-    for vessel in scene.vessels:
-        _check_media(vessel)
-        _check_solids(vessel)
-        _check_liquid(vessel)
+    _check_identities(scene)
+    for where, matrix in _poses(scene):
+        check_rigid(where, matrix)
+    _check_size("table, size", scene.table.mesh, np.array([*scene.table.size]), top=True)
+    for item in scene.objects:
+        if isinstance(item, GlassBody):
+            _check_parts(item)
+        if isinstance(item, Vessel):
+            _check_profiles(item)
+        mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+        _check_size(f"{item.name}, size", mesh, np.array(item.size))
+    for number, camera in enumerate(scene.cameras):
+        _check_camera(f"camera {number}", camera)
+    for body in scene.vessels:
+        _check_media(body)
+        _check_interfaces(body)
+        _check_liquid(body)
+    _check_places(scene)
+
+
+def check_rigid(where: str, matrix: np.ndarray) -> None:
+    """Refuse a (4, 4) matrix that is not a rotation and a shift; InputError says how it fails."""
+    expected = "a rigid pose"
+    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > 0.0:
+        raise InputError(where, f"{expected}, last row 0 0 0 1", matrix[3].tolist())
+    rotation = matrix[:3, :3]
+    error = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    # Written so that NaN is refused as well.
+    if not error <= RIGID_TOLERANCE:
+        raise InputError(where, f"{expected}, axes at right angles and of length 1", f"them off by {error:.3g}")
+    if np.linalg.det(rotation) < 0.0:
+        raise InputError(where, f"{expected}, right-handed", "a mirrored one")
+
+
+def _check_identities(scene: Scene) -> None:
+    ids: dict[int, str] = {}
+    names: set[str] = set()
+    for item in chain(scene.vessels, scene.props):
+        if not FIRST_OBJECT_ID <= item.id <= LARGEST_ID:
+            raise InputError(f"{item.name}, id", f"{FIRST_OBJECT_ID} to {LARGEST_ID}", item.id)
+        if item.id in ids:
+            raise InputError(f"{item.name}, id", "one of its own", f"{item.id}, which {ids[item.id]} has")
+        if item.name in names:
+            raise InputError(f"{item.name}, name", "one of its own", f"it twice (id {item.id} again)")
+        ids[item.id] = item.name
+        names.add(item.name)
+
+
+def _poses(scene: Scene) -> Iterator[tuple[str, np.ndarray]]:
+    for item in scene.objects:
+        yield f"{item.name}, world_T_object", item.world_T_object
+    for number, camera in enumerate(scene.cameras):
+        yield f"camera {number}, world_T_camera", camera.world_T_camera
+    for number, light in enumerate(scene.lights):
+        yield f"light {number}, world_T_light", light.world_T_light
+
+
+def _check_parts(body: GlassBody) -> None:
+    parts = [interface.part for interface in body.interfaces]
+    expected = ["outside"] if body.liquid is None else ["liquid_surface", "outside", "wet_wall"]
+    if sorted(parts) != expected:
+        raise InputError(body.name, f"the interfaces {', '.join(expected)}", ", ".join(parts) or "none")
+
+
+def _check_profiles(vessel: Vessel) -> None:
+    for field in ("outer", "inner"):
+        count = len(getattr(vessel, field))
+        if count < 2:
+            raise InputError(f"{vessel.name}, {field}", "a profile of at least 2 points", count)
+
+
+def _check_size(where: str, mesh: Mesh, size: np.ndarray, top: bool = False) -> None:
+    """Refuse a mesh that does not fill the box about the origin, or the one that hangs below it."""
+    if len(mesh.faces) == 0:
+        raise InputError(where, f"triangles in mesh {mesh.name}", "none")
+    middle = np.array([0.0, 0.0, -0.5 * size[2] if top else 0.0])
+    box = np.stack([middle - 0.5 * size, middle + 0.5 * size])
+    if not np.abs(mesh.bounds - box).max() <= SIZE_TOLERANCE:
+        place = "hung from the origin" if top else "about the origin"
+        found = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in mesh.bounds.T)
+        expected = f"the extent of mesh {mesh.name}, {place} ({found} m)"
+        raise InputError(where, expected, " x ".join(f"{side:.4g}" for side in size) + " m")
+
+
+def _check_camera(where: str, camera: Camera) -> None:
+    for field in ("width", "height"):
+        side = getattr(camera, field)
+        if not 1 <= side <= LONGEST_SIDE:
+            raise InputError(f"{where}, {field}", f"1 to {LONGEST_SIDE} px", side)
+    least, most = EXPOSURES
+    if not least <= camera.exposure <= most:
+        raise InputError(f"{where}, exposure", f"{least:g} to {most:g}", camera.exposure)
+    for field in ("focal", "baseline"):
+        value = getattr(camera, field)
+        if not 0.0 < value < np.inf:
+            raise InputError(f"{where}, {field}", "a finite number above 0", value)
+    if not np.isfinite(camera.centre).all():
+        raise InputError(f"{where}, centre", "finite numbers", camera.centre)
+
+
+def _check_media(body: GlassBody) -> None:
+    """Refuse media that no light can cross, and interfaces between equal media."""
+    for where, medium in _media(body):
+        if not 1.0 <= medium.eta < np.inf:
+            raise InputError(f"{where}, medium {medium.name}", "a refractive index of at least 1", medium.eta)
+        for value in medium.sigma_a:
+            if not 0.0 <= value < np.inf:
+                raise InputError(f"{where}, medium {medium.name}", "an absorption of at least 0 per metre", value)
+    for interface in body.interfaces:
+        if interface.front == interface.back:
+            where = f"{body.name}, {interface.part}"
+            raise InputError(where, "two media, one on each side", f"{interface.front.name} on both")
+
+
+def _media(body: GlassBody) -> Iterator[tuple[str, Medium]]:
+    yield f"{body.name}, glass", body.glass
+    if body.liquid is not None:
+        yield f"{body.name}, liquid", body.liquid.medium
+    for interface in body.interfaces:
+        yield f"{body.name}, {interface.part}, front", interface.front
+        yield f"{body.name}, {interface.part}, back", interface.back
+
+
+def _check_interfaces(body: GlassBody) -> None:
+    """Refuse interfaces that differ from the fields of their body, or do not close it."""
+    glass, air = ("the body's glass", body.glass), ("air", AIR)
+    liquid = ("its liquid", AIR if body.liquid is None else body.liquid.medium)
+    sides = {"outside": (air, glass), "wet_wall": (liquid, glass), "liquid_surface": (air, liquid)}
+    for interface in body.interfaces:
+        where = f"{body.name}, {interface.part}"
+        for side, (what, medium) in zip(("front", "back"), sides[interface.part], strict=True):
+            found = getattr(interface, side)
+            if found != medium:
+                same_name = f"{found.name} with other constants" if found.name == medium.name else found.name
+                raise InputError(f"{where}, {side}", f"{what} ({medium.name})", same_name)
+        roughness = 0.0 if interface.part == "liquid_surface" else body.roughness
+        if interface.roughness != roughness:
+            raise InputError(f"{where}, roughness", f"{roughness:g}, as its body says", f"{interface.roughness:g}")
+    check_closed(f"{body.name}, glass", glass_solid(body))
+    if body.liquid is not None:
+        check_closed(f"{body.name}, liquid", liquid_solid(body))
+
+
+def _check_liquid(body: GlassBody) -> None:
+    if body.liquid is None:
+        return
+    rim = body.inner[-1][1] if isinstance(body, Vessel) else 0.5 * body.size[2]
+    surface = next(interface for interface in body.interfaces if interface.part == "liquid_surface")
+    highest = max(body.liquid.contact, body.liquid.level, float(surface.mesh.bounds[1, 2]))
+    if highest > rim:
+        raise InputError(f"{body.name}, liquid", f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
+    stated, volume = body.liquid.volume, volume_of(liquid_solid(body))
+    if not abs(stated - volume) <= VOLUME_TOLERANCE * volume:
+        raise InputError(f"{body.name}, liquid, volume", f"that of its body, {volume:.4g} m^3", f"{stated:.4g} m^3")
+
+
+def _check_places(scene: Scene) -> None:
     solids = {item.name: _solid(item) for item in scene.objects}
     for name, solid in solids.items():
         lowest = float(solid.points[:, 2].min())
@@ -52,82 +226,12 @@ def check_scene(scene: Scene) -> None:
             raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
 
 
-def _check_media(vessel: Vessel) -> None:
-    for where, medium in _media(vessel):
-        if not 1.0 <= medium.eta < np.inf:
-            raise InputError(f"{where}, medium {medium.name}", "a refractive index of at least 1", medium.eta)
-        for value in medium.sigma_a:
-            if not 0.0 <= value < np.inf:
-                raise InputError(f"{where}, medium {medium.name}", "an absorption of at least 0 per metre", value)
-    for interface in vessel.interfaces:
-        if interface.front == interface.back:
-            where = f"{vessel.name}, {interface.part}"
-            raise InputError(where, "two media, one on each side", f"{interface.front.name} on both")
-
-
-def _media(vessel: Vessel) -> Iterator[tuple[str, Medium]]:
-    yield f"{vessel.name}, glass", vessel.glass
-    if vessel.liquid is not None:
-        yield f"{vessel.name}, liquid", vessel.liquid.medium
-    for interface in vessel.interfaces:
-        yield f"{vessel.name}, {interface.part}, front", interface.front
-        yield f"{vessel.name}, {interface.part}, back", interface.back
-
-
-def _check_solids(vessel: Vessel) -> None:
-    parts = [interface.part for interface in vessel.interfaces]
-    expected = ["outside"] if vessel.liquid is None else ["liquid_surface", "outside", "wet_wall"]
-    if sorted(parts) != expected:
-        raise InputError(vessel.name, f"the interfaces {', '.join(expected)}", ", ".join(parts) or "none")
-    _check_closed(f"{vessel.name}, glass", glass_solid(vessel))
-    if vessel.liquid is not None:
-        _check_closed(f"{vessel.name}, liquid", liquid_solid(vessel))
-
-
-def _check_closed(where: str, mesh: Mesh) -> None:
-    """Refuse a mesh with an edge that is not run through once in each direction, or with its inside out."""
-    # As bytes: rows of plain memory sort much faster than rows of numbers. Adding 0 makes -0 the same as 0.
-    _, index = np.unique(np.ascontiguousarray(mesh.vertices + np.float32(0.0)).view("V12").ravel(), return_inverse=True)
-    faces = index.reshape(-1)[mesh.faces].astype(np.int64)
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    count = int(index.max()) + 1
-    there, back = np.sort(start * count + end), np.sort(end * count + start)
-    if (there[1:] == there[:-1]).any() or not np.array_equal(there, back):
-        open_edges = len(np.setxor1d(there, back, assume_unique=False))
-        raise InputError(where, "a closed surface, each edge between two triangles", f"{open_edges} loose edges")
-    volume = _volume(mesh)
-    if volume <= 0.0:
-        raise InputError(where, "normals that point out of the body", f"a volume of {volume:.3e} m^3")
-
-
-def _volume(mesh: Mesh) -> float:
-    """Return the volume of a closed mesh [m^3]: the sum of its triangles' tetrahedra with the origin."""
-    corners = mesh.vertices.astype(np.float64)[mesh.faces]
-    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6.0
-
-
-def _check_liquid(vessel: Vessel) -> None:
-    if vessel.liquid is None:
-        return
-    rim = vessel.inner[-1][1]
-    surface = next(interface for interface in vessel.interfaces if interface.part == "liquid_surface")
-    highest = max(vessel.liquid.contact, vessel.liquid.level, float(surface.mesh.bounds[1, 2]))
-    if highest > rim:
-        raise InputError(f"{vessel.name}, liquid", f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
-    stated, body = vessel.liquid.volume, _volume(liquid_solid(vessel))
-    if not abs(stated - body) <= VOLUME_TOLERANCE * body:
-        raise InputError(f"{vessel.name}, liquid, volume", f"that of its body, {body:.4g} m^3", f"{stated:.4g} m^3")
-
-
-def _solid(item: Vessel | Prop) -> Solid:
-    """Return the body as others meet it: a vessel with its liquid, or a prop."""
+def _solid(item: SceneObject) -> Solid:
+    """Return the body as others meet it: glass with its liquid, or a prop."""
     if isinstance(item, Prop):
         mesh = item.mesh
     else:
-        mesh = joined([part.mesh for part in item.interfaces if _is_outer(part)], f"{item.name}-body")
+        outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
+        mesh = joined(outer, f"{item.name}-body")
     rotation, origin = item.world_T_object[:3, :3], item.world_T_object[:3, 3]
     return Solid(mesh.vertices.astype(np.float64) @ rotation.T + origin, mesh.faces)
-
-
-def _is_outer(interface: Interface) -> bool:
-    return interface.part != "wet_wall"

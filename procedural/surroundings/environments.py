@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from ...core.assets import asset
-from ..description.surroundings import Environment, PictureEnvironment, RoomEnvironment
+from ..description.surroundings import ConstantEnvironment, Environment, PictureEnvironment, RoomEnvironment
 from .hdri import hdri_files, read_hdri
 from .rooms import bake_room, draw_room
 from .settings import EnvironmentSettings
@@ -18,6 +18,9 @@ from .skies import bake_sky, draw_sky
 
 #: Standard deviation of the blur of procedural maps [texel]. At 1 a straight edge is free of stairs to the eye.
 _SOFTNESS = 1.0
+
+#: Rows of the map of a constant environment. Any number holds it; few cost nothing.
+_CONSTANT_HEIGHT = 8
 
 
 def draw_environment(
@@ -57,9 +60,9 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
     Parameters
     ----------
     environment : Environment
-        A room, a sky or a file.
+        A room, a sky, a file or a constant.
     height : int
-        Rows of a room's or a sky's map; a file keeps its own size.
+        Rows of a room's or a sky's map; a file keeps its own size, and a constant needs few.
 
     Returns
     -------
@@ -80,6 +83,8 @@ def _baked(environment: Environment, height: int) -> np.ndarray:
 def _fresh(environment: Environment, height: int) -> np.ndarray:
     if isinstance(environment, PictureEnvironment):
         return read_hdri(environment.asset)
+    if isinstance(environment, ConstantEnvironment):
+        return np.full((_CONSTANT_HEIGHT, 2 * _CONSTANT_HEIGHT, 3), environment.radiance, np.float32)
     sharp = (
         bake_room(environment, height) if isinstance(environment, RoomEnvironment) else bake_sky(environment, height)
     )

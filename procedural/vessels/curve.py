@@ -19,7 +19,7 @@ ARC_STEP = np.radians(2.0)
 class Curve:
     """A curve in the half plane r >= 0.
 
-    A point that stands twice, with two normals, is a crease.
+    A duplicated point with two normals is a crease.
 
     Parameters
     ----------
@@ -38,12 +38,12 @@ class Curve:
 
 
 def backwards(curve: Curve) -> Curve:
-    """Return the curve run through from its end, with the same normals."""
+    """Return the curve in the opposite direction, with the same normals."""
     return Curve(curve.points[::-1], curve.normals[::-1])
 
 
 def chained(*curves: Curve) -> Curve:
-    """Return one curve of several, each beginning where the one before ends; the common points stand once."""
+    """Return one curve of several, each beginning where the one before ends; the common points appear once."""
     points = [curves[0].points, *(curve.points[1:] for curve in curves[1:])]
     normals = [curves[0].normals, *(curve.normals[1:] for curve in curves[1:])]
     return Curve(np.concatenate(points), np.concatenate(normals))

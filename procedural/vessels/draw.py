@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.model import Profile
-from ..description.scene import Liquid, Vessel
+from ..description.scene import Vessel
 from ..optics.medium import Medium
+from .build import Filling, build_vessel, vessel_shape
 from .curve import Curve
 from .families import FAMILIES, Family, Size, draw_size
-from .interfaces import dry_interfaces, wet_interfaces
-from .liquid import brimful_volume, level_of_volume, volume_below
+from .liquid import brimful_volume, volume_below
 from .outline import Outline
-from .revolve import segments_for
 from .settings import VesselSettings
-from .surface import Surface, most_volume, surface_of_volume
+from .surface import most_volume
 from .wall import WallShape, glass_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
@@ -23,6 +21,11 @@ LEAST_CORNER = 1.5e-3
 LEAST_BORE = 4.5e-3
 #: Most that a wall is thicker at the bottom than at the top [m].
 MOST_TAPER = 1.5e-3
+#: Largest radius of the ball that rounds the inside's corners, and radii of the outer corner at the base [m], as on
+#: pressed and blown household glass; both give way where the vessel is narrow.
+MOST_CORNER, FILLET = 6e-3, (8e-4, 4e-3)
+#: Heights of the hollow under the base [m], at most this fraction of the base's radius, and how often vessels have one.
+PUNT, PUNT_STEEPNESS, PUNT_PROBABILITY = (0.3e-3, 3e-3), 0.12, 0.6
 #: Least depth of a liquid [m]: less is a film, whose shape the floor decides, not the wall.
 LEAST_DEPTH = 4e-3
 
@@ -49,7 +52,7 @@ def draw_vessel(
     glass : Medium
         The glass.
     liquid_medium : Medium, optional
-        The liquid for the case that the vessel is filled; None leaves it empty.
+        The liquid, if the vessel is drawn to be filled; None leaves it empty.
 
     Returns
     -------
@@ -59,7 +62,7 @@ def draw_vessel(
     Raises
     ------
     InputError
-        Where no category asked for has the sizes asked for.
+        Where no category of the settings can have the sizes of the settings.
     """
     category, height, radius = draw_size(rng, settings)
     wall = _draw_wall(rng, settings, FAMILIES[category])
@@ -67,38 +70,15 @@ def draw_vessel(
     size = Size(height - 0.5 * wall, radius, room=min(wall + MOST_TAPER + LEAST_CORNER + LEAST_BORE, radius))
     outline = FAMILIES[category].outline(rng, size)
     shape = _draw_shape(rng, settings, FAMILIES[category], outline, wall)
-    section = glass_section(outline, shape, settings.chord_error)
-    lift = np.array([0.0, 0.5 * section.outer.points[-1, 1]])
-    outer, inner = (Curve(curve.points - lift, curve.normals) for curve in (section.outer, section.inner))
-    volume, roughness = _draw_volume(rng, settings, inner, liquid_medium), _draw_roughness(rng, settings)
-    reach = float(outer.points[:, 0].max())
-    segments = segments_for(reach, settings.chord_error)
-    common = {"glass": glass, "roughness": roughness, "segments": segments, "name": name}
-    if volume is None or liquid_medium is None:
-        liquid, interfaces = None, dry_interfaces(outer, inner, **common)
-    else:
-        surface = surface_of_volume(inner, volume, liquid_medium, settings.chord_error)
-        liquid = _liquid(inner, surface, liquid_medium)
-        interfaces = wet_interfaces(outer, inner, surface.top, liquid=liquid_medium, **common)
-    return Vessel(
-        id=id,
-        name=name,
-        category=category,
-        glass=glass,
-        roughness=roughness,
-        wall=wall,
-        outer=_profile(outer),
-        inner=_profile(inner),
-        liquid=liquid,
-        interfaces=interfaces,
-        size=(2.0 * reach, 2.0 * reach, 2.0 * float(lift[1])),
-        world_T_object=np.eye(4),
-    )
+    built = vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
+    filling = _draw_filling(rng, settings, built.inner, liquid_medium)
+    roughness = _draw_roughness(rng, settings)
+    return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
 
 
-def _draw_within(rng: np.random.Generator, family: tuple[float, float], asked: tuple[float, float]) -> float:
-    """Draw from the part of the family's range that was asked for; where they have none in common, what was asked."""
-    low, high = np.clip(family, *asked)
+def _draw_within(rng: np.random.Generator, family: tuple[float, float], limits: tuple[float, float]) -> float:
+    """Draw from the family's range, clipped to the settings' limits."""
+    low, high = np.clip(family, *limits)
     return float(rng.uniform(low, high))
 
 
@@ -117,39 +97,23 @@ def _draw_shape(
     foot = float(outline.derivative(np.zeros(1), 0)[0])
     base = max(_draw_within(rng, family.base, settings.base), wall)
     taper = min(MOST_TAPER, 0.6 * wall) * rng.uniform(0.0, 1.0)
-    corner = min(rng.uniform(LEAST_CORNER, 6e-3), max(LEAST_CORNER, 0.6 * (open_radius - wall - taper)))
-    fillet = min(rng.uniform(8e-4, 4e-3), 0.35 * narrowest)
-    punt = rng.uniform(0.3e-3, 3e-3) if rng.random() < 0.6 and not outline.solid_below else 0.0
-    return WallShape(wall, taper, base, fillet, corner, min(punt, 0.12 * foot))
+    corner = min(rng.uniform(LEAST_CORNER, MOST_CORNER), max(LEAST_CORNER, 0.6 * (open_radius - wall - taper)))
+    fillet = min(rng.uniform(*FILLET), 0.35 * narrowest)
+    punt = rng.uniform(*PUNT) if rng.random() < PUNT_PROBABILITY and not outline.solid_below else 0.0
+    return WallShape(wall, taper, base, fillet, corner, min(punt, PUNT_STEEPNESS * foot))
 
 
-def _draw_volume(
+def _draw_filling(
     rng: np.random.Generator, settings: VesselSettings, inner: Curve, medium: Medium | None
-) -> float | None:
-    filled, share = rng.random() < settings.fill_probability, rng.uniform(*settings.fill)
+) -> Filling | None:
+    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*settings.fill)
     if medium is None or not filled:
         return None
     brimful = brimful_volume(inner.points)
     least = volume_below(inner.points, float(inner.points[0, 1]) + LEAST_DEPTH)
-    return float(np.clip(share * brimful, least, most_volume(inner, medium)))
-
-
-def _liquid(inner: Curve, surface: Surface, medium: Medium) -> Liquid:
-    return Liquid(
-        medium=medium,
-        level=level_of_volume(inner.points, surface.volume),
-        centre=surface.centre,
-        contact=surface.contact,
-        contact_angle=surface.contact_angle,
-        fill=surface.volume / brimful_volume(inner.points),
-        volume=surface.volume,
-    )
+    return Filling(medium, float(np.clip(fill * brimful, least, most_volume(inner, medium))))
 
 
 def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:
     rough, alpha = rng.random() < settings.rough_probability, rng.uniform(*settings.roughness)
     return alpha if rough else 0.0
-
-
-def _profile(curve: Curve) -> Profile:
-    return tuple((float(r), float(z)) for r, z in curve.points)

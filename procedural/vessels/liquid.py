@@ -7,8 +7,8 @@ from scipy.optimize import root_scalar
 
 from ...core.errors import InputError
 
-#: Least distance of the contact line below the rim's crown [m]: clear of the rim's rounding, which takes half of the
-#: thickest wall (2 mm).
+#: Least distance of the contact line below the rim's crown [m]: below the rim's rounding, whose radius is up to half
+#: of the thickest wall (2 mm).
 RIM_MARGIN = 2.5e-3
 #: Largest error of a level found from a volume [m].
 LEVEL_TOLERANCE = 1e-12
@@ -55,7 +55,7 @@ def level_of_volume(inner: np.ndarray, volume: float) -> float:
     Raises
     ------
     InputError
-        Where there is nothing to fill in, or the level would be less than `RIM_MARGIN` below the rim's crown.
+        Where the volume is not positive, or the level would be less than `RIM_MARGIN` below the rim's crown.
     """
     most = volume_below(inner, highest_contact(inner))
     if not 0.0 < volume <= most:
@@ -65,7 +65,7 @@ def level_of_volume(inner: np.ndarray, volume: float) -> float:
 
 
 def level_of_fill(inner: np.ndarray, fill: float) -> float:
-    """Return the level at which a share of the brimful volume is filled [m]; InputError as `level_of_volume`."""
+    """Return the level at which a fraction of the brimful volume is filled [m]; InputError as `level_of_volume`."""
     most = volume_below(inner, highest_contact(inner)) / brimful_volume(inner)
     if not 0.0 < fill <= most:
         raise InputError("liquid.fill", f"more than 0 and at most {most:.4f} (below the rim)", fill)

@@ -28,14 +28,15 @@ def revolved(curve: Curve, segments: int, name: str) -> Mesh:
     """Return the surface of revolution of a curve about the z axis.
 
     A point (r, z) becomes the ring ``float32(r * cos a), float32(r * sin a), float32(z)`` over the same angles in
-    every mesh of as many segments, so curves that share a point share a ring bit for bit. The last segment of a ring
-    uses the first vertices again: the seam closes exactly. A point on the axis is one vertex with a fan of triangles.
-    A point that stands twice makes two rings in the same place and no faces between them: a crease.
+    every mesh of as many segments, so curves with a common point have a common ring bit for bit. The last segment of
+    a ring uses the first vertices again: the seam closes exactly. A point on the axis is one vertex with a fan of
+    triangles.
+    A duplicated point makes two rings in the same place without faces between them: a crease.
 
     Parameters
     ----------
     curve : Curve
-        The profile, either way round; faces look along its normals. Only its ends may lie on the axis.
+        The profile, in either direction; faces look along its normals. Only its ends may lie on the axis.
     segments : int
         Vertices per ring, a multiple of 8.
     name : str
@@ -78,16 +79,16 @@ def _rings(pairs: np.ndarray, on_axis: np.ndarray, segments: int) -> np.ndarray:
 
 
 def _faces(curve: Curve, first: np.ndarray, on_axis: np.ndarray, segments: int) -> np.ndarray:
-    around = np.arange(segments)
+    ring = np.arange(segments)
     rows = []
     for i, step in enumerate(np.diff(curve.points, axis=0)):
         if not step.any():
             continue
-        here, there = (first[k] + (0 * around if on_axis[k] else around) for k in (i, i + 1))
-        here_after, there_after = np.roll(here, -1), np.roll(there, -1)
+        lower, upper = (first[k] + (0 * ring if on_axis[k] else ring) for k in (i, i + 1))
+        lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
         # A triangle with two corners on the axis has no area: at a pole only one of the pair is kept.
-        band = [] if on_axis[i] else [np.stack([here, here_after, there_after], axis=-1)]
-        band += [] if on_axis[i + 1] else [np.stack([here, there_after, there], axis=-1)]
+        band = [] if on_axis[i] else [np.stack([lower, lower_next, upper_next], axis=-1)]
+        band += [] if on_axis[i + 1] else [np.stack([lower, upper_next, upper], axis=-1)]
         # These look to the right of the way along the curve, where (dz, -dr) points.
         to_right = np.array([step[1], -step[0]]) @ (curve.normals[i] + curve.normals[i + 1])
         rows += band if to_right > 0.0 else [triangles[:, ::-1] for triangles in band]

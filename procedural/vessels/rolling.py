@@ -1,4 +1,4 @@
-"""A ball rolled along the inside of a wall: the one construction behind base corners and insides.
+"""A ball rolled along the inside of a wall: the construction of base corners and insides.
 
 Let S be the solid ``{r <= f(z), z >= floor}``. Eroding it by ``clearance + ball`` and dilating the result by ``ball``
 (a morphological opening after an erosion, Serra 1982, "Image Analysis and Mathematical Morphology", ch. II) gives
@@ -67,7 +67,7 @@ def _free_centres(wall: Curve, reach: np.ndarray) -> tuple[np.ndarray, np.ndarra
     towards = slope * tangents + np.sqrt(1.0 - slope**2) * wall.normals
     centres = wall.points - reach[:, None] * towards
     free = _gap(centres, wall.points, reach) >= -TOUCH_TOLERANCE
-    # Along the boundary of a graph over z, heights rise; what does not rise is the dust of the tolerance.
+    # Along the boundary of a graph over z, heights rise; points that do not rise are due to the tolerance.
     highest = np.maximum.accumulate(np.where(free, centres[:, 1], -np.inf))
     free &= np.concatenate([[True], centres[1:, 1] > highest[:-1]])
     return centres[free], towards[free], int(np.flatnonzero(free)[-1])
@@ -84,7 +84,7 @@ def _gap(centres: np.ndarray, wall: np.ndarray, reach: np.ndarray) -> np.ndarray
 
 
 def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Keep what hangs together with the top end, off the axis and not below `lowest`."""
+    """Keep the part connected to the top end that is off the axis and not below `lowest`."""
     room = np.minimum(centres[:, 0], centres[:, 1] - lowest)
     blocked = np.flatnonzero(room <= 0.0)
     if len(blocked) == 0 or blocked[-1] + 1 >= len(room):
@@ -94,11 +94,11 @@ def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.
         0.0 if low > 0.0 else -low / (high - low)
         for low, high in zip(centres[i] - (0.0, lowest), centres[i + 1] - (0.0, lowest), strict=True)
     )
-    share = max(at_axis, at_floor)
-    start = centres[i] + share * (centres[i + 1] - centres[i])
+    fraction = max(at_axis, at_floor)
+    start = centres[i] + fraction * (centres[i + 1] - centres[i])
     if at_axis >= at_floor:
         start[0] = 0.0
-    facing = towards[i] + share * (towards[i + 1] - towards[i])
+    facing = towards[i] + fraction * (towards[i + 1] - towards[i])
     centres = np.concatenate([start[None], centres[i + 1 :]])
     return centres, np.concatenate([facing[None] / np.hypot(*facing), towards[i + 1 :]])
 

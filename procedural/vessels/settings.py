@@ -21,12 +21,12 @@ _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
 class VesselSettings(Model):
-    """What vessels are drawn. Ranges are (smallest, largest), both included."""
+    """Vessels to draw. Ranges are (smallest, largest), both included."""
 
     categories: tuple[Category, ...] = Field(
         default=CATEGORIES,
         min_length=1,
-        description="Families to draw from, all alike; one that cannot have the sizes asked for is left out",
+        description="Families to draw from, equally likely; those that cannot have the given sizes are skipped",
     )
     height: Annotated[tuple[_Height, _Height], Ordered] = Field(
         default=(0.04, 0.30), description="Height of the vessel, within 0.04 and 0.30 [m]"
@@ -44,7 +44,7 @@ class VesselSettings(Model):
     fill_probability: float = Field(default=0.6, ge=0.0, le=1.0, description="Probability that a vessel holds a liquid")
     fill: Annotated[tuple[_Fill, _Fill], Ordered] = Field(
         default=(0.1, 0.9),
-        description="Share of the brimful volume that is filled, within 0 and 1; the level stays below the rim",
+        description="Fraction of the brimful volume that is filled, within 0 and 1; the level stays below the rim",
     )
     rough_probability: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that the glass is rough")
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(

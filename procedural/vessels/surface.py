@@ -1,7 +1,7 @@
 """The liquid's surface in a vessel: a capillary meniscus that meets the wall at its contact angle.
 
 The wall tilts and curves, so where the surface meets it decides how the surface is shaped, and both decide how much
-liquid lies below. The height of the contact line is found so that the volume is the one asked for.
+liquid lies below. The height of the contact line is found so that the volume is the given one.
 
 A liquid without density, surface tension or contact angle keeps a flat surface.
 """
@@ -28,18 +28,18 @@ from .liquid import highest_contact, level_of_volume, volume_below
 #: 6e-6, of a flat surface 1e-6. A liquid that wets at 0 degrees so rises by sqrt(1 - sin 10 deg), 9.1 % less (ethanol
 #: on a flat wall: 2.18 mm instead of 2.40).
 LEAST_ANGLE = np.radians(10.0)
-#: Shares of the capillary slope at the wall that are tried in turn where the wall curves so that the surface would
-#: cut through it; then it is flat.
-SLOPE_SHARES = (1.0, 0.75, 0.5, 0.25)
+#: Fractions of the capillary slope at the wall that are tried in turn where the wall is so curved that the surface
+#: would intersect it; after the last one the surface is flat.
+SLOPE_FRACTIONS = (1.0, 0.75, 0.5, 0.25)
 #: Points of the dense surface. The slope turns by up to 180 degrees over three quarters of them, by their cube: by at
 #: most 6 degrees from one to the next, within `MAX_TURN`.
 SAMPLES = 128
 #: Largest error of the contact line's height while the surface's shape is sought [m].
 CONTACT_TOLERANCE = 1e-8
-#: Step of the contact line that tells how the volume grows with its height [m]: of the order of the chord error.
+#: Step of the contact line for the derivative of the volume by its height [m]: of the order of the chord error.
 GROWTH_STEP = 1e-5
-#: Rounds that set the volume of the polygon (rather than of the true curve, which lies within the chord error of it).
-POLYGON_ROUNDS = 2
+#: Secant steps that correct the volume of the polygon; the search before is for that of the true curve.
+POLYGON_STEPS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Surface:
         From the axis to the contact line on the inner curve's polygon, normals into the air.
     contact_angle : float
         Angle inside the liquid between the wall and the surface where they meet [rad]; that of the medium, unless it
-        is below `LEAST_ANGLE`, the wall leaves no room (`SLOPE_SHARES`), or the surface is flat.
+        is below `LEAST_ANGLE`, the wall leaves no room (`SLOPE_FRACTIONS`), or the surface is flat.
     volume : float
         Volume of the body of revolution between the inner polygon and the top's polygon [m^3].
     """
@@ -75,7 +75,7 @@ class Surface:
 def surface_of_volume(inner: Curve, volume: float, medium: Medium, chord_error: float) -> Surface:
     """Return the surface under which the inside holds a volume of a liquid.
 
-    On a wall that curves there may be several (their contact lines at different heights); each is at rest.
+    On a curved wall several surfaces may be at rest, with different contact lines; one of them is returned.
 
     Parameters
     ----------
@@ -91,12 +91,12 @@ def surface_of_volume(inner: Curve, volume: float, medium: Medium, chord_error: 
     Raises
     ------
     InputError
-        Where there is nothing to fill in, or the contact line would come nearer to the rim than `liquid.RIM_MARGIN`.
+        Where the volume is not positive, or the contact line would come nearer to the rim than `liquid.RIM_MARGIN`.
     """
     liquid = _capillary(medium)
     if liquid is not None:
-        for share in SLOPE_SHARES:
-            surface = _fitted(inner, volume, liquid, share, chord_error)
+        for fraction in SLOPE_FRACTIONS:
+            surface = _fitted(inner, volume, liquid, fraction, chord_error)
             if _is_inside(inner.points, surface.top.points):
                 return surface
     return _flat(inner, level_of_volume(inner.points, volume))
@@ -125,22 +125,22 @@ def _capillary(medium: Medium) -> _Capillary | None:
     return _Capillary(medium.density, medium.surface_tension, angle)
 
 
-def _fitted(inner: Curve, volume: float, liquid: _Capillary, share: float, chord_error: float) -> Surface:
-    contact = _contact_height(inner, volume, liquid, share)
-    growth = (_volume(inner, contact + GROWTH_STEP, liquid, share) - volume) / GROWTH_STEP
-    surface = _surface_at(inner, contact, liquid, share, chord_error)
-    for _ in range(POLYGON_ROUNDS):
+def _fitted(inner: Curve, volume: float, liquid: _Capillary, fraction: float, chord_error: float) -> Surface:
+    contact = _contact_height(inner, volume, liquid, fraction)
+    growth = (_volume(inner, contact + GROWTH_STEP, liquid, fraction) - volume) / GROWTH_STEP
+    surface = _surface_at(inner, contact, liquid, fraction, chord_error)
+    for _ in range(POLYGON_STEPS):
         contact += (volume - surface.volume) / growth
-        surface = _surface_at(inner, contact, liquid, share, chord_error)
+        surface = _surface_at(inner, contact, liquid, fraction, chord_error)
     return surface
 
 
-def _contact_height(inner: Curve, volume: float, liquid: _Capillary, share: float) -> float:
+def _contact_height(inner: Curve, volume: float, liquid: _Capillary, fraction: float) -> float:
     """Return the height at which the true curve's liquid has the volume; InputError where it is above the rim."""
 
-    @cache  # each costs a solution of the capillary equation, and the ends of the bracket are asked for twice
+    @cache  # each call solves the capillary equation, and the ends of the bracket are needed twice
     def excess(contact: float) -> float:
-        return _volume(inner, contact, liquid, share) - volume
+        return _volume(inner, contact, liquid, fraction) - volume
 
     # The floor's corner may hold nothing yet, where the surface would lie below the floor.
     lowest, highest = float(inner.points[0, 1]) + CONTACT_MERGE, highest_contact(inner.points)
@@ -155,17 +155,17 @@ def _contact_height(inner: Curve, volume: float, liquid: _Capillary, share: floa
     return root_scalar(excess, bracket=(low, high), method="brentq", xtol=CONTACT_TOLERANCE).root
 
 
-def _volume(inner: Curve, contact: float, liquid: _Capillary, share: float) -> float:
+def _volume(inner: Curve, contact: float, liquid: _Capillary, fraction: float) -> float:
     """Return the volume under the true curve: what lies below the contact line less the air under that [m^3]."""
-    shape = _meniscus(inner, contact, liquid, share, 8)
+    shape = _meniscus(inner, contact, liquid, fraction, 8)
     air = np.pi * float(shape.profile[-1, 0]) ** 2 * shape.wall_height - shape.volume
     return volume_below(inner.points, contact) - float(air)
 
 
-def _meniscus(inner: Curve, contact: float, liquid: _Capillary, share: float, samples: int) -> Meniscus:
+def _meniscus(inner: Curve, contact: float, liquid: _Capillary, fraction: float, samples: int) -> Meniscus:
     radius = float(np.interp(contact, inner.points[:, 1], inner.points[:, 0]))
     tilt = _tilt(inner, contact)
-    slope = share * (0.5 * np.pi - liquid.angle - tilt)
+    slope = fraction * (0.5 * np.pi - liquid.angle - tilt)
     return meniscus(radius, liquid.density, liquid.tension, 0.5 * np.pi - tilt - slope, tilt, samples)
 
 
@@ -175,8 +175,8 @@ def _tilt(inner: Curve, height: float) -> float:
     return float(np.arctan2(normal[1], -normal[0]))
 
 
-def _surface_at(inner: Curve, contact: float, liquid: _Capillary, share: float, chord_error: float) -> Surface:
-    shape = _meniscus(inner, contact, liquid, share, SAMPLES)
+def _surface_at(inner: Curve, contact: float, liquid: _Capillary, fraction: float, chord_error: float) -> Surface:
+    shape = _meniscus(inner, contact, liquid, fraction, SAMPLES)
     points = shape.profile + np.array([0.0, contact - shape.wall_height])
     points[-1, 1] = contact
     top = simplified(Curve(points, directions(0.5 * np.pi + shape.angles)), chord_error)

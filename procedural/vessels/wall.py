@@ -1,4 +1,4 @@
-"""From an outline to a wall: the closed profile of a glass solid with an inside, a base and a round rim."""
+"""From an outline to a wall: the closed profile of a glass solid with an inside, a base and a rounded rim."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .rolling import rolled
 DENSE_STEP = 1e-4
 #: Added to the wall for the chord errors of the dense curves [m].
 DENSE_MARGIN = 3e-6
-#: Share of the flat base's radius that the punt takes; the rest is the ring that the vessel stands on.
-PUNT_SHARE = 0.85
+#: Radius of the punt over that of the flat base; the vessel stands on the ring outside it.
+PUNT_FRACTION = 0.85
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _underside(radius: float, punt: float, chord_error: float) -> Curve:
     """Return the base from the axis to `radius`: a hollow with a standing ring around it; normals out of the glass."""
     if punt == 0.0:
         return Curve(np.array([[0.0, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]]))
-    edge = PUNT_SHARE * radius
+    edge = PUNT_FRACTION * radius
     r = np.linspace(0.0, edge, max(3, int(edge / DENSE_STEP)))
     z = 0.5 * punt * (1.0 + np.cos(np.pi * r / edge))
     slope = -0.5 * punt * np.pi / edge * np.sin(np.pi * r / edge)

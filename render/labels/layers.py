@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...procedural.description.materials_of import materials_of
-from ...procedural.description.scene import Prop
-from .._mitsuba import dr, mi
+from ...procedural.description.scene import Prop, materials_of
 from ..frame import Layers
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole

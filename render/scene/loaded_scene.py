@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.mesh import Mesh, as_trimesh
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene, Vessel
+from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
 from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .lighting import area_light, envmap, keep_numbers_out_of_kernels
@@ -124,7 +124,7 @@ def _table_bodies(scene: Scene, bsdf: mi.BSDF) -> list[tuple]:
 def _object_bodies(scene: Scene, glass: mi.BSDF | None) -> list[tuple]:
     bodies = []
     for index, item in enumerate(scene.objects):
-        bodies += _vessel_bodies(item, index, glass) if isinstance(item, Vessel) else [_prop_body(item, index)]
+        bodies += [_prop_body(item, index)] if isinstance(item, Prop) else _glass_bodies(item, index, glass)
     return bodies
 
 
@@ -133,13 +133,13 @@ def _polished(material: OpaqueMaterial) -> bool:
     return material.roughness <= POLISHED or material.metallic >= 0.5
 
 
-def _vessel_bodies(vessel: Vessel, index: int, glass: mi.BSDF | None) -> list[tuple]:
+def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[tuple]:
     """Return the interfaces; `glass` stands in for their BSDFs, which are made where there is none."""
     bodies = []
-    for interface in vessel.interfaces:
+    for interface in body.interfaces:
         media = interface.front, interface.back
-        surface = Surface(vessel.id, index, False, *media, interface.roughness, interface.part)
-        bodies.append((interface.mesh, vessel.world_T_object, glass or _glass_bsdf(interface), surface))
+        surface = Surface(body.id, index, False, *media, interface.roughness, interface.part)
+        bodies.append((interface.mesh, body.world_T_object, glass or _glass_bsdf(interface), surface))
     return bodies
 
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import InputError
-from ...procedural.optics.dispersion import eta
-from ...procedural.optics.medium import Medium
+from ...procedural.optics.medium import Medium, eta
 from ...procedural.optics.spectra import absorption
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from glassware.core.errors import InputError
 from glassware.procedural.optics.capillary import GRAVITY, capillary_length, meniscus
@@ -177,3 +178,22 @@ def test_the_slopes_are_those_of_the_profile(angle, tilt):
     assert np.abs(np.arctan2(steps[:, 1], steps[:, 0]) - middle).max() < 1e-5
     assert surface.angles[0] == 0.0
     assert surface.angles[-1] == pytest.approx(surface.slope, abs=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.3, 1.0, 10.0, 40.0])
+@pytest.mark.parametrize("degrees", [10.0, 65.0, 105.0, 126.0])
+def test_the_profile_is_the_one_that_adaptive_integration_finds(ratio, degrees):
+    # A second method: from a point of the profile near the axis, the equation is integrated up to the wall.
+    surface = meniscus(ratio * LENGTH, **WATER, contact_angle=0.0, wall_tilt=np.pi / 2 - np.radians(degrees))
+    r, z = (surface.profile / LENGTH).T
+    first = len(r) // 2
+
+    def right_side(phi, state):
+        curvature = state[1] - np.sin(phi) / state[0]
+        return np.cos(phi) / curvature, np.sin(phi) / curvature
+
+    span = (surface.angles[first], surface.angles[-1])
+    start = (r[first], z[first])
+    found = solve_ivp(right_side, span, start, "DOP853", t_eval=surface.angles[first:], rtol=1e-12, atol=1e-14).y
+    assert found[0] == pytest.approx(r[first:], rel=2e-7)
+    assert found[1] == pytest.approx(z[first:], rel=2e-7)

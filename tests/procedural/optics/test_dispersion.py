@@ -5,8 +5,8 @@ import pytest
 
 from glassware.core.errors import InputError
 from glassware.procedural.optics.catalogue import FUSED_SILICA, LEAD_CRYSTAL, catalogue, water
-from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE, Scaled, abbe_number, eta, index
-from glassware.procedural.optics.medium import AIR, Medium
+from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE, Scaled, abbe_number, index
+from glassware.procedural.optics.medium import AIR, Medium, eta
 
 # Malitson 1965 and the Schott data sheets print five decimals.
 FIVE_DECIMALS = 0.6e-5

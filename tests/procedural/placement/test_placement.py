@@ -7,7 +7,7 @@ from scipy.optimize import linprog
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.placement.placement import PlacementSettings, apart, footprint, spread
+from glassware.procedural.placement.placement import PlacementSettings, apart, draw_positions, footprint
 from glassware.procedural.placement.resting import turn_about_z
 
 BOARD = np.array([[-0.5, -0.4], [0.5, -0.4], [0.5, 0.4], [-0.5, 0.4]])
@@ -41,7 +41,7 @@ def test_objects_lie_on_the_board_and_apart(rng):
     settings = PlacementSettings(gap=0.01, edge=0.02)
     for trial in range(5):
         outlines = [_polygon(rng, radius) for radius in rng.uniform(0.02, 0.09, 12)]
-        shifts = spread(outlines, BOARD, settings, np.random.default_rng(trial))
+        shifts = draw_positions(outlines, BOARD, settings, np.random.default_rng(trial))
         placed = [outline + shift for outline, shift in zip(outlines, shifts, strict=True)]
         for i, a in enumerate(placed):
             assert (np.abs(a) <= np.array([0.5, 0.4]) - settings.edge + ROUNDING).all()
@@ -77,19 +77,19 @@ def test_a_footprint_is_the_outline_seen_from_above(rng):
 def test_objects_stay_in_the_disc_while_they_fit():
     outlines = [0.02 * _polygon(np.random.default_rng(i), 1.0) for i in range(3)]
     settings = PlacementSettings(radius=0.16)
-    shifts = spread(outlines, BOARD, settings, np.random.default_rng(3))
+    shifts = draw_positions(outlines, BOARD, settings, np.random.default_rng(3))
     assert (np.linalg.norm(shifts, axis=1) <= 0.16).all()
 
 
 def test_the_disc_grows_for_a_crowd():
     outlines = [_polygon(np.random.default_rng(i), 0.08) for i in range(8)]
-    shifts = spread(outlines, BOARD, PlacementSettings(radius=0.02), np.random.default_rng(3))
+    shifts = draw_positions(outlines, BOARD, PlacementSettings(radius=0.02), np.random.default_rng(3))
     assert np.linalg.norm(shifts, axis=1).max() > 0.1
 
 
 def test_what_does_not_fit_is_refused():
     with pytest.raises(InputError, match="vessel_count, prop_count: expected objects that fit on the table, found 3"):
-        spread(
+        draw_positions(
             [_polygon(np.random.default_rng(i), 0.39) for i in range(3)],
             BOARD,
             PlacementSettings(),
@@ -99,5 +99,5 @@ def test_what_does_not_fit_is_refused():
 
 def test_the_same_draws_give_the_same_places():
     outlines = [_polygon(np.random.default_rng(i), 0.05) for i in range(5)]
-    one, two = (spread(outlines, BOARD, PlacementSettings(), np.random.default_rng(3)) for _ in range(2))
+    one, two = (draw_positions(outlines, BOARD, PlacementSettings(), np.random.default_rng(3)) for _ in range(2))
     np.testing.assert_array_equal(one, two)

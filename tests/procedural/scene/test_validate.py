@@ -9,10 +9,10 @@ from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh, turned
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.description.surroundings import AreaLight
+from glassware.procedural.primitives.bodies import ball
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
-from glassware.procedural.scene.validate import check_scene
-from glassware.procedural.scene.validate_fields import LARGEST_ID, LONGEST_SIDE, check_rigid
+from glassware.procedural.scene.validate import LARGEST_ID, LONGEST_SIDE, check_rigid, check_scene
 from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings
 from glassware.procedural.vessels.settings import VesselSettings
 
@@ -254,6 +254,37 @@ def test_an_interface_between_a_medium_and_itself_is_refused(scene):
     glass = scene.vessels[0].glass
     said = _refused(_with(scene, part=0, front=glass))
     assert said == f"vessel-00, outside: expected two media, one on each side, found {glass.name} on both"
+
+
+def test_another_glass_or_roughness_without_its_interfaces_is_refused(scene):
+    glass = scene.vessels[0].glass
+    other = glass.model_copy(update={"name": "flint", "eta": 1.7, "dispersion": None})
+    said = _refused(_with(scene, glass=other))
+    assert said == f"vessel-00, outside, back: expected the body's glass (flint), found {glass.name}"
+    dyed = glass.model_copy(update={"sigma_a": (1.0, 2.0, 3.0)})
+    assert _refused(_with(scene, glass=dyed)).endswith(f"found {glass.name} with other constants")
+    assert _refused(_with(scene, part=1, roughness=0.3)).startswith("vessel-00, wet_wall, roughness: expected 0, as")
+    check_scene(scene.model_copy(update={"vessels": (scene.vessels[0].with_media(glass=other), *scene.vessels[1:])}))
+
+
+def test_another_liquid_without_its_interfaces_is_refused(scene):
+    liquid = scene.vessels[0].liquid
+    other = liquid.medium.model_copy(update={"sigma_a": (1.0, 2.0, 3.0)})
+    said = _refused(_with(scene, liquid=liquid.model_copy(update={"medium": other})))
+    assert "its liquid" in said
+    assert said.endswith(f"found {liquid.medium.name} with other constants")
+    assert _refused(_with(scene, part=2, front=other)).startswith(
+        "vessel-00, liquid_surface, front: expected air (air)"
+    )
+    dyed = scene.vessels[0].with_media(liquid=other)
+    assert dyed.liquid.medium == dyed.interfaces[1].front == dyed.interfaces[2].back == other
+    check_scene(scene.model_copy(update={"vessels": (dyed, *scene.vessels[1:])}))
+
+
+def test_a_liquid_for_an_empty_body_is_refused(scene):
+    empty = ball(0.02, scene.vessels[0].glass)
+    with pytest.raises(InputError, match=r"^ball, liquid: expected a body that holds one, found an empty one$"):
+        empty.with_media(liquid=scene.vessels[0].liquid.medium)
 
 
 def test_pictures_are_as_large_as_the_settings_allow_and_no_larger(scene):

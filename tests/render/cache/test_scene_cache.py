@@ -12,7 +12,7 @@ from glassware.procedural.description.material import OpaqueMaterial, UniformTex
 from glassware.procedural.description.scene import Picture, Prop
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
-PASSES, SPP, PATHS = 8, 32, 64
+PASSES, SPP, PATH_TRACER = 8, 32, 64
 BLOCK = 8  #: side of the blocks that are compared [px]
 SIGNIFICANCE = 1e-3  #: chance that two equal ways fail
 #: What interpolation may change a block's mean by: cells are as large as a pixel and blocks are 8 pixels wide, so
@@ -90,7 +90,7 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
     nodes, camera = place_nodes(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        tracer = reading(kernel, gather_light(kernel, nodes, PATHS, 100 + seed))
+        tracer = reading(kernel, gather_light(kernel, nodes, PATH_TRACER, 100 + seed))
         pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from glassware.core.mesh import as_trimesh
-from glassware.procedural.description.materials_of import materials_of
-from glassware.procedural.description.scene import glass_solid, liquid_solid
+from glassware.procedural.description.scene import glass_solid, liquid_solid, materials_of
 from glassware.render.frame import PARTS
 
 #: Middles of segments shorter than this are nearer to a surface than the winding number can tell [m].
