@@ -1,4 +1,4 @@
-"""Being stopped: Ctrl-C and a scheduler's SIGTERM end the work between two steps, and are never lost."""
+"""Stop signals: Ctrl-C and a cluster scheduler's SIGTERM end the work between two steps, and are never lost."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-#: Signals that ask a command to stop. One that the parent process ignores stays ignored, as for jobs in a script's
-#: background.
+#: Signals that stop a command. One that the parent process ignores stays ignored, as for background jobs of a script.
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 _received: list[int] = []
 
 
 @contextmanager
-def stoppable() -> Iterator[None]:
-    """Turn signals that ask to stop into `KeyboardInterrupt` inside, and remember them."""
+def stop_signals() -> Iterator[None]:
+    """Record stop signals inside the block, and raise `KeyboardInterrupt` for them."""
     _received.clear()
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     for number in _SIGNALS:
@@ -30,18 +29,18 @@ def stoppable() -> Iterator[None]:
 
 
 def check_stop() -> None:
-    """Raise `KeyboardInterrupt` if a signal was received; a library may have swallowed the first one."""
+    """Raise `KeyboardInterrupt` if a stop signal was received; a library may have swallowed the first exception."""
     if _received:
         raise KeyboardInterrupt
 
 
 def was_stopped() -> bool:
-    """Return whether a signal to stop was received."""
+    """Return whether a stop signal was received."""
     return bool(_received)
 
 
 def exit_code() -> int:
-    """Return what a shell reports for a program that the signal ended: 128 and its number (130 for Ctrl-C)."""
+    """Return the exit code that shells report for the signal: 128 plus its number (130 for Ctrl-C)."""
     return 128 + (_received[0] if _received else signal.SIGINT)
 
 

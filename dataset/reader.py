@@ -23,14 +23,13 @@ from ..procedural.scene.splits import Split
 from ..render.frame import Geometry, Layers, Refraction, SurfaceLight
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
-from .format.dataset_file import DatasetFile
+from .format.dataset_file import DatasetFile, read_head
 from .format.exr import channel, read_exr, stacked
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
-from .writer import read_head
 
 M = TypeVar("M", bound=Model)
 Eye = Literal["left", "right"]

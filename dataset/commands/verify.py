@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 
 from ...core.errors import InputError
-from ...core.exit_codes import WorkFailed, outcome
+from ...core.exit_codes import WorkFailed, run_command
 from ...core.model import Model
 from ...core.stopping import check_stop
 from ...core.user_text import UserPath
@@ -45,7 +45,7 @@ class Verify(Model):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit code says how it went."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _verify(given))
+    return run_command(lambda: _verify(given))
 
 
 def _verify(arguments: Sequence[str]) -> None:

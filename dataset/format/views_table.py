@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from ...annotate.labels import Labels
 from ...core.assets import Asset
-from ...core.atomic_io import whole_file
+from ...core.atomic_io import atomic_file
 from ...core.errors import InputError
 from ...core.json_file import parsed, read_json
 from ...core.model import Model
@@ -146,7 +146,7 @@ def write_views_table(root: Path, scenes: Iterable[SceneViews]) -> int:
     give the same bytes.
     """
     views, waiting = 0, iter(scenes)
-    with whole_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
+    with atomic_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
         while group := list(islice(waiting, SCENES_A_GROUP)):
             rows = [row.model_dump() for scene in group for row in scene.views]
             writer.write_table(pa.Table.from_pylist(rows, schema=SCHEMA))

@@ -19,7 +19,7 @@ from torch import Tensor
 from ...core.atomic_io import write_atomically
 from ...core.errors import InputError
 from ...core.model import Model
-from ...core.setting_errors import complaint
+from ...core.setting_errors import setting_error
 from ...dataset.format import layout
 from ..networks.build import Network, build_network
 from ..networks.reference import load_reference
@@ -86,7 +86,7 @@ def load_checkpoint(path: Path) -> Checkpoint:
         settings = TrainSettings.model_validate(content["settings"])
         data = None if content["data"] is None else DataRecord.model_validate(content["data"])
     except ValidationError as error:
-        raise complaint(f"{path}: settings", error, TrainSettings) from error
+        raise setting_error(f"{path}: settings", error, TrainSettings) from error
     _check_kinds(content, path)
     names = ("step", "network", "ema", "optimiser", "rng", "best")
     return Checkpoint(settings, data, **{name: content[name] for name in names})

@@ -132,7 +132,7 @@ def test_a_build_that_is_stopped_goes_on_later(
     (os.killpg if everyone else os.kill)(child.pid, number)
     _, errors = child.communicate(timeout=60)
     assert child.returncode == 128 + number, errors
-    assert _last_line(errors) == "stopped; nothing half-written is left\n"
+    assert _last_line(errors) == "stopped; no incomplete files are left\n"
     gone(child.pid)
     assert hidden(out) == []
     assert 1 <= len(list((out / "scenes").iterdir())) < 6
