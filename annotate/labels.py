@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isnan
 from typing import Literal, Protocol
 
 import numpy as np
@@ -14,7 +13,7 @@ from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry, Sampling
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states
-from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
+from .masks import Fractions, Pixels, count_pixels, encode_mask, fractions, instance_mask
 from .projection import inverse_pose, project_camera, transformed
 from .surface import Object, hull_vertices
 
@@ -52,23 +51,6 @@ class Rle(Model):
     counts: str = Field(description="COCO's compressed counts, ASCII")
 
 
-class Pixels(Model):
-    """Pixels of the silhouette in the frame."""
-
-    silhouette: int = Field(ge=0, description="The straight ray meets the object")
-    visible: int = Field(ge=0, description="The object is the first surface")
-    seen_through: int = Field(ge=0, description="Only transparent surfaces are before it")
-    occluded: int = Field(ge=0, description="An opaque surface is before it")
-
-
-class Fractions(Model):
-    """Shares of the silhouette in the frame; they sum to exactly 1."""
-
-    visible: float = Field(ge=0.0, le=1.0)
-    seen_through: float = Field(ge=0.0, le=1.0)
-    occluded: float = Field(ge=0.0, le=1.0)
-
-
 class Keypoint(Model):
     """A point of the object's surface, number for number as in ``objects.json``."""
 
@@ -103,30 +85,18 @@ class ObjectLabel(Model):
     centroid: Centroid
 
 
-class PictureNoise(Model):
-    """How far one eye's picture was taken before the denoiser."""
-
-    spp: int = Field(description="Samples per pixel")
-    noise: float | None = Field(
-        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
-    )
-
-
 class Labels(Model):
     """All objects of a scene in one view, in the order of their ids."""
 
     schema_version: Literal["glassware/labels/1"] = LABELS_SCHEMA
     objects: tuple[ObjectLabel, ...]
-    left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
-    right: PictureNoise | None = Field(default=None, description="Of the right picture")
+    left: Sampling | None = Field(default=None, description="Of the left picture; null where none was rendered")
+    right: Sampling | None = Field(default=None, description="Of the right picture")
 
 
 def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> Labels:
-    """Return the labels with what is known of the pictures' noise."""
-    if sampling is None:
-        return labels
-    left, right = (PictureNoise(spp=eye.spp, noise=None if isnan(eye.noise) else eye.noise) for eye in sampling)
-    return labels.model_copy(update={"left": left, "right": right})
+    """Return the labels with the samples and noise of the left and the right picture."""
+    return labels if sampling is None else labels.model_copy(update={"left": sampling[0], "right": sampling[1]})
 
 
 def annotate(
@@ -170,7 +140,7 @@ def _object_label(
     geometry: Geometry,
     found: tuple[Keypoint, ...],
 ) -> ObjectLabel:
-    counts = pixel_counts(geometry, index, item.id)
+    pixels = count_pixels(geometry, index, item.id)
     amodal = amodal_box(transformed(camera_T_object, hull_vertices(item)), camera.K)
     corners = transformed(camera_T_object, box_corners(item.size))
     return ObjectLabel(
@@ -186,8 +156,8 @@ def _object_label(
         box3d=tuple(tuple(corner) for corner in corners.tolist()),
         mask_amodal=_rle(geometry.crossed[index]),
         mask_seen=_rle(geometry.reached[index]),
-        pixels=_pixels(counts),
-        fractions=_fractions(counts),
+        pixels=pixels,
+        fractions=fractions(pixels),
         keypoints=found,
         centroid=_centroid(camera_T_object[:3, 3], camera.K),
     )
@@ -213,17 +183,3 @@ def _pixel(pixel: np.ndarray) -> Pixel | None:
 def _rle(mask: np.ndarray) -> Rle:
     height, width = mask.shape
     return Rle(size=(height, width), counts=encode_mask(mask))
-
-
-def _pixels(counts: PixelCounts) -> Pixels:
-    return Pixels(
-        silhouette=counts.silhouette,
-        visible=counts.visible,
-        seen_through=counts.seen_through,
-        occluded=counts.occluded,
-    )
-
-
-def _fractions(counts: PixelCounts) -> Fractions | None:
-    shares = fractions(counts)
-    return None if shares is None else Fractions(visible=shares[0], seen_through=shares[1], occluded=shares[2])

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
+from typing import Annotated
 
 import numpy as np
+from pydantic import BeforeValidator, Field
+
+from ..core.model import Model
 
 #: What a surface is a part of, by its code in layers: an opaque body, or one of a vessel's interfaces.
 PARTS = ("opaque", "outside", "wet_wall", "liquid_surface")
@@ -61,12 +66,17 @@ class Refraction:
     transmittance: np.ndarray  #: (H, W, 3) float16, share of light by Fresnel and absorption along the ray
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """How far a picture was taken before the denoiser."""
+def _known(noise: float | None) -> float | None:
+    return None if noise is None or isnan(noise) else noise
 
-    spp: int  #: samples per pixel
-    noise: float  #: relative error, estimated: the root of the expected mean of (I - R)^2 / (R^2 + 0.01); NaN unknown
+
+class Sampling(Model):
+    """Samples and noise of one picture before the denoiser."""
+
+    spp: int = Field(description="Samples per pixel")
+    noise: Annotated[float | None, BeforeValidator(_known)] = Field(
+        description="Relative error, estimated: root of the mean of (I - R)^2 / (R^2 + 0.01), expected; null: unknown"
+    )
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ def render_view(kernel: Kernel, view: int, tracer: Tracer = PATHS) -> Frame:
         right_noisy=right.radiance if denoised else None,
         geometry=geometry,
         seconds=seconds,
-        sampling=(Sampling(left.spp, left.noise), Sampling(right.spp, right.noise)),
+        sampling=(Sampling(spp=left.spp, noise=left.noise), Sampling(spp=right.spp, noise=right.noise)),
         layers=layers if scene.picture.layers else None,
         refraction=refraction,
     )

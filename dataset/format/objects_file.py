@@ -12,7 +12,7 @@ from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.materials_of import materials_of
-from ...procedural.description.scene import Prop, Scene, Vessel
+from ...procedural.description.scene import Liquid, Prop, Scene, Vessel
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -42,18 +42,6 @@ class MediumRecord(Model):
     medium: Medium = Field(description="Optical constants")
 
 
-class LiquidRecord(Model):
-    """What a vessel holds."""
-
-    medium: Medium = Field(description="Optical constants")
-    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
-    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
-    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
-    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
-    fill: float = Field(description="Share of the vessel's brimful volume")
-    volume: float = Field(description="Volume [m^3]")
-
-
 class ContinuousSymmetry(Model):
     """A symmetry under every turn about an axis, as BOP's ``symmetries_continuous`` has it."""
 
@@ -76,7 +64,7 @@ class ObjectRecord(Model):
     category: str
     parts: tuple[Part, ...]
     material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")]
-    liquid: LiquidRecord | None
+    liquid: Liquid | None
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
     symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(description="Two for a ball: z and x make all turns")
@@ -110,7 +98,6 @@ def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurfac
 
 
 def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
-    liquid = item.liquid if isinstance(item, Vessel) else None
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -119,7 +106,7 @@ def _record(item: Vessel | Prop, local: np.ndarray) -> ObjectRecord:
         category=item.category,
         parts=_parts(item),
         material=_material(item),
-        liquid=liquid and LiquidRecord(**{name: getattr(liquid, name) for name in LiquidRecord.model_fields}),
+        liquid=item.liquid if isinstance(item, Vessel) else None,
         world_T_object=item.world_T_object,
         size=item.size,
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
-from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -117,11 +116,12 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
 
 def _sampling(frame: Frame) -> dict[str, Any]:
     left, right = frame.sampling or (None, None)
-    columns = {}
-    for eye, taken in (("left", left), ("right", right)):
-        columns[f"spp_{eye}"] = None if taken is None else taken.spp
-        columns[f"noise_{eye}"] = None if taken is None or isnan(taken.noise) else taken.noise
-    return columns
+    return {
+        "spp_left": left and left.spp,
+        "spp_right": right and right.spp,
+        "noise_left": left and left.noise,
+        "noise_right": right and right.noise,
+    }
 
 
 def scene_views(root: Path, scene_id: int) -> SceneViews:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from glassware.core.atomic_io import remove_folder, remove_leftovers, atomic_file, atomic_folder, write_atomically
+from glassware.core.atomic_io import atomic_file, atomic_folder, remove_folder, remove_leftovers, write_atomically
 
 
 def _names(folder):
