@@ -75,7 +75,7 @@ class Sampling(Model):
 
     spp: int = Field(description="Samples per pixel")
     noise: Annotated[float | None, BeforeValidator(_known)] = Field(
-        description="Relative error, estimated: root of the mean of (I - R)^2 / (R^2 + 0.01), expected; null: unknown"
+        description="Relative error, estimated: root of the expected mean of (I - R)^2 / (R^2 + 0.01); null: unknown"
     )
 
 

@@ -82,7 +82,7 @@ def test_a_file_that_changes_while_a_worker_lives_is_named(assets, tmp_path):
     with pytest.raises(InputError, match=r"a\.hdr: expected the asset as it was"):
         manifest.check_unchanged(before)
     (tmp_path / "hdri/a.hdr").unlink()
-    with pytest.raises(InputError, match=r"a\.hdr: expected the asset that was there"):
+    with pytest.raises(InputError, match=r"a\.hdr: expected the asset that the worker found"):
         manifest.check_unchanged(before)
 
 
