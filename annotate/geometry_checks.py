@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..procedural.description.scene import TABLE_ID, Scene
 from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
-from .violation import Violation, at_pixels
 
 #: Rounding of float32 depth that two walks along one ray may differ by (relative): some steps of 2^-24.
 DEPTH_TOLERANCE = 1e-6
@@ -29,6 +30,28 @@ DISPARITY_TOLERANCE = 0.05
 DISPARITY_EDGE = 0.25
 #: Largest share of pixels where the right camera may see a nearer fold of the same object (a handle, a cup's far wall).
 HIDDEN = 0.1
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One disagreement between labels, geometry and description."""
+
+    check: str  #: name of the check
+    where: str  #: object, field or pixels
+    expected: str
+    found: str
+
+    def __str__(self) -> str:
+        return f"{self.check}: {self.where}: expected {self.expected}, found {self.found}"
+
+
+def at_pixels(check: str, wrong: np.ndarray, expected: str, values: np.ndarray, where: str = "") -> list[Violation]:
+    """Return one violation for all wrong pixels, (H, W) bool, with the first one's value; none where all are right."""
+    rows, columns = np.nonzero(wrong)
+    if not len(rows):
+        return []
+    place = f"{where} {len(rows)} px, first (u, v) = ({columns[0]}, {rows[0]})".strip()
+    return [Violation(check, place, expected, str(values[rows[0], columns[0]]))]
 
 
 def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:

@@ -37,7 +37,7 @@ def test_merged_shards_are_the_whole_and_a_merge_can_be_repeated(builds, undistu
         assert main(["merge", *given, "--out", str(tmp_path / "whole")]) == 0
         assert content(tmp_path / "whole") == content(undisturbed)
     assert main(["verify", str(tmp_path / "whole")]) == 0
-    assert "6 scenes, all is well" in capsys.readouterr().out
+    assert "6 scenes, no faults" in capsys.readouterr().out
 
 
 def test_workers_on_one_core_do_not_wait_for_each_other(builds, undisturbed, content, tmp_path):
