@@ -14,8 +14,8 @@ from glassware.dataset.format.checksums import write_checksums
 
 @pytest.fixture
 def data(stored) -> Path:
-    """The stored closed-form scene, which has no layers of straight rays and says so."""
-    _edit(stored / "scenes/000000/scene.json", lambda scene: scene["picture"].update(layers=0))
+    """The stored closed-form scene, which has no files of layers and refraction, and says so."""
+    _edit(stored / "scenes/000000/scene.json", lambda scene: scene["picture"].update(layers=0, refraction=False))
     return stored
 
 
