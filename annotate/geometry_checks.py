@@ -1,4 +1,4 @@
-"""Checks of per-pixel geometry alone: ids, background, normals, and the two cameras of a pair against each other."""
+"""Checks of per-pixel geometry: ids, background, normals, and the two cameras of a stereo pair against each other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
 
-#: Rounding of float32 depth that two walks along one ray may differ by (relative): some steps of 2^-24.
+#: Relative rounding difference of float32 depth between two walks along one ray: some steps of 2^-24.
 DEPTH_TOLERANCE = 1e-6
 #: Rounding of a float32 unit vector's length, after a rotation.
 UNIT_TOLERANCE = 1e-5
@@ -20,21 +20,21 @@ UNIT_TOLERANCE = 1e-5
 NORMAL_TOLERANCE = np.deg2rad(10.0)
 #: Largest angle between the surface to the left and right (above and below) of a pixel that still counts as smooth.
 SMOOTH_TOLERANCE = np.deg2rad(10.0)
-#: Steepest view on which a finite difference is still a normal: beyond it one pixel spans too much surface [rad].
+#: Steepest viewing angle at which finite differences give a normal [rad]: beyond it one pixel spans too much surface.
 STEEPEST_VIEW = np.deg2rad(75.0)
-#: Share of smooth pixels that may miss: creases that run within a pixel of the centre look smooth to differences.
+#: Fraction of smooth pixels that may fail: creases that run within a pixel of the centre look smooth to differences.
 OUTLIERS = 0.02
 #: Disparity that interpolation between two pixels of the right view may miss on a curved surface [px].
 DISPARITY_TOLERANCE = 0.05
 #: Steps of disparity from a pixel of the left view to its neighbours beyond which it is on an edge [px].
 DISPARITY_EDGE = 0.25
-#: Largest share of pixels where the right camera may see a nearer fold of the same object (a handle, a cup's far wall).
+#: Largest fraction of pixels where the right camera may see a nearer part of the same object (a handle, a far wall).
 HIDDEN = 0.1
 
 
 @dataclass(frozen=True)
 class Violation:
-    """One disagreement between labels, geometry and description."""
+    """A contradiction between labels, geometry and description."""
 
     check: str  #: name of the check
     where: str  #: object, field or pixels
@@ -80,7 +80,7 @@ def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
 
 
 def check_background(geometry: Geometry) -> list[Violation]:
-    """Check that the background is never before the first surface, and is it where that is opaque."""
+    """Check that the background is never in front of the first surface, and equals it where it is opaque."""
     first, behind = geometry.Z, geometry.background_Z
     same = (geometry.id == geometry.background_id) & np.isfinite(first)
     step = np.subtract(behind, first, out=np.full(first.shape, np.inf), where=np.isfinite(first))
@@ -98,7 +98,7 @@ def check_background(geometry: Geometry) -> list[Violation]:
 
 
 def check_normals(geometry: Geometry, K: np.ndarray) -> list[Violation]:
-    """Check that normals are unit and face the camera where there is a surface, and are 0 elsewhere."""
+    """Check that normals have unit length and face the camera on surfaces, and are 0 elsewhere."""
     normal = geometry.normal.astype(np.float64)
     hit = np.isfinite(geometry.Z)
     length = np.linalg.norm(normal, axis=-1)

@@ -23,7 +23,7 @@ Pixel = tuple[float, float]
 
 
 class LineOfSight(Protocol):
-    """What rays from the left camera through all keypoints meet, in the order of `SceneKeypoints.world`."""
+    """Distances along the rays from the left camera through all keypoints, in the order of `SceneKeypoints.world`."""
 
     @property
     def first_distance(self) -> np.ndarray:
@@ -37,11 +37,11 @@ class LineOfSight(Protocol):
 
 
 class Box2d(Model):
-    """Boxes ``(left, top, right, bottom)`` [px]; a pixel reaches half a pixel to each side of its coordinates."""
+    """Boxes ``(left, top, right, bottom)`` [px]; a pixel extends half a pixel to each side of its coordinates."""
 
-    modal: Box | None = Field(description="Round the visible pixels; null where none is visible")
-    amodal: Box | None = Field(description="Round the projection of the whole object, also out of the picture")
-    amodal_clipped: Box | None = Field(description="The part of the amodal box that lies in the picture")
+    modal: Box | None = Field(description="Around the visible pixels; null where none is visible")
+    amodal: Box | None = Field(description="Around the projection of the whole object, also outside the picture")
+    amodal_clipped: Box | None = Field(description="The amodal box clipped to the picture")
 
 
 class Rle(Model):
@@ -52,7 +52,7 @@ class Rle(Model):
 
 
 class Keypoint(Model):
-    """A point of the object's surface, number for number as in ``objects.json``."""
+    """A point on the object's surface, in the order of ``objects.json``."""
 
     pixel: Pixel | None = Field(description="Image coordinates (u, v) [px]; null behind the camera")
     Z: float = Field(description="Planar depth [m]")
@@ -78,9 +78,9 @@ class ObjectLabel(Model):
         min_length=8, max_length=8, description="Corners, camera frame [m]; bits 0, 1, 2 of a corner's number: +x +y +z"
     )
     mask_amodal: Rle = Field(description="The whole silhouette in the frame")
-    mask_seen: Rle = Field(description="The part with nothing opaque before it: visible or through glass")
+    mask_seen: Rle = Field(description="The part that no opaque surface hides: visible or seen through glass")
     pixels: Pixels
-    fractions: Fractions | None = Field(description="null where the silhouette has no pixel")
+    fractions: Fractions | None = Field(description="null where the silhouette is empty")
     keypoints: tuple[Keypoint, ...]
     centroid: Centroid
 
@@ -102,7 +102,7 @@ def with_noise(labels: Labels, sampling: tuple[Sampling, Sampling] | None) -> La
 def annotate(
     scene: Scene, camera: Camera, geometry: Geometry, points: SceneKeypoints, line_of_sight: LineOfSight
 ) -> Labels:
-    """Return the labels of the left camera's view.
+    """Return the ground-truth labels of the left camera's view.
 
     Parameters
     ----------
@@ -111,11 +111,11 @@ def annotate(
     camera : Camera
         One of its cameras.
     geometry : Geometry
-        What the rays through the pixel centres of the left camera meet.
+        Geometry along the rays through the pixel centres of the left camera.
     points : SceneKeypoints
-        From `keypoints.scene_keypoints`, once for all views.
+        From `keypoints.scene_keypoints`; all views share them.
     line_of_sight : LineOfSight
-        What the rays from the left camera through ``points.world.reshape(-1, 3)`` meet.
+        Along the rays from the left camera through ``points.world.reshape(-1, 3)``.
     """
     count = points.world.shape[1]
     expected = (len(scene.objects) * count,)

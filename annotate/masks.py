@@ -20,8 +20,8 @@ class Pixels(Model):
 
     silhouette: int = Field(ge=0, description="The straight ray meets the object")
     visible: int = Field(ge=0, description="The object is the first surface")
-    seen_through: int = Field(ge=0, description="Only transparent surfaces are before it")
-    occluded: int = Field(ge=0, description="An opaque surface is before it")
+    seen_through: int = Field(ge=0, description="Only transparent surfaces are in front of it")
+    occluded: int = Field(ge=0, description="An opaque surface is in front of it")
 
 
 class Fractions(Model):

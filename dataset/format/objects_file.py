@@ -1,4 +1,4 @@
-"""``objects.json``: what is the same of each object in all views of a scene."""
+"""``objects.json``: the properties of each object that all views of a scene share."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class OpaqueSurface(Model):
 
 
 class MediumRecord(Model):
-    """A transparent medium as rays cross it."""
+    """A transparent medium."""
 
     kind: Literal["medium"] = "medium"
     medium: Medium = Field(description="Optical constants")
 
 
 class ContinuousSymmetry(Model):
-    """A symmetry under every turn about an axis, as BOP's ``symmetries_continuous`` has it."""
+    """A symmetry under every rotation about an axis, as in BOP's ``symmetries_continuous``."""
 
     axis: Vector3 = Field(description="Direction in the object frame")
     offset: Vector3 = Field(description="A point on the axis, object frame [m]")
@@ -67,9 +67,11 @@ class ObjectRecord(Model):
     liquid: Liquid | None
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
-    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(description="Two for a ball: z and x make all turns")
+    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(
+        description="A ball has two: z and x generate all rotations"
+    )
     symmetries_discrete: tuple[Matrix4, ...] = Field(
-        default=(), description="Other motions that leave the shape as it is, but for none at all, object frame [m]"
+        default=(), description="Other motions that leave the shape unchanged, without the identity, object frame [m]"
     )
     keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
 
@@ -80,20 +82,21 @@ class ObjectsFile(Model):
     schema_version: Literal["glassware/objects/1"] = OBJECTS_SCHEMA
     objects: tuple[ObjectRecord, ...]
     materials: tuple[Annotated[MediumRecord | OpaqueSurface, Field(discriminator="kind")], ...] = Field(
-        default=(), description="What `material` in layers.exr counts: air, then what the table and the objects are of"
+        default=(),
+        description="Indexed by `material` of layers.exr: air, then the materials of table and objects",
     )
 
 
 def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
-    """Return the records of a scene's objects, with the keypoints that its views are labelled with."""
+    """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
         objects=tuple(_record(item, local) for item, local in rows),
-        materials=tuple(_substance(material) for material in materials_of(scene)),
+        materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
 
-def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
+def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
