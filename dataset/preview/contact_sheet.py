@@ -85,7 +85,7 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
 
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return depth as colours, (H, W, 3) uint8, and the range [m]: that of the objects, or of all surfaces where no object is visible."""
+    """Return depth as colours, (H, W, 3) uint8, and their range [m]: that of the visible objects, or of all surfaces."""
     hit = np.isfinite(Z)
     shown = hit & (ids >= FIRST_OBJECT_ID) if (hit & (ids >= FIRST_OBJECT_ID)).any() else hit
     if not shown.any():
@@ -171,7 +171,7 @@ def _header(title: str) -> np.ndarray:
 
 
 def _draw_id(picture: np.ndarray, region: np.ndarray, text: str) -> None:
-    """Write a number inside a region, (H, W) bool, as large as fits; write nothing where it would cover the whole region."""
+    """Write a number inside a region, (H, W) bool, as large as fits; nothing where it would cover the region."""
     for size in _NUMBER_SIZES:
         (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)
         if np.count_nonzero(region) < width * height:

@@ -14,7 +14,7 @@ from .contact_sheet import chosen_views
 #: Largest number of columns and rows; width of a picture, gap, and height of the captions [px].
 _COLUMNS, _ROWS = 8, 6
 _CELL, _GAP, _CAPTION = 240, 6, 22
-_BACKGROUND, _TEXT_COLOUR = (24, 24, 27), (225, 225, 228)
+_BACKGROUND, _INK = (24, 24, 27), (225, 225, 228)
 
 
 def gallery(root: Path) -> np.ndarray | None:
@@ -44,7 +44,5 @@ def _cell(root: Path, scene: int) -> np.ndarray:
     height = max(1, round(picture.shape[0] * _CELL / picture.shape[1]))
     blend = cv2.INTER_AREA if picture.shape[1] > _CELL else cv2.INTER_CUBIC
     caption = np.full((_CAPTION, _CELL, 3), _BACKGROUND, np.uint8)
-    cv2.putText(
-        caption, layout.scene_name(scene), (4, 15), cv2.FONT_HERSHEY_SIMPLEX, 0.42, _TEXT_COLOUR, 1, cv2.LINE_AA
-    )
+    cv2.putText(caption, layout.scene_name(scene), (4, 15), cv2.FONT_HERSHEY_SIMPLEX, 0.42, _INK, 1, cv2.LINE_AA)
     return np.concatenate([cv2.resize(picture, (_CELL, height), interpolation=blend), caption])
