@@ -85,7 +85,7 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
 
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return depth as colours, (H, W, 3) uint8, and their range [m]: that of the visible objects, or of all surfaces."""
+    """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
     hit = np.isfinite(Z)
     shown = hit & (ids >= FIRST_OBJECT_ID) if (hit & (ids >= FIRST_OBJECT_ID)).any() else hit
     if not shown.any():
