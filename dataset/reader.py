@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -25,6 +25,7 @@ from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.dataset_file import DatasetFile, read_head
 from .format.exr import channel, read_exr, stacked
+from .format.layout import Eye
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
@@ -32,7 +33,6 @@ from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
 
 M = TypeVar("M", bound=Model)
-Eye = Literal["left", "right"]
 
 
 @dataclass(frozen=True)

@@ -140,14 +140,14 @@ class LocalExecutor:
         if messages is None:
             yield from self._lost(self._detach(slot), worker.cause_of_death())
         for message in messages or ():
-            if "error" in message:
-                raise WorkerInputError(message["error"])
-            if "ready" in message:
-                self._mark_ready(worker, WorkerInfo.model_validate(message["ready"]))
-            elif "view" in message and worker.scene is not None:
+            if message.error is not None:
+                raise WorkerInputError(message.error)
+            if message.ready is not None:
+                self._mark_ready(worker, message.ready)
+            elif message.view is not None and worker.scene is not None:
                 yield worker.scene
-            elif "attempt" in message:
-                yield self._finish(slot, Attempt.model_validate(message["attempt"]))
+            elif message.attempt is not None:
+                yield self._finish(slot, message.attempt)
 
     def _finish(self, slot: int, attempt: Attempt) -> Attempt:
         self._workers[slot].scene = None

@@ -63,6 +63,15 @@ class Attempt(Model):
     light: LightCheck | None = None
 
 
+class WorkerMessage(Model):
+    """One message of a worker; one of the fields is set."""
+
+    ready: WorkerInfo | None = None  #: it can take scenes
+    view: int | None = None  #: views of the current scene that are done
+    attempt: Attempt | None = None  #: the outcome of the current scene
+    error: str | None = None  #: an asset is missing or has changed, one line
+
+
 class WorkerInputError(InputError):
     """A wrong request that a worker found; it carries the worker's own line."""
 

@@ -4,9 +4,8 @@
 
 ======================  =======================================================================
 to the worker           a `WorkerConfig`; then ``{"scene": 7}`` for each scene; ``{"stop": true}``
-from the worker         ``{"ready": WorkerInfo}`` once; ``{"view": 3}`` for each view that is done;
-                        ``{"attempt": Attempt}`` for each scene; ``{"error": line}`` where an asset
-                        is missing or has changed
+from the worker         `WorkerMessage`: ``ready`` once; ``view`` for each view that is done; ``attempt``
+                        for each scene; ``error`` where an asset is missing or has changed
 ======================  =======================================================================
 
 A worker never outlives its build: it exits as soon as its input closes, also in the middle of a scene. What it has
@@ -41,7 +40,7 @@ from ...render.backend.variant import activate
 from ..format.dataset_file import installed_versions
 from ..pipeline import Made, make_scene
 from . import manifest
-from .messages import UNWRITABLE, Attempt, WorkerConfig, WorkerInfo
+from .messages import UNWRITABLE, Attempt, WorkerConfig, WorkerInfo, WorkerMessage
 
 #: The operation "send me a signal when my parent dies" (prctl(2), linux/prctl.h).
 _PR_SET_PDEATHSIG = 1
@@ -55,10 +54,10 @@ class WorkerChannel:
         self._file: TextIO = os.fdopen(os.dup(1), "w", encoding="utf-8")
         os.dup2(2, 1)  # what libraries print goes to stderr
 
-    def send(self, **message: object) -> None:
+    def send(self, message: WorkerMessage) -> None:
         """Send one message; exit at once where the build is gone."""
         try:
-            self._file.write(json.dumps(message, sort_keys=True, allow_nan=False) + "\n")
+            self._file.write(message.model_dump_json(exclude_none=True) + "\n")
             self._file.flush()
         except OSError:
             os._exit(1)
@@ -90,7 +89,7 @@ class StageTimer:
     def advance(self) -> None:
         """Report a view."""
         self.views += 1
-        self._channel.send(view=self.views)
+        self._channel.send(WorkerMessage(view=self.views))
 
 
 class WorkerContext:
@@ -155,13 +154,12 @@ def main() -> int:
         if config.memory is not None:  # only now, so that a limit that is too low fails scenes and not every worker
             limit = int(config.memory * _GIBIBYTE)
             resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
-        channel.send(ready=context.info.model_dump(mode="json"))
+        channel.send(WorkerMessage(ready=context.info))
         while "scene" in (message := messages.get()):
             manifest.check_unchanged(context.stamps)
-            attempt = context.attempt(message["scene"], StageTimer(channel))
-            channel.send(attempt=attempt.model_dump(mode="json"))
+            channel.send(WorkerMessage(attempt=context.attempt(message["scene"], StageTimer(channel))))
     except InputError as error:
-        channel.send(error=str(error))
+        channel.send(WorkerMessage(error=str(error)))
     return 0
 
 

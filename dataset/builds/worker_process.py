@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Mapping
 from time import monotonic
 
-from .messages import WorkerConfig
+from .messages import WorkerConfig, WorkerMessage
 
 #: Longest time that an idle worker may take to exit after it is asked to [s]; then it is killed.
 _SHUTDOWN_TIMEOUT = 10.0
@@ -70,14 +70,14 @@ class WorkerProcess:
         self.served += 1
         self._send({"scene": scene})
 
-    def receive(self) -> list[dict] | None:
+    def receive(self) -> list[WorkerMessage] | None:
         """Wait for messages and return them; None where the process is dead and has sent everything."""
         data = os.read(self.fileno(), 1 << 16)
         if not data:
             return None
         self.last_message = monotonic()
         *lines, self._buffer = (self._buffer + data).split(b"\n")
-        return [json.loads(line) for line in lines]
+        return [WorkerMessage.model_validate_json(line) for line in lines]
 
     def stop(self) -> None:
         """Ask the idle worker to exit; kill it where it does not."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from pydantic import Field
 
@@ -72,5 +72,5 @@ def read_splits(root: Path) -> SplitsFile:
 
 def merged_splits(first: SplitsFile, second: SplitsFile) -> SplitsFile:
     """Return the record of the scenes of two data sets with the same seed and settings."""
-    scenes = {name: tuple(sorted({*getattr(first, name), *getattr(second, name)})) for name in ("train", "val", "test")}
+    scenes = {name: tuple(sorted({*getattr(first, name), *getattr(second, name)})) for name in get_args(Split)}
     return first.model_copy(update=scenes)
