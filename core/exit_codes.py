@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rich.console import Console
 
 from .errors import InputError
-from .stopping import exit_code, stop_signals, was_stopped
+from .stopping import exit_code, handle_stop_signals, was_stopped
 
 #: Errors of a full disk, a quota or a limit on file sizes.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -24,7 +24,7 @@ def run_command(command: Callable[[], None]) -> int:
     """Run a command and return its exit code; print an invalid request as one line. Bugs stay tracebacks."""
     console = Console(stderr=True)
     try:
-        with stop_signals():
+        with handle_stop_signals():
             command()
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)

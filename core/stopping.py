@@ -14,7 +14,7 @@ _received: list[int] = []
 
 
 @contextmanager
-def stop_signals() -> Iterator[None]:
+def handle_stop_signals() -> Iterator[None]:
     """Record stop signals inside the block, and raise `KeyboardInterrupt` for them."""
     _received.clear()
     before = {number: signal.getsignal(number) for number in _SIGNALS}

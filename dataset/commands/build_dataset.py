@@ -164,7 +164,7 @@ def _render(root: Path, plan: Plan, executor: Executor, console: Console, argume
         facts = {"scenes": format_scenes(plan.to_render), "kept": len(plan.to_keep), "arguments": list(arguments)}
         log.add("start", **facts)
         try:
-            with progress.shown():
+            with progress.display():
                 result = run(root, plan.to_render, executor, log, progress)
         except BaseException as error:
             with suppress(OSError):  # a full disk takes no line about itself; the exception says the same

@@ -86,7 +86,7 @@ class BuildProgress:
         self._bar: Progress | None = None
 
     @contextmanager
-    def shown(self) -> Iterator[None]:
+    def display(self) -> Iterator[None]:
         """Show a bar inside the block, on a terminal."""
         if not self._console.is_terminal:
             yield
