@@ -89,7 +89,7 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
         For the first invalid setting or option, in one line.
     """
     _check_not_empty(arguments)
-    default = {"default": _layers(model, arguments)} if "config" in model.model_fields else {}
+    default: dict[str, Any] = {"default": _layers(model, arguments)} if "config" in model.model_fields else {}
 
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
         raise _argument_error(prog, event, model)
@@ -193,11 +193,11 @@ def _argument_error(prog: str, event: tyro_errors.ParseErrorEvent, model: type[B
         case tyro_errors.InstantiationFailure(argument=None):
             return _validation_error(prog, event.message, model)
         case tyro_errors.InstantiationFailure(argument=argument, message=message):
-            return InputError(_place(prog, argument), argument.lowered.metavar or "another value", message)
+            return InputError(_place(prog, argument), _form(argument), message)
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
             return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
         case tyro_errors.BadValue(argument=argument, offending_value=value):
-            return InputError(_place(prog, argument), argument.lowered.metavar or "no value", value or "fewer values")
+            return InputError(_place(prog, argument), _form(argument), value or "fewer values")
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
@@ -216,6 +216,11 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
         return InputError(prog, "valid settings", message)
     flat = _flat_groups(model)
     return setting_error(prog, error, group=[part for part in group.split(".") if part and part not in flat])
+
+
+def _form(argument: Any) -> str:
+    """Return the form of an argument's value as the help text has it, such as INT."""
+    return argument.lowered.metavar or "no value"
 
 
 def _place(prog: str, argument: Any) -> str:
