@@ -1,4 +1,4 @@
-"""Labels computed from geometry buffers and the description, and the checks that prove them."""
+"""Ground-truth labels from geometry buffers and the scene description, and checks of the labels."""
 
 if __name__ != "glassware.annotate":
     raise ImportError(f"this package is glassware.annotate, not {__name__!r}: run from an installed checkout")

@@ -25,7 +25,7 @@ def box_corners(size: tuple[float, float, float]) -> np.ndarray:
 
 
 def modal_box(mask: np.ndarray) -> Box | None:
-    """Return the box round the pixels of a mask, (H, W) bool; None where there is none."""
+    """Return the bounding box of the pixels of a mask, (H, W) bool; None where the mask is empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
         return None
@@ -34,7 +34,7 @@ def modal_box(mask: np.ndarray) -> Box | None:
 
 
 def amodal_box(points: np.ndarray, K: np.ndarray) -> Box | None:
-    """Return the box round the projection of a whole surface, reaching out of the picture where the surface does.
+    """Return the bounding box of the projection of a whole surface, also outside the picture.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def amodal_box(points: np.ndarray, K: np.ndarray) -> Box | None:
     Returns
     -------
     tuple of 4 float, or None
-        None where a vertex is behind the camera: the projection then has no bounds.
+        None where a vertex is behind the camera: the projection is then unbounded.
     """
     pixels, Z = project_camera(points, K)
     if (Z <= 0.0).any():
@@ -57,7 +57,7 @@ def amodal_box(points: np.ndarray, K: np.ndarray) -> Box | None:
 
 
 def clipped_box(box: Box | None, width: int, height: int) -> Box | None:
-    """Return the part of a box that lies in the picture; None where there is none."""
+    """Return a box clipped to the picture; None where it is outside."""
     if box is None:
         return None
     left, top, right, bottom = box

@@ -1,30 +1,39 @@
-"""Checks that prove a view's labels: against the geometry, against the description, and against each other.
+"""Checks of a view's labels against its geometry, against the scene's description, and against each other.
 
-Each takes plain data and returns a list of violations, empty where all is well. The checks of the geometry alone are in
-`geometry_checks`.
+Each check takes plain data and returns a list of violations, which is empty where the labels are correct. The checks of
+the geometry alone are in `geometry_checks`. ``glassware verify --labels`` runs them on a stored data set.
 """
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
 from ..procedural.description.scene import Scene
 from ..procedural.description.surroundings import Camera
+from ..procedural.props.mesh_files import MESH_SUFFIXES
 from ..render.frame import Geometry
 from .boxes import EDGES, box_corners, modal_box
-from .geometry_checks import check_background, check_disparity, check_ids, check_normals, check_normals_against_depth
+from .geometry_checks import (
+    Violation,
+    check_background,
+    check_disparity,
+    check_ids,
+    check_normals,
+    check_normals_against_depth,
+)
 from .labels import Keypoint, Labels, Rle
 from .masks import decode_mask
 from .projection import inside_picture, project, project_camera, transformed
-from .violation import Violation
 
 #: Geometry is float32 and labels are float64, so a pixel centre on the very edge of a silhouette may lie this far out
 #: of the exact projection [px]: float32 keeps 24 bits of a picture some hundred pixels wide, and a world some metres.
 PIXEL_TOLERANCE = 0.01
 #: Labels are float64 all through, with poses of a few metres [m].
 POSE_TOLERANCE = 1e-9
-#: Farthest that a keypoint's own pixel may be from a pixel whose centre meets the object [px]: a keypoint on the very
+#: Largest distance of a keypoint's own pixel from a pixel whose centre meets the object [px]: a keypoint on the very
 #: edge of a silhouette lies up to half a pixel from the nearest centre in each direction, and that centre may miss.
 KEYPOINT_REACH = 1
 
@@ -32,13 +41,16 @@ KEYPOINT_REACH = 1
 def check_view(
     scene: Scene, camera: Camera, labels: Labels, geometry: Geometry, right: Geometry | None = None
 ) -> list[Violation]:
-    """Run every check on one view; the disparity needs the right camera's geometry as well."""
+    """Run every check on one view; the check of the disparity needs the right camera's geometry as well."""
+    if wrong := check_objects(scene, labels):
+        return wrong  # the other checks go through objects and labels in pairs
+    # Meshes from files may be coarse: their smooth normals differ from their facets' by more than the tolerance.
+    smooth = [prop.id for prop in scene.props if Path(prop.category).suffix.lower() not in MESH_SUFFIXES]
     found = [
         *check_ids(scene, geometry),
         *check_background(geometry),
         *check_normals(geometry, camera.K),
-        *check_normals_against_depth(geometry, camera.K, [prop.id for prop in scene.props]),
-        *check_objects(scene, labels),
+        *check_normals_against_depth(geometry, camera.K, smooth),
         *check_poses(scene, camera, labels),
         *check_masks(labels, geometry),
         *check_fractions(labels),
@@ -94,19 +106,19 @@ def check_masks(labels: Labels, geometry: Geometry) -> list[Violation]:
 
 
 def check_fractions(labels: Labels) -> list[Violation]:
-    """Check that fractions sum to exactly 1 and are the counts' own."""
+    """Check that fractions sum to exactly 1 and agree with the pixel counts."""
     found = []
     for label in labels.objects:
-        where, whole, shares = f"object {label.id} fractions", label.pixels.silhouette, label.fractions
-        if shares is None or whole == 0:
-            if (shares is None) != (whole == 0):
-                found.append(Violation("fractions", where, f"those of {whole} px", str(shares)))
+        where, whole, fractions = f"object {label.id} fractions", label.pixels.silhouette, label.fractions
+        if fractions is None or whole == 0:
+            if (fractions is None) != (whole == 0):
+                found.append(Violation("fractions", where, f"those of {whole} px", str(fractions)))
             continue
-        values = (shares.visible, shares.seen_through, shares.occluded)
+        values = (fractions.visible, fractions.seen_through, fractions.occluded)
         if sum(values) != 1.0:
             found.append(Violation("fractions", where, "a sum of exactly 1", repr(sum(values))))
         counts = (label.pixels.visible, label.pixels.seen_through, label.pixels.occluded)
-        # A pixel is the smallest thing to be wrong; half of one is far above any rounding.
+        # A count is wrong by one pixel or more; half of one is far above any rounding.
         if any(abs(value * whole - count) > 0.5 for value, count in zip(values, counts, strict=True)):
             found.append(Violation("fractions", where, f"{counts} of {whole} px", str(values)))
     return found
@@ -147,7 +159,7 @@ def check_box3d(labels: Labels, camera: Camera) -> list[Violation]:
             continue
         if label.box2d.amodal is not None:
             bounds = (*pixels.min(axis=0).tolist(), *pixels.max(axis=0).tolist())
-            found += _outside(f"{where} round box2d.amodal", label.box2d.amodal, bounds)
+            found += _outside(f"{where} around box2d.amodal", label.box2d.amodal, bounds)
         silhouette = _decoded(label.mask_amodal, (camera.height, camera.width))
         if silhouette is not None:
             found += _silhouette_in_box(silhouette, pixels, where)
@@ -155,13 +167,13 @@ def check_box3d(labels: Labels, camera: Camera) -> list[Violation]:
 
 
 def check_keypoints(labels: Labels, camera: Camera) -> list[Violation]:
-    """Check that keypoints in the picture fall on what is seen of their object, and others do not claim to."""
+    """Check that keypoints in the picture lie on the seen part of their object, and that all others are `outside`."""
     found = []
     for label in labels.objects:
         size = (camera.height, camera.width)
         crossed, seen = _decoded(label.mask_amodal, size), _decoded(label.mask_seen, size)
         if crossed is None or seen is None:
-            continue  # `check_masks` says so
+            continue  # `check_masks` reports it
         crossed, seen = _widened(crossed), _widened(seen)
         for number, point in enumerate(label.keypoints):
             where = f"object {label.id} keypoint {number}"
@@ -216,7 +228,7 @@ def _far(where: str, expected: np.ndarray, found: np.ndarray, tolerance: float =
 
 
 def _decoded(rle: Rle, shape: tuple[int, ...]) -> np.ndarray | None:
-    """Return a mask, or None where it is none of this shape, which `check_masks` reports."""
+    """Return a mask, or None where it is damaged or has another shape, which `check_masks` reports."""
     try:
         return decode_mask(rle.counts, rle.size) if rle.size == shape else None
     except ValueError:

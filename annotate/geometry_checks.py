@@ -1,6 +1,8 @@
-"""Checks of per-pixel geometry alone: ids, background, normals, and the two cameras of a pair against each other."""
+"""Checks of per-pixel geometry: ids, background, normals, and the two cameras of a stereo pair against each other."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,9 +10,8 @@ from ..procedural.description.scene import TABLE_ID, Scene
 from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
-from .violation import Violation, at_pixels
 
-#: Rounding of float32 depth that two walks along one ray may differ by (relative): some steps of 2^-24.
+#: Relative rounding difference of float32 depth between two walks along one ray: some steps of 2^-24.
 DEPTH_TOLERANCE = 1e-6
 #: Rounding of a float32 unit vector's length, after a rotation.
 UNIT_TOLERANCE = 1e-5
@@ -19,16 +20,38 @@ UNIT_TOLERANCE = 1e-5
 NORMAL_TOLERANCE = np.deg2rad(10.0)
 #: Largest angle between the surface to the left and right (above and below) of a pixel that still counts as smooth.
 SMOOTH_TOLERANCE = np.deg2rad(10.0)
-#: Steepest view on which a finite difference is still a normal: beyond it one pixel spans too much surface [rad].
+#: Steepest viewing angle at which finite differences give a normal [rad]: beyond it one pixel spans too much surface.
 STEEPEST_VIEW = np.deg2rad(75.0)
-#: Share of smooth pixels that may miss: creases that run within a pixel of the centre look smooth to differences.
+#: Fraction of smooth pixels that may fail: creases that run within a pixel of the centre look smooth to differences.
 OUTLIERS = 0.02
 #: Disparity that interpolation between two pixels of the right view may miss on a curved surface [px].
 DISPARITY_TOLERANCE = 0.05
 #: Steps of disparity from a pixel of the left view to its neighbours beyond which it is on an edge [px].
 DISPARITY_EDGE = 0.25
-#: Largest share of pixels where the right camera may see a nearer fold of the same object (a handle, a cup's far wall).
+#: Largest fraction of pixels where the right camera may see a nearer part of the same object (a handle, a far wall).
 HIDDEN = 0.1
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A contradiction between labels, geometry and description."""
+
+    check: str  #: name of the check
+    where: str  #: object, field or pixels
+    expected: str
+    found: str
+
+    def __str__(self) -> str:
+        return f"{self.check}: {self.where}: expected {self.expected}, found {self.found}"
+
+
+def at_pixels(check: str, wrong: np.ndarray, expected: str, values: np.ndarray, where: str = "") -> list[Violation]:
+    """Return one violation for all wrong pixels, (H, W) bool, with the first one's value; none where all are right."""
+    rows, columns = np.nonzero(wrong)
+    if not len(rows):
+        return []
+    place = f"{where} {len(rows)} px, first (u, v) = ({columns[0]}, {rows[0]})".strip()
+    return [Violation(check, place, expected, str(values[rows[0], columns[0]]))]
 
 
 def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
@@ -57,7 +80,7 @@ def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
 
 
 def check_background(geometry: Geometry) -> list[Violation]:
-    """Check that the background is never before the first surface, and is it where that is opaque."""
+    """Check that the background is never in front of the first surface, and equals it where it is opaque."""
     first, behind = geometry.Z, geometry.background_Z
     same = (geometry.id == geometry.background_id) & np.isfinite(first)
     step = np.subtract(behind, first, out=np.full(first.shape, np.inf), where=np.isfinite(first))
@@ -75,7 +98,7 @@ def check_background(geometry: Geometry) -> list[Violation]:
 
 
 def check_normals(geometry: Geometry, K: np.ndarray) -> list[Violation]:
-    """Check that normals are unit and face the camera where there is a surface, and are 0 elsewhere."""
+    """Check that normals have unit length and face the camera on surfaces, and are 0 elsewhere."""
     normal = geometry.normal.astype(np.float64)
     hit = np.isfinite(geometry.Z)
     length = np.linalg.norm(normal, axis=-1)

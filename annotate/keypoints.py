@@ -1,4 +1,4 @@
-"""Keypoints of objects, and what a camera sees of them.
+"""Keypoints of objects, and their visibility from a camera.
 
 Keypoints are chosen by farthest-point sampling of the surface (Peng et al., "PVNet: Pixel-wise Voting Network for 6DoF
 Pose Estimation", CVPR 2019, section 3.1), which spreads them over the object and keeps them on it.
@@ -19,8 +19,8 @@ from .surface import outside_vertices
 #: PVNet's choice after its ablation over 4, 8 and 12 points (table 3 there).
 KEYPOINT_COUNT = 8
 #: A surface nearer than a keypoint by less than this is the keypoint's own [m]. Positions are float32: at 2 m the error
-#: of a ray's length is below 1e-6 m, and a ray that grazes a surface makes it some tens of times larger. The thinnest
-#: wall of a vessel is several times this, so two sides of a wall are never taken for one.
+#: of a ray's length is below 1e-6 m, and some tens of times larger at grazing angles. The thinnest wall of a vessel is
+#: several times this, so the two sides of a wall are never confused.
 SURFACE_TOLERANCE = 1e-4
 
 KeypointState = Literal["visible", "through_glass", "occluded", "outside"]
@@ -37,9 +37,9 @@ class SceneKeypoints:
 def keypoints(item: SceneObject, count: int = KEYPOINT_COUNT) -> np.ndarray:
     """Return farthest-point keypoints on an object's outside.
 
-    The first is the vertex farthest from the frame's origin (the centre of the bounding box); each next one is the
-    vertex farthest from those before. Ties go to the first in the order of coordinates, so the choice depends on the
-    surface alone and not on the order of its vertices.
+    The first is the vertex farthest from the frame's origin (the centre of the bounding box); each further one is the
+    vertex farthest from all before. Ties go to the first in the order of coordinates, so the choice depends only on the
+    surface and not on the order of its vertices.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ def keypoints(item: SceneObject, count: int = KEYPOINT_COUNT) -> np.ndarray:
     Returns
     -------
     (count, 3) float64
-        Points in the object frame [m]: vertices of the mesh, or, where it has fewer than ``count``, middles of its
-        edges too.
+        Points in the object frame [m]: vertices of the mesh and, where it has fewer than ``count``, midpoints of its
+        edges.
     """
     candidates = _candidates(item, count)
     chosen = [int(np.argmax(np.linalg.norm(candidates, axis=1)))]
@@ -76,7 +76,7 @@ def _candidates(item: SceneObject, count: int) -> np.ndarray:
 
 
 def scene_keypoints(scene: Scene, count: int = KEYPOINT_COUNT) -> SceneKeypoints:
-    """Return the keypoints of every object of a scene; they are the same in all its views."""
+    """Return the keypoints of every object of a scene; all views share them."""
     local = [keypoints(item, count) for item in scene.objects]
     world = [transformed(item.world_T_object, points) for item, points in zip(scene.objects, local, strict=True)]
     shape = (len(local), count, 3)
@@ -90,7 +90,7 @@ def keypoint_states(
     opaque_distance: np.ndarray,
     size: tuple[int, int],
 ) -> list[KeypointState]:
-    """Say how a camera sees points on surfaces.
+    """Return the visibility of points on surfaces from a camera.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def keypoint_states(
     Returns
     -------
     list of str
-        ``outside`` the picture or behind the camera; else ``visible`` where nothing is before the point;
+        ``outside`` the picture or behind the camera; else ``visible`` where no surface is in front of the point;
         ``through_glass`` where only transparent surfaces are; else ``occluded``.
     """
     inside = inside_picture(pixels, *size)

@@ -15,7 +15,7 @@ from ..render.frame import Frame, Geometry, LineOfSight, PictureNoise
 from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states, scene_keypoints
-from .masks import PixelCounts, encode_mask, fractions, instance_mask, pixel_counts
+from .masks import Fractions, Pixels, count_pixels, encode_mask, fractions, instance_mask
 from .projection import inverse_pose, project_camera, transformed
 from .surface import hull_vertices
 
@@ -25,11 +25,11 @@ Pixel = tuple[float, float]
 
 
 class Box2d(Model):
-    """Boxes ``(left, top, right, bottom)`` [px]; a pixel reaches half a pixel to each side of its coordinates."""
+    """Boxes ``(left, top, right, bottom)`` [px]; a pixel extends half a pixel to each side of its coordinates."""
 
-    modal: Box | None = Field(description="Round the visible pixels; null where none is visible")
-    amodal: Box | None = Field(description="Round the projection of the whole object, also out of the picture")
-    amodal_clipped: Box | None = Field(description="The part of the amodal box that lies in the picture")
+    modal: Box | None = Field(description="Around the visible pixels; null where none is visible")
+    amodal: Box | None = Field(description="Around the projection of the whole object, also outside the picture")
+    amodal_clipped: Box | None = Field(description="The amodal box clipped to the picture")
 
 
 class Rle(Model):
@@ -39,25 +39,8 @@ class Rle(Model):
     counts: str = Field(description="COCO's compressed counts, ASCII")
 
 
-class Pixels(Model):
-    """Pixels of the silhouette in the frame."""
-
-    silhouette: int = Field(ge=0, description="The straight ray meets the object")
-    visible: int = Field(ge=0, description="The object is the first surface")
-    seen_through: int = Field(ge=0, description="Only transparent surfaces are before it")
-    occluded: int = Field(ge=0, description="An opaque surface is before it")
-
-
-class Fractions(Model):
-    """Shares of the silhouette in the frame; they sum to exactly 1."""
-
-    visible: float = Field(ge=0.0, le=1.0)
-    seen_through: float = Field(ge=0.0, le=1.0)
-    occluded: float = Field(ge=0.0, le=1.0)
-
-
 class Keypoint(Model):
-    """A point of the object's surface, number for number as in ``objects.json``."""
+    """A point on the object's surface, in the order of ``objects.json``."""
 
     pixel: Pixel | None = Field(description="Image coordinates (u, v) [px]; null behind the camera")
     Z: float = Field(description="Planar depth [m]")
@@ -83,9 +66,9 @@ class ObjectLabel(Model):
         min_length=8, max_length=8, description="Corners, camera frame [m]; bits 0, 1, 2 of a corner's number: +x +y +z"
     )
     mask_amodal: Rle = Field(description="The whole silhouette in the frame")
-    mask_seen: Rle = Field(description="The part with nothing opaque before it: visible or through glass")
+    mask_seen: Rle = Field(description="The part that no opaque surface hides: visible or seen through glass")
     pixels: Pixels
-    fractions: Fractions | None = Field(description="null where the silhouette has no pixel")
+    fractions: Fractions | None = Field(description="null where the silhouette is empty")
     keypoints: tuple[Keypoint, ...]
     centroid: Centroid
 
@@ -136,7 +119,7 @@ def with_noise(labels: Labels, sampling: tuple[PictureNoise, PictureNoise] | Non
 def annotate(
     scene: Scene, camera: Camera, geometry: Geometry, points: SceneKeypoints, line_of_sight: LineOfSight
 ) -> Labels:
-    """Return the labels of the left camera's view.
+    """Return the ground-truth labels of the left camera's view.
 
     Parameters
     ----------
@@ -145,11 +128,11 @@ def annotate(
     camera : Camera
         One of its cameras.
     geometry : Geometry
-        What the rays through the pixel centres of the left camera meet.
+        Geometry along the rays through the pixel centres of the left camera.
     points : SceneKeypoints
-        From `keypoints.scene_keypoints`, once for all views.
+        From `keypoints.scene_keypoints`; all views share them.
     line_of_sight : LineOfSight
-        What the rays from the left camera through ``points.world.reshape(-1, 3)`` meet.
+        Along the rays from the left camera through ``points.world.reshape(-1, 3)``.
     """
     count = points.world.shape[1]
     expected = (len(scene.objects) * count,)
@@ -174,7 +157,7 @@ def _object_label(
     geometry: Geometry,
     found: tuple[Keypoint, ...],
 ) -> ObjectLabel:
-    counts = pixel_counts(geometry, index, item.id)
+    pixels = count_pixels(geometry, index, item.id)
     amodal = amodal_box(transformed(camera_T_object, hull_vertices(item)), camera.K)
     corners = transformed(camera_T_object, box_corners(item.size))
     return ObjectLabel(
@@ -190,8 +173,8 @@ def _object_label(
         box3d=tuple(tuple(corner) for corner in corners.tolist()),
         mask_amodal=_rle(geometry.crossed[index]),
         mask_seen=_rle(geometry.reached[index]),
-        pixels=_pixels(counts),
-        fractions=_fractions(counts),
+        pixels=pixels,
+        fractions=fractions(pixels),
         keypoints=found,
         centroid=_centroid(camera_T_object[:3, 3], camera.K),
     )
@@ -217,17 +200,3 @@ def _pixel(pixel: np.ndarray) -> Pixel | None:
 def _rle(mask: np.ndarray) -> Rle:
     height, width = mask.shape
     return Rle(size=(height, width), counts=encode_mask(mask))
-
-
-def _pixels(counts: PixelCounts) -> Pixels:
-    return Pixels(
-        silhouette=counts.silhouette,
-        visible=counts.visible,
-        seen_through=counts.seen_through,
-        occluded=counts.occluded,
-    )
-
-
-def _fractions(counts: PixelCounts) -> Fractions | None:
-    shares = fractions(counts)
-    return None if shares is None else Fractions(visible=shares[0], seen_through=shares[1], occluded=shares[2])

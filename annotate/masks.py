@@ -1,31 +1,35 @@
-"""Masks, and how much of each object a camera sees."""
+"""Masks of objects, and the visible, seen-through and occluded pixels of each."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from pycocotools import mask as coco
+from pydantic import Field
 
+from ..core.model import Model
 from ..render.frame import Geometry
 
 #: Fractions are multiples of 2^-40, so their sum is exactly 1 in any order of adding, and one that is 0 is exactly 0.
 _FRACTION_STEPS = 1 << 40
 
 
-@dataclass(frozen=True)
-class PixelCounts:
-    """How the pixels of an object's silhouette in the frame divide."""
+class Pixels(Model):
+    """Pixels of an object's silhouette in the frame, by what covers them."""
 
-    visible: int  #: the object is the first surface
-    seen_through: int  #: only transparent surfaces are before it
-    occluded: int  #: an opaque surface is before it
+    silhouette: int = Field(ge=0, description="The straight ray meets the object")
+    visible: int = Field(ge=0, description="The object is the first surface")
+    seen_through: int = Field(ge=0, description="Only transparent surfaces are in front of it")
+    occluded: int = Field(ge=0, description="An opaque surface is in front of it")
 
-    @property
-    def silhouette(self) -> int:
-        """All pixels whose straight ray meets the object."""
-        return self.visible + self.seen_through + self.occluded
+
+class Fractions(Model):
+    """Fractions of the silhouette in the frame; they sum to exactly 1."""
+
+    visible: float = Field(ge=0.0, le=1.0)
+    seen_through: float = Field(ge=0.0, le=1.0)
+    occluded: float = Field(ge=0.0, le=1.0)
 
 
 def instance_mask(geometry: Geometry, object_id: int) -> np.ndarray:
@@ -88,29 +92,24 @@ def _numbers(counts: str) -> list[int]:
     return numbers
 
 
-def pixel_counts(geometry: Geometry, index: int, object_id: int) -> PixelCounts:
-    """Count what is seen of the object ``scene.objects[index]``.
+def count_pixels(geometry: Geometry, index: int, object_id: int) -> Pixels:
+    """Count the pixels of the object ``scene.objects[index]``.
 
-    The three classes divide the silhouette, so each is counted on its own mask and none from the others.
+    The three classes partition the silhouette. Each is counted on its own mask.
     """
     crossed, reached = geometry.crossed[index], geometry.reached[index]
     visible = instance_mask(geometry, object_id)
-    return PixelCounts(
-        visible=int(visible.sum()),
-        seen_through=int((reached & ~visible).sum()),
-        occluded=int((crossed & ~reached).sum()),
-    )
+    classes = (visible, reached & ~visible, crossed & ~reached)
+    counts = [int(pixels.sum()) for pixels in classes]
+    return Pixels(silhouette=sum(counts), visible=counts[0], seen_through=counts[1], occluded=counts[2])
 
 
-def fractions(counts: PixelCounts) -> tuple[float, float, float] | None:
-    """Return the visible, seen-through and occluded shares of a silhouette; None where it is empty.
-
-    They sum to exactly 1.
-    """
-    whole = counts.silhouette
-    if not whole:
+def fractions(pixels: Pixels) -> Fractions | None:
+    """Return the fractions of a silhouette; None where it is empty. They sum to exactly 1."""
+    if not pixels.silhouette:
         return None
     visible, seen_through = (
-        round(Fraction(n * _FRACTION_STEPS, whole)) / _FRACTION_STEPS for n in (counts.visible, counts.seen_through)
+        round(Fraction(count * _FRACTION_STEPS, pixels.silhouette)) / _FRACTION_STEPS
+        for count in (pixels.visible, pixels.seen_through)
     )
-    return visible, seen_through, 1.0 - visible - seen_through
+    return Fractions(visible=visible, seen_through=seen_through, occluded=1.0 - visible - seen_through)

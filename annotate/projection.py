@@ -1,6 +1,6 @@
-"""From points to pixels and back, for pinhole cameras with OpenCV axes (x right, y down, z forward).
+"""Projection and back-projection for pinhole cameras with OpenCV axes (x right, y down, z forward).
 
-Pixel (0, 0) has its centre at image coordinate (0, 0), so a pixel covers half a pixel to each side of its coordinates
+Pixel (0, 0) has its centre at image coordinate (0, 0), so a pixel extends half a pixel to each side of its coordinates
 and a picture covers ``[-0.5, width - 0.5] x [-0.5, height - 0.5]``.
 """
 
@@ -61,19 +61,19 @@ def pixel_rays(height: int, width: int, K: np.ndarray) -> np.ndarray:
 
 
 def unproject(Z: np.ndarray, K: np.ndarray) -> np.ndarray:
-    """Return the points that a map of planar depth shows.
+    """Return the 3D points of a map of planar depth.
 
     Parameters
     ----------
     Z : (H, W) float
-        Planar depth [m]; +inf where there is nothing.
+        Planar depth [m]; +inf where the ray meets no surface.
     K : (3, 3) float
         Intrinsic matrix [px].
 
     Returns
     -------
     (H, W, 3) float64
-        Points in the camera frame [m]; NaN where there is nothing.
+        Points in the camera frame [m]; NaN where the depth is infinite.
     """
     depth = np.where(np.isfinite(Z), Z, np.nan).astype(np.float64)
     return pixel_rays(Z.shape[0], Z.shape[1], K) * depth[..., None]
@@ -85,7 +85,7 @@ def disparity(Z: np.ndarray, focal: float, baseline: float) -> np.ndarray:
     Parameters
     ----------
     Z : (...) float
-        Planar depth [m]; +inf where there is nothing.
+        Planar depth [m]; +inf where the ray meets no surface.
     focal : float
         Focal length [px].
     baseline : float

@@ -1,4 +1,4 @@
-"""The surface of an object that its keypoints and amodal boxes are taken from."""
+"""The vertices of an object from which its keypoints and amodal boxes are computed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..procedural.description.scene import Prop, SceneObject, Vessel
 
 
 def hull_vertices(item: SceneObject) -> np.ndarray:
-    """Return vertices whose convex hull is the object's, object frame, (n, 3) float64 [m]."""
+    """Return vertices with the convex hull of the object, object frame, (n, 3) float64 [m]."""
     if isinstance(item, Prop):
         return item.mesh.vertices.astype(np.float64)
     return np.concatenate([i.mesh.vertices for i in item.interfaces if i.part == "outside"]).astype(np.float64)
@@ -39,6 +39,6 @@ def _distance(points: np.ndarray, profile: np.ndarray) -> np.ndarray:
     for start, end in itertools.pairwise(profile):
         along = end - start
         length2 = float(along @ along)
-        share = np.clip((points - start) @ along / length2, 0.0, 1.0) if length2 > 0.0 else np.zeros(len(points))
-        nearest = np.minimum(nearest, np.linalg.norm(points - start - share[:, None] * along, axis=1))
+        t = np.clip((points - start) @ along / length2, 0.0, 1.0) if length2 > 0.0 else np.zeros(len(points))
+        nearest = np.minimum(nearest, np.linalg.norm(points - start - t[:, None] * along, axis=1))
     return nearest

@@ -1,4 +1,4 @@
-"""Rigid motions under which an object's surface is the same, so that no picture of its shape tells its poses apart."""
+"""Symmetries of objects: rigid motions that map the surface onto itself, so that the poses look the same."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from scipy.spatial.transform import Rotation
 from ..core.mesh import Mesh, joined
 from ..procedural.description.scene import Prop, SceneObject, Vessel
 
-#: A vertex moved this far from the nearest one, as a share of the longest side, is still in its place: meshes are cut
-#: to parts of a millimetre.
-_SAME = 1e-3
-#: Normals of the faces round a vertex that differ less than this lie in one plane.
-_FLAT = 1e-3
-#: Turns about z that are tried: prisms of up to eight sides, and some to spare.
-_MOST_FOLD = 12
-#: Vertices that a motion is tried on first; most fail with these.
-_FEW = 64
+#: Largest distance of a moved vertex from the nearest vertex, as a fraction of the longest side: tessellation is
+#: accurate to parts of a millimetre.
+_POSITION_TOLERANCE = 1e-3
+#: Faces around a vertex whose normals differ by less than this are coplanar.
+_NORMAL_TOLERANCE = 1e-3
+#: Largest order of rotation about z that is tried: prisms have up to eight sides.
+_MAX_FOLD = 12
+#: Number of vertices that a motion is tried on first; most motions fail on these.
+_FIRST_VERTICES = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Symmetry:
-    """How an object may be moved and look the same."""
+    """The motions under which an object looks the same."""
 
-    turns: bool  #: by every turn about its z axis
-    ball: bool  #: by every rotation about its middle
+    turns: bool  #: every rotation about the z axis
+    ball: bool  #: every rotation about the centre
     motions: np.ndarray  #: (m, 4, 4) float64, object frame [m]: the identity first; with `turns`, besides these
 
 
@@ -38,7 +38,7 @@ ASYMMETRIC, REVOLUTION, BALL = (
 
 
 def symmetry_of(item: SceneObject) -> Symmetry:
-    """Return the symmetry of an object's shape; looks are not regarded."""
+    """Return the symmetry of an object's shape; its material is ignored."""
     if isinstance(item, Vessel):  # an open end, and often a liquid
         return REVOLUTION
     mesh = item.mesh if isinstance(item, Prop) else joined([part.mesh for part in item.interfaces], item.name)
@@ -51,50 +51,50 @@ def symmetry_of(item: SceneObject) -> Symmetry:
 def is_ball(mesh: Mesh) -> bool:
     """Return whether all vertices are equally far from the origin."""
     away = np.linalg.norm(mesh.vertices.astype(np.float64), axis=1)
-    return bool(np.ptp(away) < _SAME * away.max())
+    return bool(np.ptp(away) < _POSITION_TOLERANCE * away.max())
 
 
 def motions_of(mesh: Mesh, turns: bool = False) -> np.ndarray:
-    """Return the rotations that put every vertex of a mesh onto a vertex, (m, 4, 4), the identity first.
+    """Return the rotations that map every vertex of a mesh onto a vertex, (m, 4, 4), the identity first.
 
-    They turn about the mean of the vertices, which each of them leaves where it is. Tried are the rotations of a cube,
-    those of a prism about z, and half turns about lines across it; of a solid of revolution, one half turn.
+    All are about the mean of the vertices, which each of them keeps fixed. Candidates are the rotations of a cube,
+    those of a prism about z, and half turns about axes across it; for a solid of revolution, one half turn.
 
     Parameters
     ----------
     mesh : Mesh
-        Of the object, in its frame.
+        Mesh in the object frame.
     turns : bool
         Whether it is a solid of revolution about z.
     """
     vertices = _shaping(mesh)
-    middle = vertices.mean(axis=0)
+    centre = vertices.mean(axis=0)
     if turns:
-        middle[:2] = 0.0
-    centred = vertices - middle
-    tree, reach = cKDTree(centred), _SAME * float(np.ptp(vertices, axis=0).max())
+        centre[:2] = 0.0
+    centred = vertices - centre
+    tree, reach = cKDTree(centred), _POSITION_TOLERANCE * float(np.ptp(vertices, axis=0).max())
 
     def same(rotation: np.ndarray) -> bool:
-        few = centred[:: max(1, len(centred) // _FEW)]
+        few = centred[:: max(1, len(centred) // _FIRST_VERTICES)]
         return all((tree.query(points @ rotation.T)[0] < reach).all() for points in (few, centred))
 
     if turns:
-        tried = [_about((1.0, 0.0, 0.0), np.pi)]
+        candidates = [_about((1.0, 0.0, 0.0), np.pi)]
     else:
-        fold = next((n for n in range(_MOST_FOLD, 1, -1) if same(_about((0.0, 0.0, 1.0), 2.0 * np.pi / n))), 1)
-        tried = _candidates(fold)
+        fold = next((n for n in range(_MAX_FOLD, 1, -1) if same(_about((0.0, 0.0, 1.0), 2.0 * np.pi / n))), 1)
+        candidates = _candidates(fold)
     found = [np.eye(4)]
-    for rotation in tried:
+    for rotation in candidates:
         known = any(np.abs(rotation - motion[:3, :3]).max() < 1e-6 for motion in found)
         if not known and same(rotation):
             motion = np.eye(4)
-            motion[:3, :3], motion[:3, 3] = rotation, middle - rotation @ middle
+            motion[:3, :3], motion[:3, 3] = rotation, centre - rotation @ centre
             found.append(motion)
     return np.stack(found)
 
 
 def _shaping(mesh: Mesh) -> np.ndarray:
-    """Return the positions where a mesh is not flat, (n, 3) float64: others say how it was cut, not what it is."""
+    """Return the vertices where a mesh is not flat, (n, 3) float64; others depend on the tessellation alone."""
     positions, number = np.unique(mesh.vertices.astype(np.float64), axis=0, return_inverse=True)
     faces = number.reshape(-1)[mesh.faces]
     a, b, c = (positions[faces[:, k]] for k in range(3))
@@ -104,7 +104,7 @@ def _shaping(mesh: Mesh) -> np.ndarray:
     for corner in faces.T:
         np.minimum.at(low, corner, normals)
         np.maximum.at(high, corner, normals)
-    return positions[(high - low > _FLAT).any(axis=1)]
+    return positions[(high - low > _NORMAL_TOLERANCE).any(axis=1)]
 
 
 def _candidates(fold: int) -> list[np.ndarray]:

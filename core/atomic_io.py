@@ -1,4 +1,4 @@
-"""Atomic writes: files and folders appear complete or not at all, and survive a power cut."""
+"""Atomic writing: files and folders that appear complete or not at all, and survive a power cut."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _PARTIAL = re.compile(r"\.(?P<name>.+)\.(?P<kind>partial|old)-(?P<process>[0-9]+
 
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file under a temporary name, sync it, and rename it."""
-    with whole_file(path) as partial:
+    with atomic_file(path) as partial:
         partial.write_bytes(data)
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Yield the path of a hidden file to write; rename it to ``path`` at the end, or remove it after an error."""
+def atomic_file(path: Path) -> Iterator[Path]:
+    """Yield the name of a hidden file to write; rename it to ``path`` at the end, or delete it on any exception."""
     partial = _hidden(path, "partial")
     try:
         yield partial
@@ -33,11 +33,11 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_folder(path: Path) -> Iterator[Path]:
-    """Yield a hidden folder to fill; rename it to ``path`` at the end, or remove it after an error.
+def atomic_folder(path: Path) -> Iterator[Path]:
+    """Yield a hidden folder to fill; rename it to ``path`` at the end, or delete it on any exception.
 
-    An existing folder at ``path`` is renamed just before and removed just after. If the process is killed between the
-    two renames, `remove_leftovers` restores it.
+    An existing folder at ``path`` is moved aside just before and deleted just after. Where the process is killed
+    between the two renames, `remove_leftovers` restores it.
     """
     partial, old = _hidden(path, "partial"), _hidden(path, "old")
     try:
@@ -48,7 +48,7 @@ def whole_folder(path: Path) -> Iterator[Path]:
             path.rename(old)
         partial.rename(path)
     except BaseException:
-        # Also for Ctrl-C: no incomplete folder may remain.
+        # Ctrl-C as well: nothing incomplete may stay.
         if old.exists() and not path.exists():
             old.rename(path)
         shutil.rmtree(partial, ignore_errors=True)
@@ -57,17 +57,17 @@ def whole_folder(path: Path) -> Iterator[Path]:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def discard(folder: Path) -> None:
-    """Remove a folder, atomically for readers. A process killed during the removal leaves a hidden folder."""
+def remove_folder(folder: Path) -> None:
+    """Delete a folder; for readers it disappears in one step. A process killed meanwhile leaves a hidden leftover."""
     hidden = _hidden(folder, "partial")
     folder.rename(hidden)
     shutil.rmtree(hidden)
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove the incomplete files and folders of killed processes, and restore what they had renamed.
+    """Delete the incomplete files and folders of killed processes, and restore what they had moved aside.
 
-    Files of other running processes are kept.
+    Those of other processes that are alive are left alone.
     """
     for entry in sorted(folder.iterdir()) if folder.is_dir() else []:
         match = _PARTIAL.fullmatch(entry.name)
@@ -82,14 +82,14 @@ def remove_leftovers(folder: Path) -> None:
             entry.unlink()
 
 
-def another_writes(folder: Path) -> bool:
-    """Return whether another running process is writing into a folder."""
+def is_written_by_another(folder: Path) -> bool:
+    """Return whether another process that is alive is writing into a folder."""
     matches = [_PARTIAL.fullmatch(entry.name) for entry in folder.iterdir()] if folder.is_dir() else []
     return any(_is_another_alive(int(match["process"])) for match in matches if match)
 
 
 def is_leftover(name: str) -> bool:
-    """Return whether a name is one of the temporary names of this module."""
+    """Return whether a name is one of the hidden names that this module uses."""
     return _PARTIAL.fullmatch(name) is not None
 
 
@@ -102,7 +102,7 @@ def _is_another_alive(process: int) -> bool:
         return False
     try:
         os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):  # a number too large to be a process id
+    except (ProcessLookupError, OverflowError):  # OverflowError: beyond the system's range of process numbers
         return False
     except PermissionError:
         return True

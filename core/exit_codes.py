@@ -1,4 +1,4 @@
-"""Exit codes of the commands: 0 success, 1 failure, 2 invalid input, 130 stopped by Ctrl-C, 143 by SIGTERM."""
+"""Exit codes of commands: 0 success, 1 the work failed, 2 invalid request, 130 stopped by Ctrl-C, 143 by SIGTERM."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from collections.abc import Callable
 from rich.console import Console
 
 from .errors import InputError
-from .stopping import exit_code, stoppable, was_stopped
+from .stopping import exit_code, handle_stop_signals, was_stopped
 
-#: A full disk, an exceeded quota or file size limit: a failure, but neither invalid input nor a bug.
+#: Errors of a full disk, a quota or a limit on file sizes.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-#: A disk that became read-only, or permissions that were removed, while the command ran.
+#: Errors of a disk that became read-only, or of permissions that were revoked, during the work.
 _REFUSED = (errno.EROFS, errno.EACCES, errno.EPERM)
 
 
 class WorkFailed(Exception):
-    """A failure with a known reason: printed as one line without a traceback, exit code 1."""
+    """The work failed for a known reason: commands print one line, without a traceback, and exit with code 1."""
 
 
-def outcome(command: Callable[[], None]) -> int:
-    """Run a command and return its exit code. Invalid input prints one line; a bug of ours shows a traceback."""
+def run_command(command: Callable[[], None]) -> int:
+    """Run a command and return its exit code; print an invalid request as one line. Bugs stay tracebacks."""
     console = Console(stderr=True)
     try:
-        with stoppable():
+        with handle_stop_signals():
             command()
     except InputError as error:
         console.print(" ".join(str(error).split()), markup=False, highlight=False, soft_wrap=True)
@@ -33,21 +33,21 @@ def outcome(command: Callable[[], None]) -> int:
         console.print(str(error), markup=False, highlight=False, soft_wrap=True)
         return 1
     except BaseException as error:
-        # Dr.Jit and the import system wrap an exception that a signal handler raises inside them.
-        if _stopped(error):
-            console.print("stopped; nothing half-written is left", markup=False, highlight=False)
+        # Dr.Jit and the import system wrap exceptions that a signal handler raises inside them.
+        if _is_stop(error):
+            console.print("stopped; no incomplete files are left", markup=False, highlight=False)
             return exit_code()
         if isinstance(error, OSError) and error.errno in _FULL:
             console.print(f"no room to write: {error}", markup=False, highlight=False, soft_wrap=True)
             return 1
         if isinstance(error, OSError) and error.errno in _REFUSED:
-            console.print(f"cannot be written any more: {error}", markup=False, highlight=False, soft_wrap=True)
+            console.print(f"writing is no longer permitted: {error}", markup=False, highlight=False, soft_wrap=True)
             return 1
         raise
     return 0
 
 
-def _stopped(error: BaseException | None) -> bool:
+def _is_stop(error: BaseException | None) -> bool:
     """Return whether a stop signal caused an error."""
     if was_stopped():
         return True

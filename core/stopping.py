@@ -1,4 +1,4 @@
-"""Stop signals: Ctrl-C and SIGTERM end a command between two steps and are never lost."""
+"""Stop signals: Ctrl-C and a cluster scheduler's SIGTERM end the work between two steps, and are never lost."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-#: Signals that stop a command. A signal that the parent process ignores stays ignored, as for background jobs of a
-#: script.
+#: Signals that stop a command. One that the parent process ignores stays ignored, as for background jobs of a script.
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 _received: list[int] = []
 
 
 @contextmanager
-def stoppable() -> Iterator[None]:
-    """Turn stop signals into `KeyboardInterrupt` inside the block, and record them."""
+def handle_stop_signals() -> Iterator[None]:
+    """Record stop signals inside the block, and raise `KeyboardInterrupt` for them."""
     _received.clear()
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     for number in _SIGNALS:
@@ -30,7 +29,7 @@ def stoppable() -> Iterator[None]:
 
 
 def check_stop() -> None:
-    """Raise `KeyboardInterrupt` if a stop signal was received; a library may have caught the first exception."""
+    """Raise `KeyboardInterrupt` if a stop signal was received; a library may have swallowed the first exception."""
     if _received:
         raise KeyboardInterrupt
 
@@ -41,7 +40,7 @@ def was_stopped() -> bool:
 
 
 def exit_code() -> int:
-    """Return the shell's exit code for a program ended by the signal: 128 + its number (130 for Ctrl-C)."""
+    """Return the exit code that shells report for the signal: 128 plus its number (130 for Ctrl-C)."""
     return 128 + (_received[0] if _received else signal.SIGINT)
 
 

@@ -1,4 +1,4 @@
-"""Read a data set back as the typed data that it was written from."""
+"""Read a data set as the typed data that it was written from."""
 
 from __future__ import annotations
 
@@ -24,17 +24,16 @@ from ..procedural.scene.splits import Split
 from ..render.frame import Geometry, Layers, Refraction, SurfaceLight
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
-from .format.dataset_file import DatasetFile
+from .format.dataset_file import DatasetFile, read_head
 from .format.exr import channel, read_exr, stacked
+from .format.layout import Eye
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
-from .writer import read_head
 
 M = TypeVar("M", bound=Model)
-Eye = Literal["left", "right"]
 _Frame = Literal["camera", "world"]
 
 
@@ -63,7 +62,7 @@ class StoredView:
         return stacked(read_exr(path), "noisy.RGB" if noisy else "RGB", path)
 
     def geometry(self) -> Geometry:
-        """Return the left camera's geometry, its silhouettes from the labels' masks."""
+        """Return the left camera's geometry; the silhouettes come from the masks of the labels."""
         path = self.folder / layout.GEOMETRY
         channels = read_exr(path)
         ids = read_png(self.folder / layout.INSTANCES)
@@ -86,7 +85,7 @@ class StoredView:
         return read_layers(self.folder / layout.LAYERS)
 
     def refraction(self) -> Refraction:
-        """Return where the left camera's refracted rays go."""
+        """Return the end points of the left camera's refracted rays."""
         return read_refraction(self.folder / layout.REFRACTION)
 
     def points(self, frame: _Frame = "camera") -> np.ndarray:
@@ -135,11 +134,11 @@ class StoredScene:
         return load_scene(self.folder / layout.SCENE)
 
     def objects(self) -> ObjectsFile:
-        """Return what is the same of each object in all views."""
+        """Return the properties of each object that all views share."""
         return _read(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
 
     def light(self) -> SurfaceLight | None:
-        """Return the light that arrives at the scene's opaque surfaces; None where it was not asked for."""
+        """Return the irradiance of the scene's opaque surfaces; None where it was not stored."""
         path = self.folder / layout.LIGHT
         return read_light(path) if path.exists() else None
 
@@ -167,11 +166,11 @@ class Dataset:
 
     @property
     def scenes(self) -> tuple[StoredScene, ...]:
-        """All whole scenes, in the order of their ids."""
+        """All complete scenes, in the order of their ids."""
         return tuple(self.scene(scene_id) for scene_id in layout.scene_ids(self.root))
 
     def scene(self, scene_id: int) -> StoredScene:
-        """Return one scene; InputError where it is not there."""
+        """Return one scene; InputError where it is missing."""
         folder = layout.scene_folder(self.root, scene_id)
         if not folder.is_dir():
             raise InputError(self.root, f"a scene {scene_id}", f"scenes {layout.scene_ids(self.root)[:20]}")
@@ -182,7 +181,7 @@ class Dataset:
         return tuple(view for scene in self.scenes for view in scene.views)
 
     def index(self, columns: Sequence[str] | None = None) -> pa.Table:
-        """Return the index, one row a view, or some of its columns: no scene's folder is looked into."""
+        """Return the index, one row per view, or some of its columns; the folders of the scenes are not read."""
         path = self.root / layout.VIEWS
         try:
             return pq.read_table(path, columns=None if columns is None else list(columns))
@@ -190,10 +189,10 @@ class Dataset:
             raise InputError(path, "an index of views", " ".join(str(error).split())[:200]) from error
 
     def split(self, name: Split) -> tuple[StoredScene, ...]:
-        """Return the scenes of a split, in the order of their ids; InputError where no build has made splits."""
-        there = set(layout.scene_ids(self.root))
+        """Return the scenes of a split, in the order of their ids; InputError where the data set has no splits."""
+        existing = set(layout.scene_ids(self.root))
         scenes = getattr(read_splits(self.root), name)
-        return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in there)
+        return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in existing)
 
 
 def _read(model: type[M], path: Path, schema: str) -> M:

@@ -56,12 +56,12 @@ _UNIT = re.compile(r"\s*\[([^\]]*)\]")
 
 def page() -> str:
     """Return the whole page."""
-    request = {name: field for name, field in _fields(RenderScene) if name not in SceneSettings.model_fields}
+    request = dict(_fields(RenderScene))
     scene = dict(_leaves(SceneSettings.model_json_schema()))
     request_rows = [_row(name, field) for name, field in request.items()]
     scene_rows = [_row(name, field) for name, field in scene.items()]
     presets = _PRESETS.format(default=RenderScene.model_fields["preset"].default)
-    build_rows = [_row(name, field) for name, field in _fields(BuildDataset) if name not in SceneSettings.model_fields]
+    build_rows = [_row(name, field) for name, field in _fields(BuildDataset)]
     lines = [_HEAD, _REQUEST.lstrip("\n"), *_table(_COLUMNS, request_rows), _BUILD, *_table(_COLUMNS, build_rows)]
     training_rows = [_row(name, field) for name, field in _leaves(TrainSettings.model_json_schema())]
     lines += [_SCENE, *_table(_COLUMNS, scene_rows), presets, *_preset_table()]
@@ -70,7 +70,7 @@ def page() -> str:
 
 
 def _fields(model: Any) -> Iterator[tuple[str, dict]]:
-    """Go through a model's own fields as JSON schema, without those that hold further settings."""
+    """Yield a model's own fields as JSON schema, without those that hold further settings."""
     schema = model.model_json_schema()
     for name, field in schema["properties"].items():
         if "$ref" not in field:

@@ -1,22 +1,21 @@
-"""``manifest.json``: every file that a build draws from, pinned by its content.
+"""``manifest.json``: every asset file that the scenes of a data set may use, with its digest.
 
-A drawn index into a list of files means another file once the list changes, so the whole list is pinned, not only the
-files that some scene has used. Content is hashed once: a cache in the user's cache folder knows the digest of each file
-by its path, size and time of change.
+Scenes draw an index into the list of files, which means another file once the list changes. So the whole list is
+recorded, and not only the files that some scene has used. Each file is hashed once: a cache in the user's cache folder
+has the digest by path, size and modification time.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import tempfile
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
 
 from ...core.atomic_io import write_atomically
+from ...core.cache_folder import cache_folder
 from ...core.errors import InputError
 from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
@@ -31,12 +30,12 @@ from ..format.layout import MANIFEST
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
 Folder = Literal["hdri_dir", "mesh_dir", "texture_dir"]
-#: What identifies an unchanged file without reading it: size [bytes] and time of change [ns].
+#: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file of one of the folders."""
+    """A file in one of the asset folders."""
 
     folder: Folder
     path: str = Field(description="Below the folder, with forward slashes")
@@ -45,14 +44,14 @@ class ManifestFile(Model):
 
 
 class Manifest(Model):
-    """All files that scenes may be drawn from, by folder and path."""
+    """All asset files, by folder and path."""
 
     schema_version: Literal["glassware/manifest/1"] = MANIFEST_SCHEMA
     files: tuple[ManifestFile, ...] = ()
 
 
-def found_files(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
-    """Return the files in the settings' folders, with what meshes may refer to; InputError for a useless folder."""
+def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
+    """Return the files in the asset folders, with those that meshes may refer to; InputError for an unusable folder."""
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
@@ -62,48 +61,49 @@ def found_files(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
-        for path in files_in(folder, "files to draw from", suffixes, below)
+        for path in files_in(folder, "asset files", suffixes, below)
     }
 
 
 def scan(settings: SceneSettings) -> Manifest:
-    """Return the manifest of the settings' folders as they are; files are read where the cache does not know them."""
-    cache, files = _Digests(), []
-    for (folder, name), path in sorted(found_files(settings).items()):
-        size, digest = path.stat().st_size, cache.of(path)
+    """Return the manifest of the asset folders as they are now; files are read where the cache has no digest."""
+    cache, files = _DigestCache(), []
+    for (folder, name), path in sorted(asset_paths(settings).items()):
+        size, digest = path.stat().st_size, cache.digest(path)
         files.append(ManifestFile(folder=folder, path=name, size=size, sha256=digest))
     cache.save()
     return Manifest(files=tuple(files))
 
 
-def check_same(kept: Manifest, found: Manifest, settings: SceneSettings) -> None:
+def check_manifest(kept: Manifest, found: Manifest, settings: SceneSettings) -> None:
     """Raise InputError that names the first file that is missing, changed or new against a data set's manifest."""
-    was, now = ({(item.folder, item.path): item for item in manifest.files} for manifest in (kept, found))
-    for key in sorted(was.keys() | now.keys()):
-        path = _place(settings, *key)
+    before, now = ({(item.folder, item.path): item for item in manifest.files} for manifest in (kept, found))
+    for key in sorted(before.keys() | now.keys()):
+        path = _asset_path(settings, *key)
         if key not in now:
             raise InputError(path, f"the asset that {MANIFEST} names", "no such file")
-        if key not in was:
+        if key not in before:
             raise InputError(path, f"only assets that {MANIFEST} names", "a new file")
-        if was[key] != now[key]:
-            told, seen = (f"SHA-256 {item.sha256[:12]}..., {item.size} bytes" for item in (was[key], now[key]))
-            raise InputError(path, f"the asset as {MANIFEST} has it ({told})", f"another content ({seen})")
+        if before[key] != now[key]:
+            expected, actual = (f"SHA-256 {item.sha256[:12]}..., {item.size} bytes" for item in (before[key], now[key]))
+            raise InputError(path, f"the asset as {MANIFEST} has it ({expected})", f"another content ({actual})")
 
 
 def stamps(settings: SceneSettings) -> dict[Path, Stamp]:
-    """Return what tells that the files of the folders are unchanged, without reading them."""
-    return dict(_stamped(found_files(settings).values()))
+    """Return size and modification time of each asset file, to notice changes without reading the files."""
+    statuses = ((path, path.stat()) for path in asset_paths(settings).values())
+    return {path: (status.st_size, status.st_mtime_ns) for path, status in statuses}
 
 
 def check_unchanged(before: dict[Path, Stamp]) -> None:
-    """Raise InputError that names the first file that is gone or was changed since `stamps`."""
+    """Raise InputError that names the first file that was removed or changed since `stamps`."""
     for path, stamp in before.items():
         try:
             status = path.stat()
         except OSError as error:
-            raise InputError(path, "the asset that was there when the worker began", error.strerror) from error
+            raise InputError(path, "the asset that the worker found when it started", error.strerror) from error
         if (status.st_size, status.st_mtime_ns) != stamp:
-            raise InputError(path, "the asset as it was when the worker began", "a changed file")
+            raise InputError(path, "the asset as it was when the worker started", "a changed file")
 
 
 def read_manifest(root: Path) -> Manifest | None:
@@ -121,30 +121,24 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
     write_atomically(root / MANIFEST, json_text(manifest.model_dump(mode="json")).encode())
 
 
-def _place(settings: SceneSettings, folder: str, name: str) -> Path:
+def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
     holder = settings.environment if folder == "hdri_dir" else settings
     return Path(getattr(holder, folder) or "", name)
 
 
-def _stamped(paths: Iterable[Path]) -> Iterator[tuple[Path, Stamp]]:
-    for path in paths:
-        status = path.stat()
-        yield path, (status.st_size, status.st_mtime_ns)
-
-
-class _Digests:
-    """Digests by path, size and time of change, kept between runs; without a cache folder for this run only."""
+class _DigestCache:
+    """Digests by path, size and modification time, kept between runs; only for this run where no folder can be used."""
 
     def __init__(self) -> None:
         self._known: dict[str, list] = {}
-        self._fresh = False
+        self._changed = False
         try:
             content = json.loads(_cache_file().read_text("utf-8"))
             self._known = content if isinstance(content, dict) else {}
-        except (OSError, ValueError, RuntimeError):  # it only saves the reading: missing, damaged, or no home
+        except (OSError, ValueError, RuntimeError):  # missing, damaged, or no home: files are hashed again
             pass
 
-    def of(self, path: Path) -> str:
+    def digest(self, path: Path) -> str:
         """Return the SHA-256 of a file; InputError where it cannot be read."""
         try:
             status = path.stat()
@@ -155,12 +149,12 @@ class _Digests:
             digest = file_digest(path)
         except OSError as error:
             raise InputError(path, "a readable asset", error.strerror) from error
-        self._known[key], self._fresh = [*stamp, digest], True
+        self._known[key], self._changed = [*stamp, digest], True
         return digest
 
     def save(self) -> None:
-        """Keep what was found, if anything is new."""
-        if not self._fresh:
+        """Write the cache where it has changed."""
+        if not self._changed:
             return
         try:
             path = _cache_file()
@@ -168,10 +162,9 @@ class _Digests:
             with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
                 json.dump(self._known, file, sort_keys=True)
             Path(file.name).replace(path)
-        except (OSError, RuntimeError):  # files are read again next time, and nothing else
+        except (OSError, RuntimeError):  # files are hashed again next time
             return
 
 
 def _cache_file() -> Path:
-    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    return (base if base.is_absolute() else Path.home() / ".cache") / "glassware" / "digests.json"
+    return cache_folder() / "digests.json"

@@ -1,4 +1,4 @@
-"""What a build and its workers tell each other: an order once, then scene numbers; a scene's outcome comes back."""
+"""Messages between a build and its workers: the worker's configuration, and the outcome of each scene."""
 
 from __future__ import annotations
 
@@ -17,20 +17,23 @@ from .manifest import Manifest
 #: Errors of the output's disk, quota or permissions: no other scene could be written either.
 UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM)
 
+#: Outcome of an attempt. "unwritable": the output accepts no files, so the build ends.
+AttemptState = Literal["made", "failed", "unwritable"]
 
-class Order(Model):
-    """All that a worker needs to make any scene of a data set."""
+
+class WorkerConfig(Model):
+    """Everything that a worker needs to render any scene of a data set."""
 
     root: Path  #: the data set, absolute
     seed: int
     settings: SceneSettings
-    manifest: Manifest  #: the files to draw from, as they must be
+    manifest: Manifest  #: the asset files, with their expected content
     threads: int = Field(ge=1)  #: of each library in the worker
-    memory: float | None = None  #: most that a worker may allocate [GiB]; None is no limit
+    memory: float | None = None  #: limit on what a worker may allocate [GiB]; None is no limit
 
 
-class Machine(Model):
-    """Where and with what a worker works."""
+class WorkerInfo(Model):
+    """Where a worker runs, and with which software."""
 
     host: str
     process: int
@@ -39,16 +42,16 @@ class Machine(Model):
 
 
 class Attempt(Model):
-    """One try at a scene, as it stands in the log."""
+    """One attempt at a scene, as the log has it."""
 
     scene: int
-    state: Literal["made", "failed", "unwritable"]  #: the last: the output takes no files, so the build ends
+    state: AttemptState
     reason: str = ""  #: of a failure, one line
-    errno: int = 0  #: of an output that takes no files
+    errno: int = 0  #: where the output accepts no files
     trace: str = ""  #: of an exception
     host: str = ""
     process: int = 0
-    served: int = 0  #: how many scenes the process had begun, this one included
+    served: int = 0  #: scenes that the process had begun, this one included
     seconds: dict[str, float] = Field(default={})  #: by stage
     total: float = 0.0  #: [s]
     views: int = 0
@@ -56,11 +59,20 @@ class Attempt(Model):
     noise_mean: float | None = None  #: relative error before the denoiser, over the pictures where it is known
     noise_worst: float | None = None
     resident: float = 0.0  #: memory of the process after the scene [MB]
-    peak: float = 0.0  #: most memory that it ever had [MB]
+    peak: float = 0.0  #: peak memory of the process [MB]
     light: LightCheck | None = None
 
 
-class Refusal(InputError):
+class WorkerMessage(Model):
+    """One message of a worker; one of the fields is set."""
+
+    ready: WorkerInfo | None = None  #: it can take scenes
+    view: int | None = None  #: views of the current scene that are done
+    attempt: Attempt | None = None  #: the outcome of the current scene
+    error: str | None = None  #: an asset is missing or has changed, one line
+
+
+class WorkerInputError(InputError):
     """A wrong request that a worker found; it carries the worker's own line."""
 
     def __init__(self, line: str) -> None:

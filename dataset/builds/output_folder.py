@@ -1,127 +1,111 @@
-"""The folder of a build: taken by one build at a time, refused where it holds something else or other settings."""
+"""The output folder of a build: locked by one build at a time, prepared for its scenes, and finalized."""
 
 from __future__ import annotations
 
 import errno
-import fcntl
-import os
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ...core.atomic_io import discard, remove_leftovers
-from ...core.errors import InputError
-from ...core.setting_errors import shortened
-from ..format import layout
-from ..format.dataset_file import DatasetFile
-from ..format.views_table import scene_views
-from ..settings.scene_ranges import format_scenes, parse_scenes
-from ..writer import check_folder, differences, read_head, write_head
+from filelock import FileLock, Timeout
 
-#: What a file system says that has no locks.
+from ...core.atomic_io import atomic_file, remove_folder, remove_leftovers
+from ...core.errors import InputError
+from ..format import layout
+from ..format.dataset_file import DatasetFile, read_head, write_head
+from ..format.pictures import write_png
+from ..format.split_file import SplitsFile, write_splits
+from ..format.views_table import scene_views
+from ..output_checks import check_folder, check_same_head
+from ..preview.gallery import gallery
+from ..settings.scene_ranges import format_scenes, parse_scenes
+from ..writer import finish_dataset
+
+#: Errors of a file system that has no locks.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS)
-#: What one can do about scenes that were made from something else.
-_WAY_OUT = "what is asked for, or --overwrite of all its scenes, or another --out"
-#: Most differences that are told of in one line.
-_MOST_TOLD = 6
 
 
 @contextmanager
-def taken(root: Path, say: Callable[[str], None]) -> Iterator[None]:
-    """Hold a folder, made where it is absent, for one build. The system lets go of it when the process dies.
+def lock_output(root: Path, say: Callable[[str], None]) -> Iterator[None]:
+    """Create a folder where it is absent, and lock it for one build. The system frees the lock of a dead process.
 
     Raises
     ------
     InputError
-        Where it cannot be made or written to, holds anything but a data set, or another build works there.
+        Where the folder cannot be created or written to, holds anything but a data set, or is locked by another build.
     """
     new = not root.exists()
     if not new:
         check_folder(root)
+    # A lock by the mere existence of a file would outlive a killed build.
+    lock = FileLock(root / layout.LOCK, fallback_to_soft=False)
     try:
         root.mkdir(parents=True, exist_ok=True)
-        handle = _locked(root / layout.LOCK, root, say)
+        _acquire(lock, root, say)
     except OSError as error:
-        raise InputError(root, "a folder that can be made and written to", error.strerror) from error
+        raise InputError(root, "a folder that can be created and written to", error.strerror) from error
     try:
         yield
     finally:
         (root / layout.LOCK).unlink(missing_ok=True)
-        os.close(handle)
-        if new and not any(root.iterdir()):  # what was asked for could not be begun
+        lock.release()
+        if new and not any(root.iterdir()):  # nothing was begun
             root.rmdir()
 
 
-def _locked(path: Path, root: Path, say: Callable[[str], None]) -> int:
-    while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in _NO_LOCKS:
-                say(f"{root}: this file system has no locks; see to it that no other build writes here")
-                return handle
-            os.close(handle)
-            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
-                raise InputError(root, "a folder that no other build works in", "a build that runs") from error
+def _acquire(lock: FileLock, root: Path, say: Callable[[str], None]) -> None:
+    try:
+        lock.acquire(blocking=False)
+    except Timeout as error:
+        raise InputError(root, "a folder that no other build works in", "a running build") from error
+    except OSError as error:
+        if error.errno not in _NO_LOCKS:
             raise
-        # The one before may have removed the file between our opening and locking it.
-        if path.exists() and path.stat().st_ino == os.fstat(handle).st_ino:
-            return handle
-        os.close(handle)
+        say(f"{root}: this file system has no locks; make sure that no other build writes here")
 
 
-def opened(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bool) -> DatasetFile:
-    """Make a held folder ready for scenes, and return the head that it has now.
+def prepare_output(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bool) -> DatasetFile:
+    """Prepare a locked folder for scenes: check what it holds, delete scenes to be overwritten, write the head.
 
-    A data set that is there grows. Its scenes stay, but those to be overwritten, which are removed.
+    Returns
+    -------
+    DatasetFile
+        The head as written: it lists the scenes on disk as well.
 
     Raises
     ------
     InputError
-        Where scenes that stay were made from something else: all that differs is told. Where a scene that was not
-        asked for has no record, or another scene's.
+        Where scenes that stay were made from something else (all differences are listed), or where a scene outside the
+        request has no record, or another scene's.
     """
     path = root / layout.DATASET
-    kept = read_head(root) if path.exists() else None
-    there = set(layout.scene_ids(root))
-    doomed = there & set(scenes) if overwrite else set()
-    if kept is not None and not (overwrite and there == doomed):
-        check_same(path, kept, head, _WAY_OUT)
-    for scene in sorted(there.difference(scenes)):  # they stay, and are in the index in the end
+    old = read_head(root) if path.exists() else None
+    existing = set(layout.scene_ids(root))
+    to_delete = existing & set(scenes) if overwrite else set()
+    starts_over = overwrite and existing == to_delete
+    if old is not None and not starts_over:
+        check_same_head(path, old, head)
+    for scene in sorted(existing.difference(scenes)):  # they stay, and the index will list them
         scene_views(root, scene)
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
-    for scene in sorted(doomed):
-        discard(layout.scene_folder(root, scene))
-    before = parse_scenes(kept.scenes, str(path)) if kept is not None and not (overwrite and there == doomed) else []
-    whole = {*before, *scenes, *layout.scene_ids(root)}
-    head = head.model_copy(update={"scenes": format_scenes(whole), "assets": () if kept is None else kept.assets})
-    if head != kept:
-        write_head(root, head)  # before the first folder: without it the data set is nobody's
+    for scene in sorted(to_delete):
+        remove_folder(layout.scene_folder(root, scene))
+    listed = [] if old is None or starts_over else parse_scenes(old.scenes, str(path))
+    whole = {*listed, *scenes, *layout.scene_ids(root)}
+    head = head.model_copy(update={"scenes": format_scenes(whole), "assets": () if old is None else old.assets})
+    if head != old:
+        write_head(root, head)  # before the first scene: without it the folder is not recognised as a data set
     (root / layout.SCENES).mkdir(exist_ok=True)
     return head
 
 
-def check_request(root: Path, seed: int, config: dict) -> None:
-    """Raise InputError where a folder's data set has another seed or other settings, before any worker is started."""
-    path = root / layout.DATASET
-    if path.exists():
-        kept = read_head(root)
-        check_same(path, kept, kept.model_copy(update={"seed": seed, "config": config}), _WAY_OUT)
-
-
-def check_same(where: Path, kept: DatasetFile, head: DatasetFile, expected: str, other: str = "asked") -> None:
-    """Raise InputError that shows in what a data set's head differs from another, which is called `other`."""
-    told = [f"{name} {shortened(found)} ({other}: {shortened(wanted)})" for name, wanted, found in _changes(kept, head)]
-    if told:
-        rest = f" and {len(told) - _MOST_TOLD} more" if len(told) > _MOST_TOLD else ""
-        raise InputError(where, expected, ", ".join(told[:_MOST_TOLD]) + rest)
-
-
-def _changes(kept: DatasetFile, head: DatasetFile) -> Iterator[tuple[str, object, object]]:
-    for field in ("name", "seed", "config", "backend", "versions"):
-        asked, found = getattr(head, field), getattr(kept, field)
-        yield from differences(asked, found, "" if field == "config" else field)
-    if "assets" in kept.hashes and kept.hashes.get("assets") != head.hashes.get("assets"):
-        yield "hash of the assets", head.hashes.get("assets"), kept.hashes["assets"]
+def finalize_output(root: Path, splits: SplitsFile) -> int:
+    """Write index, head, splits and gallery from the scenes on disk; return the number of views."""
+    views = finish_dataset(root)
+    write_splits(root, splits)
+    sheet = gallery(root)
+    if sheet is not None:
+        with atomic_file(root / layout.PREVIEW) as partial:
+            write_png(partial, sheet)
+    return views

@@ -1,4 +1,4 @@
-"""The loop of a build: scenes go out, outcomes come back, each failure is tried once more in a fresh process."""
+"""The main loop of a build: submit scenes, collect their outcomes, try each failed scene once more in a new process."""
 
 from __future__ import annotations
 
@@ -7,71 +7,71 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from .journal import Journal
+from .build_log import BuildLog
 from .messages import Attempt
 from .plan import first_fault
 
-#: How often a scene is tried before it is listed as failed.
-TRIES = 2
+#: Attempts at a scene before it is listed as failed.
+MAX_ATTEMPTS = 2
 
 
-class Makers(Protocol):
-    """Whoever makes scenes: processes of this machine, or a cluster."""
+class Executor(Protocol):
+    """Renders scenes: in processes on this machine, or as tasks on a cluster."""
 
     def submit(self, scene: int, fresh: bool = False) -> None:
-        """Add a scene; `fresh` wants a process that has made none before."""
+        """Queue a scene; `fresh` requires a process that has rendered no scene before."""
         ...
 
     def events(self) -> Iterator[Attempt | int]:
-        """Go through outcomes, and scenes of which a view is done, till nothing is left."""
+        """Yield outcomes, and the number of a scene each time one of its views is done, until the queue is empty."""
         ...
 
 
-class Show(Protocol):
-    """Who shows how a build goes."""
+class Progress(Protocol):
+    """Displays how far a build has got."""
 
-    def view(self) -> None:
-        """Take note of a view that is done."""
+    def view_done(self) -> None:
+        """Count a rendered view."""
         ...
 
-    def scene(self, attempt: Attempt, last: bool) -> None:
-        """Take note of the outcome of a try; `last` says that no other follows."""
+    def attempt_done(self, attempt: Attempt, final: bool) -> None:
+        """Count the outcome of an attempt; `final` means that the scene is not tried again."""
         ...
 
 
 @dataclass(frozen=True)
 class Result:
-    """How a build went."""
+    """Outcome of a build."""
 
     made: tuple[int, ...]
     failed: dict[int, str]  #: reason by scene
 
 
-def run(root: Path, scenes: Iterable[int], makers: Makers, journal: Journal, show: Show) -> Result:
-    """Make scenes; each failed one is tried once more in a fresh process.
+def run(root: Path, scenes: Iterable[int], executor: Executor, log: BuildLog, progress: Progress) -> Result:
+    """Render scenes; each failed scene is tried once more in a new process.
 
     Raises
     ------
     OSError
-        Where the output takes no more files: the build ends at once.
+        Where the output accepts no more files: the build ends at once.
     """
-    tries: dict[int, int] = {}
+    attempts: dict[int, int] = {}
     made, failed = [], {}
     for scene in scenes:
-        makers.submit(scene)
-    for event in makers.events():
+        executor.submit(scene)
+    for event in executor.events():
         if not isinstance(event, Attempt):
-            show.view()
+            progress.view_done()
             continue
-        number = tries[event.scene] = tries.get(event.scene, 0) + 1
-        attempt = _settled(root, event)
-        journal.attempt(attempt, number)
+        number = attempts[event.scene] = attempts.get(event.scene, 0) + 1
+        attempt = _checked_on_disk(root, event)
+        log.add_attempt(attempt, number)
         if attempt.state == "unwritable":
             raise OSError(attempt.errno, attempt.reason.partition("] ")[2] or attempt.reason)
-        again = attempt.state == "failed" and number < TRIES
-        show.scene(attempt, last=not again)
-        if again:
-            makers.submit(attempt.scene, fresh=True)
+        retry = attempt.state == "failed" and number < MAX_ATTEMPTS
+        progress.attempt_done(attempt, final=not retry)
+        if retry:
+            executor.submit(attempt.scene, fresh=True)
         elif attempt.state == "failed":
             failed[attempt.scene] = attempt.reason
         else:
@@ -79,9 +79,9 @@ def run(root: Path, scenes: Iterable[int], makers: Makers, journal: Journal, sho
     return Result(tuple(made), failed)
 
 
-def _settled(root: Path, attempt: Attempt) -> Attempt:
-    """Return the outcome with what the disk says: a worker may die after its scene was whole and before it said so."""
-    lost = attempt.state == "failed" and attempt.reason.startswith("the worker")
-    if lost and first_fault(root, attempt.scene, contents=True) is None:
+def _checked_on_disk(root: Path, attempt: Attempt) -> Attempt:
+    """Return the outcome, corrected by the files: a worker may die after its scene is complete but before reporting."""
+    worker_died = attempt.state == "failed" and attempt.reason.startswith("the worker")
+    if worker_died and first_fault(root, attempt.scene, contents=True) is None:
         return attempt.model_copy(update={"state": "made"})
     return attempt

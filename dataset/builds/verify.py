@@ -1,21 +1,22 @@
-"""What is wrong with a data set, from its files alone: schema, completeness, checksums, index."""
+"""Faults of a data set, found from its files alone: schema, completeness, checksums, index, labels."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import get_args
 
 import pyarrow.parquet as pq
 from pyarrow import ArrowException
 from pydantic import ValidationError
 
+from ...annotate.checks import check_view
 from ...core.assets import checked_path
 from ...core.errors import InputError
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
-from ...procedural.scene.splits import split_of
+from ...procedural.scene.splits import Split, split_of
 from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
@@ -36,39 +37,52 @@ _VIEW_FILES = (
 
 
 def head_faults(root: Path, head: DatasetFile) -> Iterator[str]:
-    """Go through what is wrong beside the scenes: hashes, scenes that lack, assets, splits."""
+    """Yield the faults outside the scenes: hashes, missing scenes, assets, splits."""
     path = root / layout.DATASET
-    told = {"config": head.config, "backend": {"backend": head.backend, "versions": head.versions}}
-    for name, data in told.items():
+    hashed = {"config": head.config, "backend": {"backend": head.backend, "versions": head.versions}}
+    for name, data in hashed.items():
         if name in head.hashes and head.hashes[name] != digest_of(data):
-            yield f"{path}: expected the {name} that its hash was made of, found another"
+            yield f"{path}: expected the {name} of the stored hash, found another"
     yield from _manifest_faults(root, head)
-    promised, there = set(parse_scenes(head.scenes, str(path))), set(layout.scene_ids(root))
-    if promised - there:
-        yield f"{root / layout.SCENES}: expected scenes {head.scenes}, found {format_scenes(promised - there)} missing"
-    if there - promised:
-        yield f"{path}: expected all scenes in its list, found {format_scenes(there - promised)} beside it"
-    yield from _stray(root / layout.SCENES)
+    listed, existing = set(parse_scenes(head.scenes, str(path))), set(layout.scene_ids(root))
+    if listed - existing:
+        yield f"{root / layout.SCENES}: expected scenes {head.scenes}, found {format_scenes(listed - existing)} missing"
+    if existing - listed:
+        yield f"{path}: expected all scenes in its list, found {format_scenes(existing - listed)} beside it"
+    yield from _unknown_entries(root / layout.SCENES)
     for item in head.assets:
         try:
             checked_path(item.model_copy(update={"path": root / item.path}))
         except InputError as error:
             yield str(error)
     if (root / layout.SPLITS).exists() or (root / layout.LOG).exists():
-        yield from _told(lambda: _split_faults(root, head, there))
+        yield from _with_read_errors(lambda: _split_faults(root, head, existing))
 
 
 def scene_faults(root: Path, head: DatasetFile, scene_id: int) -> Iterator[str]:
-    """Go through what is wrong with one scene: its files against their checksums, and each against its schema."""
+    """Yield the faults of one scene: its files against their checksums, and each file against its schema."""
     folder = layout.scene_folder(root, scene_id)
     damaged = list(faults_of(folder))
     yield from damaged
-    if not damaged:  # a file that is not the one that was written need not be read as if it were
-        yield from _told(lambda: _content_faults(root, head, StoredScene(folder, scene_id)))
+    if not damaged:  # the content of a damaged file means nothing
+        yield from _with_read_errors(lambda: _content_faults(root, head, StoredScene(folder, scene_id)))
+
+
+def label_faults(root: Path, scene_id: int) -> Iterator[str]:
+    """Yield the violations that `annotate.checks` finds in the labels of one scene, from the stored files alone."""
+
+    def violations() -> Iterator[str]:
+        stored = StoredScene(layout.scene_folder(root, scene_id), scene_id)
+        scene = stored.scene()
+        for view in stored.views:
+            found = check_view(scene, view.camera(), view.labels(), view.geometry())
+            yield from (f"{view.folder / layout.LABELS}: {violation}" for violation in found)
+
+    yield from _with_read_errors(violations)
 
 
 def index_faults(root: Path) -> Iterator[str]:
-    """Go through what is wrong with ``views.parquet`` against the records of the scenes; rows are read in pieces."""
+    """Yield the faults of ``views.parquet`` against the records of the scenes; rows are read in batches."""
     path = root / layout.VIEWS
     try:
         with pq.ParquetFile(path) as file:
@@ -77,16 +91,16 @@ def index_faults(root: Path) -> Iterator[str]:
                 return
             rows = (row for batch in file.iter_batches() for row in batch.to_pylist())
             records = (row.model_dump() for record in read_scene_views(root) for row in record.views)
-            for found, told in zip_longest(rows, records):
-                if found != _plain(told):
-                    yield f"{path}: expected {_named(told)}, found {_named(found)}"
+            for found, expected in zip_longest(rows, records):
+                if found != _with_lists(expected):
+                    yield f"{path}: expected {_row_name(expected)}, found {_row_name(found)}"
                     return
     except (OSError, ArrowException, InputError) as error:
         yield f"{path}: expected an index of all views, found {' '.join(str(error).split())}"
 
 
-def _stray(scenes: Path) -> Iterator[str]:
-    """Go through what lies beside the scenes; hidden folders are scenes that were not finished, and count as absent."""
+def _unknown_entries(scenes: Path) -> Iterator[str]:
+    """Yield what is not a scene; hidden folders are incomplete scenes and count as absent."""
     known = {layout.scene_name(scene) for scene in layout.scene_ids(scenes.parent)}
     for path in sorted(scenes.iterdir()) if scenes.is_dir() else ():
         if path.name not in known and not path.name.startswith("."):
@@ -94,7 +108,7 @@ def _stray(scenes: Path) -> Iterator[str]:
 
 
 def _manifest_faults(root: Path, head: DatasetFile) -> Iterator[str]:
-    if "assets" not in head.hashes:  # no build made it
+    if "assets" not in head.hashes:  # render-scene writes no manifest
         return
     try:
         manifest = read_manifest(root)
@@ -103,17 +117,17 @@ def _manifest_faults(root: Path, head: DatasetFile) -> Iterator[str]:
         return
     if manifest is None or digest_of(manifest.model_dump(mode="json")) != head.hashes["assets"]:
         found = "none" if manifest is None else "another"
-        yield f"{root / layout.MANIFEST}: expected the manifest that {layout.DATASET} has the hash of, found {found}"
+        yield f"{root / layout.MANIFEST}: expected the manifest whose hash {layout.DATASET} has, found {found}"
 
 
-def _split_faults(root: Path, head: DatasetFile, there: set[int]) -> Iterator[str]:
+def _split_faults(root: Path, head: DatasetFile, existing: set[int]) -> Iterator[str]:
     splits, path = read_splits(root), root / layout.SPLITS
     settings = SceneSettings.model_validate(head.config)
-    told = {scene: name for name in ("train", "val", "test") for scene in getattr(splits, name)}
-    for scene in sorted(there):
-        right = split_of(settings.splits, head.seed, scene)
-        if told.get(scene) != right:
-            yield f"{path}: expected scene {scene} in {right}, found it in {told.get(scene, 'none')}"
+    listed = {scene: name for name in get_args(Split) for scene in getattr(splits, name)}
+    for scene in sorted(existing):
+        expected = split_of(settings.splits, head.seed, scene)
+        if listed.get(scene) != expected:
+            yield f"{path}: expected scene {scene} in {expected}, found it in {listed.get(scene, 'none')}"
 
 
 def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Iterator[str]:
@@ -133,7 +147,7 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
 
 def _view_faults(scene: Scene, view: StoredView) -> Iterator[str]:
     extra = ((layout.LAYERS, scene.picture.layers), (layout.REFRACTION, scene.picture.refraction))
-    for name in (*_VIEW_FILES, *(name for name, asked in extra if asked)):
+    for name in (*_VIEW_FILES, *(name for name, requested in extra if requested)):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
             return
@@ -143,8 +157,8 @@ def _view_faults(scene: Scene, view: StoredView) -> Iterator[str]:
         yield f"{view.folder / layout.LABELS}: expected labels of all objects, found others"
 
 
-def _told(check: Any) -> Iterator[str]:
-    """Go through faults; a file that cannot be read is one."""
+def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:
+    """Yield faults; a file that cannot be read is one."""
     try:
         yield from check()
     except InputError as error:
@@ -153,12 +167,12 @@ def _told(check: Any) -> Iterator[str]:
         yield f"{layout.DATASET}: config: {' '.join(str(error).split())[:200]}"
 
 
-def _plain(row: dict | None) -> dict | None:
-    """Return a row with lists where records have tuples, as Parquet gives them back."""
+def _with_lists(row: dict | None) -> dict | None:
+    """Return a row with lists in place of tuples, as Parquet returns them."""
     if row is None:
         return None
     return {name: list(value) if isinstance(value, tuple) else value for name, value in row.items()}
 
 
-def _named(row: dict | None) -> str:
+def _row_name(row: dict | None) -> str:
     return "no more views" if row is None else f"view {row['view']} of scene {row['scene_id']} with its values"

@@ -1,16 +1,15 @@
-"""A worker process: takes an order and scene numbers as lines of JSON, and answers in lines of JSON.
+"""A worker process: receives its configuration and scene numbers as lines of JSON, and answers in lines of JSON.
 
-``python -P -m glassware.dataset.builds.worker`` is started by a build (`process.Worker`), never by hand.
+``python -P -m glassware.dataset.builds.worker`` is started by a build (`worker_process.WorkerProcess`), never by hand.
 
 ======================  =======================================================================
-to the worker           an `Order`; then ``{"scene": 7}`` again and again; ``{"end": true}``
-from the worker         ``{"machine": Machine}`` once; ``{"view": 3}`` for each view that is done;
-                        ``{"attempt": Attempt}`` for each scene; ``{"wrong": line}`` where an asset
-                        is missing or has changed
+to the worker           a `WorkerConfig`; then ``{"scene": 7}`` for each scene; ``{"stop": true}``
+from the worker         `WorkerMessage`: ``ready`` once; ``view`` for each view that is done; ``attempt``
+                        for each scene; ``error`` where an asset is missing or has changed
 ======================  =======================================================================
 
-A worker never outlives its build: it ends as soon as its input closes, in the middle of a scene as well. What it has
-half-made is then a hidden folder, which the next run removes.
+A worker never outlives its build: it exits as soon as its input closes, also in the middle of a scene. What it has
+written so far is a hidden folder, which the next run removes.
 """
 
 from __future__ import annotations
@@ -41,55 +40,56 @@ from ...render.renderer import Renderer
 from ..format.dataset_file import installed_versions
 from ..pipeline import WrittenScene, write_scene
 from . import manifest
-from .messages import UNWRITABLE, Attempt, Machine, Order
+from .messages import UNWRITABLE, Attempt, WorkerConfig, WorkerInfo, WorkerMessage
 
-#: Number of the operation "signal me when my parent dies" (prctl(2), linux/prctl.h).
+#: The operation "send me a signal when my parent dies" (prctl(2), linux/prctl.h).
 _PR_SET_PDEATHSIG = 1
 _MEGABYTE, _GIBIBYTE = 1e6, 1 << 30
 
 
-class Answers:
-    """The way back to the build: the standard output, which no library can write into any more."""
+class WorkerChannel:
+    """The messages to the build, on what was the standard output: no library can print into it any more."""
 
     def __init__(self) -> None:
         self._file: TextIO = os.fdopen(os.dup(1), "w", encoding="utf-8")
-        os.dup2(2, 1)  # what libraries print goes where errors go
+        os.dup2(2, 1)  # what libraries print goes to stderr
 
-    def send(self, **message: object) -> None:
-        """Send one message; a build that is gone ends this process."""
+    def send(self, message: WorkerMessage) -> None:
+        """Send one message; exit at once where the build is gone."""
         try:
-            self._file.write(json.dumps(message, sort_keys=True, allow_nan=False) + "\n")
+            self._file.write(message.model_dump_json(exclude_none=True) + "\n")
             self._file.flush()
         except OSError:
             os._exit(1)
 
 
-class Bench:
-    """What a worker has set up once and uses for each scene."""
+class WorkerContext:
+    """What a worker sets up once and uses for every scene."""
 
-    def __init__(self, order: Order) -> None:
-        self.order = order
-        cv2.setNumThreads(order.threads)
-        backend = activate(spectral=order.settings.picture.spectral, threads=order.threads)
+    def __init__(self, config: WorkerConfig) -> None:
+        self.config = config
+        cv2.setNumThreads(config.threads)
+        backend = activate(spectral=config.settings.picture.spectral, threads=config.threads)
         host = socket.gethostname()
-        self.machine = Machine(host=host, process=os.getpid(), backend=backend, versions=installed_versions())
-        manifest.check_same(order.manifest, manifest.scan(order.settings), order.settings)
-        self.stamps = manifest.stamps(order.settings)
-        self.files = asset_files(order.settings)
+        self.info = WorkerInfo(host=host, process=os.getpid(), backend=backend, versions=installed_versions())
+        manifest.check_manifest(config.manifest, manifest.scan(config.settings), config.settings)
+        self.stamps = manifest.stamps(config.settings)
+        self.files = asset_files(config.settings)
         self.served = 0
 
-    def attempt(self, scene_id: int, answers: Answers) -> Attempt:
-        """Make a scene, and return how that went."""
+    def attempt(self, scene_id: int, channel: WorkerChannel) -> Attempt:
+        """Render a scene, and return the outcome; no exception leaves this method."""
         self.served += 1
-        self._views, stopwatch = 0, Stopwatch()
+        views, stopwatch = 0, Stopwatch()
         start = perf_counter()
 
         def on_view(_view: int) -> None:
-            self._views += 1
-            answers.send(view=self._views)
+            nonlocal views
+            views += 1
+            channel.send(WorkerMessage(view=views))
 
         try:
-            outcome = _outcome_of(self._made(scene_id, stopwatch, on_view))
+            outcome = _outcome_of(self._render(scene_id, stopwatch, on_view))
         except OSError as error:
             state = "unwritable" if error.errno in UNWRITABLE else "failed"
             trace = traceback.format_exc()
@@ -101,44 +101,43 @@ class Bench:
         seconds = {**stopwatch.seconds, "other": total - sum(stopwatch.seconds.values())}
         facts = {
             "scene": scene_id,
-            "host": self.machine.host,
-            "process": self.machine.process,
+            "host": self.info.host,
+            "process": self.info.process,
             "served": self.served,
             "seconds": seconds,
             "total": total,
-            "views": self._views,
+            "views": views,
             "resident": _resident(),
             "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / _MEGABYTE,
         }
         return Attempt.model_validate(facts | outcome)
 
-    def _made(self, scene_id: int, stopwatch: Stopwatch, on_view: Callable[[int], None]) -> WrittenScene:
+    def _render(self, scene_id: int, stopwatch: Stopwatch, on_view: Callable[[int], None]) -> WrittenScene:
         with stopwatch.stage("description"):
-            scene = draw_scene(self.order.settings, self.order.seed, scene_id, self.files)
-        renderer = Renderer(scene, threads=self.order.threads)
-        return write_scene(self.order.root, renderer, stopwatch, on_view)
+            scene = draw_scene(self.config.settings, self.config.seed, scene_id, self.files)
+        renderer = Renderer(scene, threads=self.config.threads)
+        return write_scene(self.config.root, renderer, stopwatch, on_view)
 
 
 def main() -> int:
-    """Serve one build until it has no more scenes for this process."""
-    # The build decides when work stops, and says so by killing its workers.
+    """Serve one build until it asks this process to stop."""
+    # The build decides when work stops, and enforces it by killing its workers.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     _die_with_parent()
-    answers, jobs = Answers(), _inbox()
-    order = Order.model_validate(jobs.get())
+    channel, messages = WorkerChannel(), _read_messages()
+    config = WorkerConfig.model_validate(messages.get())
     try:
-        bench = Bench(order)
-        if order.memory is not None:  # only now, so that a limit that is too low fails scenes and not all workers
-            most = int(order.memory * _GIBIBYTE)
-            resource.setrlimit(resource.RLIMIT_DATA, (most, most))
-        answers.send(machine=bench.machine.model_dump(mode="json"))
-        while "scene" in (job := jobs.get()):
-            manifest.check_unchanged(bench.stamps)
-            attempt = bench.attempt(job["scene"], answers)
-            answers.send(attempt=attempt.model_dump(mode="json"))
+        context = WorkerContext(config)
+        if config.memory is not None:  # only now, so that a limit that is too low fails scenes and not every worker
+            limit = int(config.memory * _GIBIBYTE)
+            resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+        channel.send(WorkerMessage(ready=context.info))
+        while "scene" in (message := messages.get()):
+            manifest.check_unchanged(context.stamps)
+            channel.send(WorkerMessage(attempt=context.attempt(message["scene"], channel)))
     except InputError as error:
-        answers.send(wrong=str(error))
+        channel.send(WorkerMessage(error=str(error)))
     return 0
 
 
@@ -157,12 +156,12 @@ def _outcome_of(made: WrittenScene) -> dict:
 
 
 def _line(error: BaseException) -> str:
-    said = " ".join(str(error).split())
-    return said if isinstance(error, InputError) else f"{type(error).__name__}: {said}".rstrip(": ")
+    text = " ".join(str(error).split())
+    return text if isinstance(error, InputError) else f"{type(error).__name__}: {text}".rstrip(": ")
 
 
 def _resident() -> float:
-    """Return the memory that this process holds now [MB] (proc(5): second number of statm, in pages)."""
+    """Return the resident memory of this process [MB] (proc(5): second number of statm, in pages)."""
     statm = Path("/proc/self/statm")
     if not statm.is_file():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / _MEGABYTE
@@ -170,13 +169,13 @@ def _resident() -> float:
 
 
 def _die_with_parent() -> None:
-    """Ask Linux to kill this process when its parent dies: the thread below may wait for a kernel that computes."""
+    """Ask Linux to kill this process when its parent dies: the reader thread may be blocked by a running kernel."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _inbox() -> queue.SimpleQueue:
-    """Return the messages as they come; the end of the input ends the process, whatever it does."""
+def _read_messages() -> queue.SimpleQueue:
+    """Return a queue that a thread fills with the messages; the end of the input ends the process at once."""
     messages: queue.SimpleQueue = queue.SimpleQueue()
 
     def read() -> None:

@@ -1,4 +1,4 @@
-"""``glassware COMMAND ...``: every command under one name."""
+"""``glassware COMMAND ...``: all commands under one name."""
 
 from __future__ import annotations
 
@@ -9,32 +9,31 @@ from importlib.metadata import EntryPoint, entry_points
 from rich.console import Console
 
 from ...core.errors import InputError
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
 from . import build_dataset, merge, render_scene, verify
 
-#: Name of each command, what it does, and its entry point.
+#: What each command does, and its entry point, by name.
 _COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {
     "build": ("many scenes, by worker processes or a cluster (also: build-dataset)", build_dataset.main),
-    "merge": ("shards of a build become one data set", merge.main),
+    "merge": ("merge the shards of a build into one data set", merge.main),
     "render": ("one labelled scene from a seed (also: render-scene)", render_scene.main),
-    "verify": ("what is wrong with a data set, from its files alone", verify.main),
+    "verify": ("check a data set: files, labels, or by rendering views again", verify.main),
 }
-#: Group of entry points under which other packages bring commands, which are imported when they are used.
+#: Group of entry points for the commands of other packages, which are imported when they are used.
 _GROUP = "glassware.commands"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command that the first argument names; the exit code is its own."""
+    """Run the command that the first argument names, and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if given and given[0] in _COMMANDS:
         return _COMMANDS[given[0]][1](given[1:])
-    brought = entry_points(group=_GROUP, name=given[0]) if given else ()
-    for entry in brought:
+    for entry in entry_points(group=_GROUP, name=given[0]) if given else ():
         return _run(entry, given[1:])
     if given in (["--help"], ["-h"]):
         _help()
         return 0
-    return outcome(lambda: _refuse(given))
+    return run_command(lambda: _refuse(given))
 
 
 def _help() -> None:
@@ -47,7 +46,7 @@ def _help() -> None:
 
 
 def _run(entry: EntryPoint, arguments: Sequence[str]) -> int:
-    """Run a command of another package; one whose libraries are missing is told in one line."""
+    """Run a command of another package; InputError in one line where its libraries are not installed."""
     try:
         command = entry.load()
     except ModuleNotFoundError as error:
@@ -56,7 +55,7 @@ def _run(entry: EntryPoint, arguments: Sequence[str]) -> int:
         def refuse() -> None:
             raise missing
 
-        return outcome(refuse)
+        return run_command(refuse)
     return command(arguments)
 
 

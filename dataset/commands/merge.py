@@ -1,4 +1,4 @@
-"""``glassware merge``: the outputs of shards become one data set."""
+"""``glassware merge``: merge the outputs of shards into one data set."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.errors import InputError
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
 from ..builds.merge import merge
-from ..builds.output_folder import taken
+from ..builds.output_folder import lock_output
 from ..format import layout
-from ..settings.config import parsed
+from ..settings.config import parse_request
 
 _DESCRIPTION = """Merge data sets of one seed and one configuration, such as the shards of a build.
 
-Files become hard links where both lie on one file system, else copies. The sources stay as they are."""
+Files become hard links where both folders are on one file system, else copies. The sources do not change."""
 
 
 class Merge(Model):
-    """The request: which data sets, and where to."""
+    """The request: the data sets to merge, and the target."""
 
     sources: Annotated[tuple[UserPath, ...], tyro.conf.Positional] = Field(description="Folders of data sets")
-    out: UserPath = Field(description="Folder of the whole: absent, empty, or one that was merged before")
+    out: UserPath = Field(description="Target folder: absent, empty, or the target of an earlier merge")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code says how it went."""
+    """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _merge(given))
+    return run_command(lambda: _merge(given))
 
 
 def _merge(arguments: Sequence[str]) -> None:
-    request = parsed(Merge, None, arguments, "glassware merge", _DESCRIPTION)
+    request = parse_request(Merge, arguments, "glassware merge", _DESCRIPTION)
     console = Console()
 
     def say(line: str) -> None:
@@ -51,7 +51,7 @@ def _merge(arguments: Sequence[str]) -> None:
             raise InputError(source, f"the folder of a data set, with {layout.DATASET}", "none")
         if source.resolve() == request.out.resolve():
             raise InputError("--out", "another folder than the sources", source)
-    with taken(request.out, say):
+    with lock_output(request.out, say):
         views = merge(request.sources, request.out)
     say(f"{request.out}: {len(layout.scene_ids(request.out))} scenes, {views} views")
 

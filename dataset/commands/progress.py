@@ -1,4 +1,4 @@
-"""Where the time goes: a bar while views are rendered, a table at the end."""
+"""Progress of a scene and of a build: a bar on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from contextlib import contextmanager
 from time import perf_counter
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
 from ...core.stopping import check_stop
 from ...core.stopwatch import Stopwatch
 from ...render.frame import LightCheck
+from ..builds.messages import Attempt
 
 
 class Stages:
-    """Seconds by stage, and the progress of the views. On a terminal a bar with an ETA, elsewhere a line a view."""
+    """The progress of one scene: a bar or a line per view, and at the end a table of the time of each stage."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -26,12 +27,12 @@ class Stages:
         self._done, self._total = 0, 0
 
     def say(self, line: str) -> None:
-        """Print a line about what comes next."""
+        """Print a line."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     @contextmanager
     def progress(self, total: int) -> Iterator[None]:
-        """Show the progress of `total` views inside."""
+        """Show the progress of `total` views inside the block."""
         self._done, self._total = 0, total
         if not self._console.is_terminal:
             yield
@@ -44,7 +45,7 @@ class Stages:
         self._bar = None
 
     def advance(self, _view: int) -> None:
-        """Count one view as done; raise KeyboardInterrupt if a signal to stop was received."""
+        """Count one view as done; raise `KeyboardInterrupt` if a stop signal was received."""
         check_stop()
         self._done += 1
         if self._bar is not None:
@@ -54,22 +55,95 @@ class Stages:
             self._console.print(f"view {self._done}/{self._total} after {seconds:.1f} s", highlight=False)
 
     def report(self, title: str, views: int) -> None:
-        """Print the seconds of each stage, in all and a view."""
+        """Print the seconds of each stage, in total and per view."""
         total = perf_counter() - self._start
         table = Table(title=title)
-        for column in ("stage", "seconds", "a view", "share"):
+        for column in ("stage", "seconds", "per view", "fraction"):
             table.add_column(column, justify="left" if column == "stage" else "right")
-        seconds_of = self.stopwatch.seconds
-        known = sum(seconds_of.values())
-        for stage, seconds in (*seconds_of.items(), ("other", total - known), ("all", total)):
+        measured = self.stopwatch.seconds
+        known = sum(measured.values())
+        for stage, seconds in (*measured.items(), ("other", total - known), ("total", total)):
             table.add_row(stage, f"{seconds:.2f}", f"{seconds / views:.3f}", f"{seconds / total:.1%}")
         self._console.print(table)
 
 
-def told_of_light(check: LightCheck) -> str:
+def light_line(check: LightCheck) -> str:
     """Return a line about the irradiance cache of a scene and its check against path tracing."""
     line = (
-        f"light of the scene stored at {check.nodes} points; pictures from it differ from path-traced ones by "
+        f"irradiance cache filled at {check.nodes} points; pictures from it differ from path-traced ones by "
         f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
     )
     return line if check.mode == "shared" else f"{line}, more than {check.bound:.0%}: paths are traced instead"
+
+
+class BuildProgress:
+    """The progress of a build: scenes done, views per second, failures and remaining time."""
+
+    def __init__(self, console: Console, total: int) -> None:
+        self._console, self._total = console, total
+        self._start = perf_counter()
+        self._views = self._scenes = self._failures = 0
+        self._bar: Progress | None = None
+
+    @contextmanager
+    def display(self) -> Iterator[None]:
+        """Show a bar inside the block, on a terminal."""
+        if not self._console.is_terminal:
+            yield
+            return
+        columns = (
+            TextColumn("scenes"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TextColumn("failed {task.fields[failures]}"),
+            TimeElapsedColumn(),
+            TextColumn("remaining"),
+            TimeRemainingColumn(),
+        )
+        # Scenes differ, so the estimate of the remaining time averages over many.
+        with Progress(*columns, console=self._console, speed_estimate_period=3600.0) as self._bar:
+            self._bar.add_task("scenes", total=self._total, rate="", failures=0)
+            yield
+        self._bar = None
+
+    def view_done(self) -> None:
+        """Count a rendered view."""
+        check_stop()
+        self._views += 1
+        self._update()
+
+    def attempt_done(self, attempt: Attempt, final: bool) -> None:
+        """Count the outcome of an attempt; `final` means that the scene is not tried again."""
+        check_stop()
+        self._scenes += final
+        self._failures += final and attempt.state != "made"
+        self._update()
+        if attempt.state != "made":
+            self._say(f"scene {attempt.scene} failed{'' if final else ', trying again'}: {attempt.reason}")
+        elif self._bar is None:
+            self._say(f"scene {attempt.scene} in {attempt.total:.1f} s: {self._scenes}/{self._total}, {self._state()}")
+
+    def _state(self) -> str:
+        seconds = perf_counter() - self._start
+        remaining = seconds / max(1, self._scenes) * (self._total - self._scenes)
+        return f"{self._rate()}, failed {self._failures}, remaining {_clock(remaining)}"
+
+    def _rate(self) -> str:
+        return f"{self._views / max(1e-3, perf_counter() - self._start):.2f} views/s"
+
+    def _update(self) -> None:
+        if self._bar is not None:
+            task = self._bar.task_ids[0]
+            self._bar.update(task, completed=self._scenes, rate=self._rate(), failures=self._failures)
+
+    def _say(self, line: str) -> None:
+        (self._bar.console if self._bar is not None else self._console).print(
+            line, markup=False, highlight=False, soft_wrap=True
+        )
+
+
+def _clock(seconds: float) -> str:
+    minutes, whole = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{whole:02d}"

@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field
 from rich.console import Console
 
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
+from ...core.model import Model
 from ...core.user_text import UserPath, UserText
 from ...procedural.scene.asset_files import check_inputs
 from ...procedural.scene.draw import draw_scene
@@ -17,13 +19,14 @@ from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate
 from ...render.renderer import Renderer
 from ..format import layout
-from ..format.dataset_file import installed_versions, new_head
+from ..format.dataset_file import installed_versions, new_head, read_head
 from ..format.pictures import write_png
+from ..output_checks import check_output
 from ..pipeline import write_scene
 from ..preview.contact_sheet import chosen_views, contact_sheet
-from ..settings.config import layered, parsed
-from ..writer import check_output, finish_dataset, read_head, start_dataset
-from .progress import Stages, told_of_light
+from ..settings.config import FLAT, parse_request
+from ..writer import finish_dataset, start_dataset
+from .progress import Stages, light_line
 
 _DESCRIPTION = """Render one labelled scene of glass on a table.
 
@@ -31,9 +34,10 @@ Every setting has a dotted name; --views, --spp, --noise, --width, --height and 
 A preset (fast, standard, syn-todd) is taken first, then a YAML file, then the command line."""
 
 
-class RenderScene(SceneSettings):
-    """The request: what to draw, from which seed, and where to put it."""
+class RenderScene(Model):
+    """The request: settings, seed, scene number and output folder."""
 
+    settings: Annotated[SceneSettings, FLAT] = SceneSettings()
     seed: int = Field(default=0, ge=0, le=2**63 - 1, description="Seed of the data set, 0 to 2^63 - 1")
     scene: int = Field(default=0, ge=0, le=999_999, description="Number of the scene in the data set, 0 to 999999")
     out: UserPath = Field(default=Path("out"), description="Folder of the data set: absent, empty, or one made before")
@@ -45,12 +49,12 @@ class RenderScene(SceneSettings):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit code says how it went."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _render_scene(given))
+    return run_command(lambda: _render_scene(given))
 
 
 def _render_scene(arguments: Sequence[str]) -> None:
-    request = parsed(RenderScene, layered(RenderScene, arguments), arguments, "render-scene", _DESCRIPTION)
-    settings = SceneSettings.model_validate({name: getattr(request, name) for name in SceneSettings.model_fields})
+    request = parse_request(RenderScene, arguments, "render-scene", _DESCRIPTION)
+    settings = request.settings
     stages = Stages(Console())
     with stages.stopwatch.stage("backend"):
         backend = activate(spectral=settings.picture.spectral)
@@ -65,7 +69,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
     start_dataset(request.out, head, [request.scene])
     renderer = Renderer(scene)
     if renderer.light_check is not None:
-        stages.say(told_of_light(renderer.light_check))
+        stages.say(light_line(renderer.light_check))
     with stages.progress(len(scene.cameras)):
         shown = chosen_views(len(scene.cameras))
         written = write_scene(request.out, renderer, stages.stopwatch, stages.advance, shown)
@@ -79,7 +83,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
 def _say_what_is_done(request: RenderScene, stages: Stages) -> None:
     if request.scene in layout.scene_ids(request.out):
         stages.say(f"{request.out}: scene {request.scene} of seed {read_head(request.out).seed} will be replaced")
-    stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {request.cameras.views} views")
+    stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {request.settings.cameras.views} views")
 
 
 if __name__ == "__main__":

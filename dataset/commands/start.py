@@ -1,7 +1,7 @@
-"""Where commands begin: signals that ask to stop count from the first line on, while libraries still load.
+"""Entry points of the commands: they handle stop signals before any library is imported.
 
-Loading takes a second or two. A Ctrl-C that meets it would end in a traceback out of some library, and may leave the
-library half loaded. Nothing is written by then, so the process can end at once.
+The imports take a second or two. A Ctrl-C during that time would end in a traceback from inside a library. Nothing has
+been written by then, so the process can exit at once.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ def render_scene() -> int:
 
 def _run(name: str) -> int:
     for number in _SIGNALS:
-        if signal.getsignal(number) != signal.SIG_IGN:  # as for jobs in a script's background
-            signal.signal(number, _end)
+        if signal.getsignal(number) != signal.SIG_IGN:  # ignored for background jobs of a script
+            signal.signal(number, _exit)
     return import_module(f"{__package__}.{name}").main()
 
 
-def _end(number: int, _frame: FrameType | None) -> None:
-    os.write(2, b"stopped; nothing half-written is left\n")
+def _exit(number: int, _frame: FrameType | None) -> None:
+    os.write(2, b"stopped; no incomplete files are left\n")
     os._exit(128 + number)

@@ -10,7 +10,7 @@ from ...core.model import Matrix4, Model
 from ...procedural.description.surroundings import Camera
 
 CAMERA_SCHEMA = "glassware/camera/1"
-#: Said in every file, because no two projects mean the same.
+#: Written into every file, because conventions differ between projects.
 CONVENTIONS = {
     "axes": "OpenCV: x right, y down, z forward",
     "pixels": "pixel (0, 0) has its centre at image coordinate (0, 0); it covers -0.5 to 0.5",

@@ -21,27 +21,27 @@ Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
 class FileSum(Model):
-    """What a file must be."""
+    """Expected size and digest of a file."""
 
     size: int = Field(ge=0, description="[bytes]")
     sha256: Sha256
 
 
 class Checksums(Model):
-    """All files of a scene's folder but this one, by their paths in it."""
+    """All other files of a scene's folder, by their relative paths."""
 
     schema_version: Literal["glassware/checksums/1"] = CHECKSUMS_SCHEMA
     files: dict[str, FileSum]
 
 
 def file_digest(path: Path) -> str:
-    """Return the SHA-256 of a file's content, read piece by piece."""
+    """Return the SHA-256 of a file's content, read in blocks."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def write_checksums(folder: Path) -> None:
-    """Write the record of all files that are in a scene's folder."""
+    """Write ``checksums.json`` for all files in a scene's folder."""
     files = {name: FileSum(size=path.stat().st_size, sha256=file_digest(path)) for name, path in _files(folder)}
     text = json_text(Checksums(files=files).model_dump(mode="json"))
     (folder / layout.CHECKSUMS).write_text(text, encoding="utf-8")
@@ -56,7 +56,7 @@ def read_checksums(folder: Path) -> Checksums:
 
 
 def faults_of(folder: Path, contents: bool = True) -> Iterator[str]:
-    """Go through what is wrong with the files of a scene's folder, a line each.
+    """Yield the faults of the files in a scene's folder, one line each.
 
     Parameters
     ----------
@@ -66,30 +66,30 @@ def faults_of(folder: Path, contents: bool = True) -> Iterator[str]:
         Whether files are read and hashed; names and sizes are compared in any case.
     """
     try:
-        told = read_checksums(folder).files
+        expected = read_checksums(folder).files
     except InputError as error:
         yield str(error)
         return
-    there = dict(_files(folder))
-    for name in sorted(told.keys() | there.keys()):
-        if name not in there:
+    existing = dict(_files(folder))
+    for name in sorted(expected.keys() | existing.keys()):
+        if name not in existing:
             yield f"{folder / name}: expected a file, found none"
-        elif name not in told:
-            yield f"{there[name]}: expected only files that {layout.CHECKSUMS} names, found this one"
+        elif name not in expected:
+            yield f"{existing[name]}: expected only files that {layout.CHECKSUMS} names, found this one"
         else:
-            yield from _file_fault(there[name], told[name], contents)
+            yield from _file_fault(existing[name], expected[name], contents)
 
 
-def _file_fault(path: Path, told: FileSum, contents: bool) -> Iterator[str]:
+def _file_fault(path: Path, expected: FileSum, contents: bool) -> Iterator[str]:
     size = path.stat().st_size
-    if size != told.size:
-        yield f"{path}: expected {told.size} bytes, found {size}"
-    elif contents and (found := file_digest(path)) != told.sha256:
-        yield f"{path}: expected SHA-256 {told.sha256[:12]}..., found {found[:12]}..."
+    if size != expected.size:
+        yield f"{path}: expected {expected.size} bytes, found {size}"
+    elif contents and (found := file_digest(path)) != expected.sha256:
+        yield f"{path}: expected SHA-256 {expected.sha256[:12]}..., found {found[:12]}..."
 
 
 def _files(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Go through the files of a scene but its checksums, with their relative paths, in order."""
+    """Yield relative path and path of each file of a scene except its checksums, in order."""
     for parent, folders, names in os.walk(folder):
         folders.sort()
         for name in sorted(names):

@@ -1,18 +1,20 @@
-"""``dataset.json``: what a data set is, and how it was made."""
+"""``dataset.json``, the head of a data set: its seed, settings, versions, scenes and assets."""
 
 from __future__ import annotations
 
 import hashlib
 from importlib import metadata
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field
 
 from ...core.assets import Asset
-from ...core.json_file import json_text
+from ...core.atomic_io import write_atomically
+from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...render.backend.llvm import compiler_version
-from .layout import DATASET_SCHEMA
+from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
 _PACKAGES = (
@@ -29,23 +31,23 @@ _PACKAGES = (
 
 
 class DatasetFile(Model):
-    """The head of a data set."""
+    """Describes a data set, and everything that its content depends on."""
 
     schema_version: Literal["glassware/dataset/1"] = DATASET_SCHEMA
     name: str = Field(description="Name of the data set")
     seed: int = Field(ge=0, description="Seed of all its scenes")
-    config: dict[str, Any] = Field(description="The resolved settings that shape its scenes, as JSON data")
+    config: dict[str, Any] = Field(description="The resolved settings of its scenes, as JSON data")
     versions: dict[str, str] = Field(description="Version of each package that can change its content")
     backend: str = Field(description="Variant of the renderer, such as llvm_ad_rgb")
-    scenes: str = Field(default="", description="The scenes that it is to hold, such as 0:2000 (the end is not in it)")
+    scenes: str = Field(default="", description="The scenes that it is meant to hold, such as 0:2000 (without the end)")
     hashes: dict[str, str] = Field(
-        default={}, description="SHA-256 of all that decides a scene besides seed and number: config, backend, assets"
+        default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
-    assets: tuple[Asset, ...] = Field(default=(), description="Files of others in it, with their licences")
+    assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
 
 
 def installed_versions() -> dict[str, str]:
-    """Return the versions of the packages, and of the compiler, that can change what is in a data set."""
+    """Return the versions of the packages and of the compiler that can change the content of a data set."""
     found = {"llvm": compiler_version()}
     for package in _PACKAGES:
         try:
@@ -58,7 +60,7 @@ def installed_versions() -> dict[str, str]:
 def new_head(
     name: str, seed: int, config: dict[str, Any], versions: dict[str, str], backend: str, scenes: str = ""
 ) -> DatasetFile:
-    """Return the head of a data set that is made here and now, with the hashes of what decides its scenes."""
+    """Return the head of a new data set, with the hashes of its settings and of the software."""
     hashes = {"config": digest_of(config), "backend": digest_of({"backend": backend, "versions": versions})}
     return DatasetFile(
         name=name, seed=seed, config=config, versions=versions, backend=backend, scenes=scenes, hashes=hashes
@@ -66,5 +68,18 @@ def new_head(
 
 
 def digest_of(data: object) -> str:
-    """Return the SHA-256 of JSON data in the one way that our files write it."""
+    """Return the SHA-256 of JSON data, as `core.json_file.json_text` writes it."""
     return hashlib.sha256(json_text(data).encode()).hexdigest()
+
+
+def read_head(root: Path) -> DatasetFile:
+    """Read ``dataset.json``; InputError where it is missing, damaged, or of an unknown schema."""
+    path = root / DATASET
+    data = read_json(path)
+    check_schema(path, data, DATASET_SCHEMA)
+    return parsed(DatasetFile, data, path)
+
+
+def write_head(root: Path, head: DatasetFile) -> None:
+    """Write ``dataset.json`` atomically."""
+    write_atomically(root / DATASET, json_text(head.model_dump(mode="json")).encode())

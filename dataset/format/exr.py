@@ -1,4 +1,4 @@
-"""OpenEXR pictures of named channels, float32 or, where that is enough, half."""
+"""OpenEXR files of named channels, float32 or half."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import OpenEXR
 from ...core.errors import InputError
 from ...core.silence import quiet
 
-#: Ids are stored as floats as well, which more programs read. Float32 holds every whole number below 2^24 exactly.
+#: Ids are stored as floats, which more programs read. Float32 represents every integer below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
-#: Why a system may refuse to write.
+#: Errors of the system on writing.
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
@@ -22,7 +22,7 @@ def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
     """Write channels, each (H, W), with ZIP compression; the same channels give the same bytes.
 
     Float16 arrays are written as half, everything else as float32. Infinities and NaN survive. The header has no date
-    and no name, so files can be compared.
+    and no name, so that files can be compared.
     """
     shapes = {values.shape for values in channels.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2:
@@ -31,7 +31,7 @@ def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
     stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
     try:
         OpenEXR.File(header, stored).write(str(path))
-    except RuntimeError as error:  # the library keeps the system's reason in words alone
+    except RuntimeError as error:  # the library passes on the system's message, without its number
         number = next((number for number in _REFUSED if os.strerror(number) in str(error)), None)
         if number is None:
             raise
@@ -45,7 +45,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     try:
         with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
-    except (RuntimeError, ValueError) as error:  # a file cut short is one or the other
+    except (RuntimeError, ValueError) as error:  # a truncated file raises either
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
     for name, values in channels.items():
         if values.dtype not in (np.float32, np.float16):
@@ -54,7 +54,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
 
 
 def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:
-    """Return channels side by side, (H, W, n).
+    """Return channels stacked along the last axis, (H, W, n).
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarr
     names : str
         Prefix and last letters: ``"noisy.RGB"`` is ``noisy.R``, ``noisy.G``, ``noisy.B``.
     path : Path
-        The file, to be named where a channel is missing.
+        The file, for the error where a channel is missing.
     """
     prefix, _, letters = names.rpartition(".")
     full = [f"{prefix}.{letter}" if prefix else letter for letter in letters]
@@ -71,7 +71,7 @@ def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarr
 
 
 def unstacked(values: np.ndarray, names: str) -> dict[str, np.ndarray]:
-    """Return the channels of an array, (H, W, n), named as `stacked` takes them."""
+    """Return the channels of an array, (H, W, n), by name, as `stacked` reads them."""
     prefix, _, letters = names.rpartition(".")
     return {f"{prefix}.{letter}" if prefix else letter: values[..., i] for i, letter in enumerate(letters)}
 

@@ -1,9 +1,9 @@
-"""Names of the files and folders of a data set (`glassware/dataset/1`), in one place.
+"""Names of the files and folders of a data set (`glassware/dataset/1`).
 
 ::
 
     dataset.json  views.parquet  preview.png
-    manifest.json  splits.json  build.jsonl           (of builds alone)
+    manifest.json  splits.json  build.jsonl           (only of builds)
     assets/<sha16>-<name>
     scenes/000007/
         scene.json  meshes/*.ply  objects.json  views.json  checksums.json  light.parquet
@@ -17,26 +17,29 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from typing import Literal, get_args
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
-#: Held by the build that works in the folder; one that was killed leaves it behind, and it means nothing then.
+#: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"
 ASSETS, SCENES = "assets", "scenes"
 SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.json", "checksums.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
-LIGHT = "light.parquet"  # of a scene, where it was asked for
+LIGHT = "light.parquet"  # of a scene, with the setting picture.keep_light
 LAYERS, REFRACTION = "layers.exr", "refraction.exr"
-EYES = ("left", "right")
+#: A camera of the stereo pair.
+XX
+EYES: tuple[Eye, ...] = get_args(Eye)
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")
 
 
 def scene_name(scene_id: int) -> str:
-    """Return the name of a scene's folder: six digits, more where there are more scenes."""
+    """Return the name of a scene's folder: six digits, or more."""
     return f"{scene_id:06d}"
 
 
@@ -51,7 +54,7 @@ def scene_folder(root: Path, scene_id: int) -> Path:
 
 
 def scene_ids(root: Path) -> list[int]:
-    """Return the ids of the scenes of a data set, ascending; hidden folders (half scenes) are none."""
+    """Return the ids of the scenes of a data set, ascending; hidden folders (incomplete scenes) are left out."""
     return _numbers(root / SCENES, _SCENE_NAME)
 
 
@@ -63,6 +66,6 @@ def view_numbers(scene: Path) -> list[int]:
 def _numbers(folder: Path, pattern: re.Pattern[str]) -> list[int]:
     if not folder.is_dir():
         return []
-    # A scan knows which entries are folders without asking the disk for each: there may be a hundred thousand.
+    # os.scandir knows which entries are folders without a system call for each: there may be a hundred thousand.
     with os.scandir(folder) as entries:
         return sorted(int(entry.name) for entry in entries if pattern.fullmatch(entry.name) and entry.is_dir())

@@ -1,8 +1,8 @@
-"""``light.parquet``: the light that arrives at a scene's opaque surfaces, a row a place.
+"""``light.parquet``: the irradiance of points on a scene's opaque surfaces, one row each.
 
 Columns: ``id`` (the object, 1 for the table, 0 for the back of a lamp), ``x, y, z`` (world [m]), ``nx, ny, nz`` (the
 normal of the side that the light arrives at), ``r, g, b`` (irradiance: linear Rec.709 radiance times steradians) and
-``paths`` (how many it is the mean of).
+``paths`` (number of paths in the mean).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def write_light(path: Path, light: SurfaceLight) -> None:
 
 
 def read_light(path: Path) -> SurfaceLight:
-    """Read ``light.parquet``; InputError where it is missing or something else."""
+    """Read ``light.parquet``; InputError where it is missing or has other columns."""
     try:
         table = pq.read_table(path)
     except (OSError, pa.ArrowException) as error:

@@ -1,4 +1,4 @@
-"""``objects.json``: what is the same of each object in all views of a scene."""
+"""``objects.json``: the properties of each object that all views of a scene share."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import Prop, Scene, SceneObject, materials_of
+from ...procedural.description.scene import Liquid, Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -35,26 +35,14 @@ class OpaqueSurface(Model):
 
 
 class MediumRecord(Model):
-    """A transparent medium as rays cross it."""
+    """A transparent medium."""
 
     kind: Literal["medium"] = "medium"
     medium: Medium = Field(description="Optical constants")
 
 
-class LiquidRecord(Model):
-    """What a vessel holds."""
-
-    medium: Medium = Field(description="Optical constants")
-    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
-    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
-    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
-    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
-    fill: float = Field(description="Share of the vessel's brimful volume")
-    volume: float = Field(description="Volume [m^3]")
-
-
 class ContinuousSymmetry(Model):
-    """A symmetry under every turn about an axis, as BOP's ``symmetries_continuous`` has it."""
+    """A symmetry under every rotation about an axis, as in BOP's ``symmetries_continuous``."""
 
     axis: Vector3 = Field(description="Direction in the object frame")
     offset: Vector3 = Field(description="A point on the axis, object frame [m]")
@@ -75,12 +63,14 @@ class ObjectRecord(Model):
     category: str
     parts: tuple[Part, ...]
     material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")]
-    liquid: LiquidRecord | None
+    liquid: Liquid | None
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
-    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(description="Two for a ball: z and x make all turns")
+    symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(
+        description="A ball has two: z and x generate all rotations"
+    )
     symmetries_discrete: tuple[Matrix4, ...] = Field(
-        default=(), description="Other motions that leave the shape as it is, but for none at all, object frame [m]"
+        default=(), description="Other motions that leave the shape unchanged, without the identity, object frame [m]"
     )
     keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
 
@@ -91,25 +81,25 @@ class ObjectsFile(Model):
     schema_version: Literal["glassware/objects/1"] = OBJECTS_SCHEMA
     objects: tuple[ObjectRecord, ...]
     materials: tuple[Annotated[MediumRecord | OpaqueSurface, Field(discriminator="kind")], ...] = Field(
-        default=(), description="What `material` in layers.exr counts: air, then what the table and the objects are of"
+        default=(),
+        description="Indexed by `material` of layers.exr: air, then the materials of table and objects",
     )
 
 
 def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
-    """Return the records of a scene's objects, with the keypoints that its views are labelled with."""
+    """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
         objects=tuple(_record(item, local) for item, local in rows),
-        materials=tuple(_substance(material) for material in materials_of(scene)),
+        materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
 
-def _substance(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
+def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | OpaqueSurface:
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
 def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
-    liquid = None if isinstance(item, Prop) else item.liquid
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -118,7 +108,7 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         category=item.category,
         parts=_parts(item),
         material=_material(item),
-        liquid=liquid and LiquidRecord(**{name: getattr(liquid, name) for name in LiquidRecord.model_fields}),
+        liquid=None if isinstance(item, Prop) else item.liquid,
         world_T_object=item.world_T_object,
         size=item.size,
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
@@ -135,9 +125,9 @@ def _parts(item: SceneObject) -> tuple[Part, ...]:
 
 
 def _material(item: SceneObject) -> GlassMaterial | OpaqueSurface:
-    if isinstance(item, Prop):
-        return _opaque(item.material)
-    return GlassMaterial(medium=item.glass, roughness=item.roughness)
+    if not isinstance(item, Prop):
+        return GlassMaterial(medium=item.glass, roughness=item.roughness)
+    return _opaque(item.material)
 
 
 def _opaque(surface: OpaqueMaterial) -> OpaqueSurface:

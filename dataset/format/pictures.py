@@ -1,4 +1,4 @@
-"""Pictures for people (8-bit sRGB) and id pictures (16 bit), as PNG."""
+"""PNG files: 8-bit sRGB pictures and 16-bit instance ids."""
 
 from __future__ import annotations
 
@@ -45,18 +45,18 @@ def write_png(path: Path, picture: np.ndarray) -> None:
 
 
 def read_png(path: Path) -> np.ndarray:
-    """Return what `write_png` wrote; InputError where the file is missing or something else."""
+    """Read a file of `write_png`; InputError where it is missing or anything else."""
     try:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
         raise InputError(path, "a readable PNG file", error.strerror) from error
-    # Checked first: OpenCV reads other formats as well, and gives the rest of a picture that is cut short.
+    # Checked first: OpenCV also reads other formats, and returns the readable part of a truncated picture.
     if data[:8].tobytes() != b"\x89PNG\r\n\x1a\n" or data[-8:].tobytes() != b"IEND\xaeB`\x82":
         raise InputError(path, "a whole PNG file", "something else or a part of one")
     try:
         with quiet():
             picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:  # its header asks for more pixels than OpenCV reads
+    except cv2.error as error:  # the header states more pixels than OpenCV accepts
         raise InputError(path, "a PNG file of a usual size", "one of too many pixels") from error
     if picture is None or (picture.dtype, picture.ndim) not in ((np.uint8, 3), (np.uint16, 2)):
         raise InputError(path, "a PNG file with 8-bit colour or 16-bit ids", "something else")

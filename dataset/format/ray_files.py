@@ -1,10 +1,10 @@
-"""``layers.exr`` and ``refraction.exr``: a view's straight and refracted rays as channels of a picture.
+"""``layers.exr`` and ``refraction.exr``: a view's straight and refracted rays as channels of an EXR file.
 
 ``layers.exr`` has for layer 00, 01, ... the channels ``layer00.Z`` (planar depth [m], +inf for an empty layer),
 ``layer00.N.X,Y,Z`` (camera frame), ``layer00.id``, ``layer00.part`` (index into `render.frame.PARTS`),
-``layer00.material`` (index into the materials of ``objects.json``: what the ray goes on in) and ``layer00.entering``
-(1 against the surface's own normal), and ``count``, the surfaces that each ray really meets. There are as many layers
-as the view's deepest ray has, or as were asked for.
+``layer00.material`` (index into the materials of ``objects.json``: the medium behind the surface) and
+``layer00.entering`` (1 against the surface's own normal), and ``count``, the number of surfaces along each ray, also
+beyond the last layer. There are as many layers as the view's deepest ray has, limited by the setting.
 
 ``refraction.exr`` has ``state`` (0 left for the surroundings, 1 hit an opaque surface, 2 lost after too many
 interfaces), ``hit.X,Y,Z`` (world: a point [m], for state 0 the unit direction of leaving), ``Z`` (planar depth of the
@@ -25,12 +25,12 @@ from ...core.errors import InputError
 from ...render.frame import LOST, PARTS, SURROUNDINGS, Layers, Refraction
 from .exr import channel, read_exr, stacked, unstacked, write_exr
 
-#: Half holds every whole number up to here exactly.
+#: Half represents every integer up to this exactly.
 _LARGEST_HALF = 2048
 
 
 def write_layers(path: Path, layers: Layers) -> None:
-    """Write ``layers.exr``, leaving out layers that are empty in the whole view."""
+    """Write ``layers.exr`` without the layers that are empty in the whole view."""
     depth = min(len(layers.Z), int(layers.count.max(initial=0)))
     channels = {"count": _half(layers.count, "count")}
     for i in range(depth):
@@ -42,7 +42,7 @@ def write_layers(path: Path, layers: Layers) -> None:
 
 
 def read_layers(path: Path) -> Layers:
-    """Read ``layers.exr``; InputError where it is missing or wrong. It has as many layers as the file."""
+    """Read ``layers.exr``; InputError where it is missing or damaged."""
     channels = read_exr(path)
     count = _whole(channel(channels, "count", path), np.uint16, "count", path)
     names = sorted({name.split(".")[0] for name in channels if name.startswith("layer")})
@@ -81,7 +81,7 @@ def write_refraction(path: Path, refraction: Refraction) -> None:
 
 
 def read_refraction(path: Path) -> Refraction:
-    """Read ``refraction.exr``; InputError where it is missing or wrong."""
+    """Read ``refraction.exr``; InputError where it is missing or damaged."""
     channels = read_exr(path)
     state = _whole(channel(channels, "state", path), np.uint8, "state", path)
     if state.max(initial=SURROUNDINGS) > LOST:

@@ -1,10 +1,10 @@
-"""``splits.json``: the scenes of each split, and the vessel families and files that test scenes alone show."""
+"""``splits.json``: the scenes of each split, and the vessel families and asset files that only test scenes have."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from pydantic import Field
 
@@ -20,18 +20,18 @@ SPLITS_SCHEMA = "glassware/splits/1"
 
 
 class SplitsFile(Model):
-    """Which scenes are for what; it follows from the seed, the settings and the scenes' numbers."""
+    """The scenes for training, validation and test; a function of the seed, the settings and the scenes' numbers."""
 
     schema_version: Literal["glassware/splits/1"] = SPLITS_SCHEMA
     train: tuple[int, ...]
     val: tuple[int, ...]
     test: tuple[int, ...]
-    unseen_families: tuple[str, ...] = Field(description="Vessel families that test scenes alone show")
-    unseen_assets: dict[str, tuple[str, ...]] = Field(description="By folder, files that test scenes alone use")
+    unseen_families: tuple[str, ...] = Field(description="Vessel families that only test scenes have")
+    unseen_assets: dict[str, tuple[str, ...]] = Field(description="Asset files that only test scenes use, by folder")
 
 
 def splits_file(settings: SceneSettings, files: AssetFiles, seed: int, scenes: Iterable[int]) -> SplitsFile:
-    """Return the record of some scenes."""
+    """Return the record of the given scenes."""
     by_split: dict[Split, list[int]] = {"train": [], "val": [], "test": []}
     for scene in sorted(scenes):
         by_split[split_of(settings.splits, seed, scene)].append(scene)
@@ -70,7 +70,7 @@ def read_splits(root: Path) -> SplitsFile:
     return parsed(SplitsFile, data, path)
 
 
-def joined(first: SplitsFile, second: SplitsFile) -> SplitsFile:
+def merged_splits(first: SplitsFile, second: SplitsFile) -> SplitsFile:
     """Return the record of the scenes of two data sets with the same seed and settings."""
-    scenes = {name: tuple(sorted({*getattr(first, name), *getattr(second, name)})) for name in ("train", "val", "test")}
+    scenes = {name: tuple(sorted({*getattr(first, name), *getattr(second, name)})) for name in get_args(Split)}
     return first.model_copy(update=scenes)

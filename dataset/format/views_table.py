@@ -1,7 +1,7 @@
 """The index of views: ``views.json`` in each scene's folder, gathered into ``views.parquet``.
 
-A scene's rows are written with the scene, so the index of a whole data set can be made again at any time from what is
-really there, and never names a scene that is not.
+A scene's rows are written with the scene, so the index of a data set can be rebuilt at any time from the scenes on
+disk, and never lists a missing scene.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 
 from ...annotate.labels import Labels
 from ...core.assets import Asset
-from ...core.atomic_io import whole_file
+from ...core.atomic_io import atomic_file
 from ...core.errors import InputError
 from ...core.json_file import parsed, read_json
 from ...core.model import Model
@@ -24,7 +24,7 @@ from ...procedural.description.scene import Scene
 from ...render.frame import Frame, LightCheck
 from . import layout
 
-#: Scenes in one row group of the index: with Syn-TODD's 57 views about 4,000 rows.
+#: Scenes per row group of the index: with Syn-TODD's 57 views about 4,000 rows.
 SCENES_A_GROUP = 64
 
 #: One row per view. Lists run over the scene's objects by ascending id.
@@ -76,25 +76,23 @@ class ViewRow(Model):
     seen_through_fractions: tuple[float | None, ...]
     spp_left: int | None  #: samples per pixel that were taken
     spp_right: int | None
-    noise_left: (
-        float | None
-    )  #: relative error before the denoiser, estimated (`render.frame.PictureNoise`); null: unknown
+    noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
     noise_right: float | None
 
 
 class SceneViews(Model):
-    """What one scene adds to the index of its data set."""
+    """The rows of one scene, its assets, and the check of its stored light."""
 
     views: tuple[ViewRow, ...]
     assets: tuple[Asset, ...]  #: paths relative to the data set
-    light: LightCheck | None = None  #: of pictures from stored light; null where none was stored
+    light: LightCheck | None = None  #: of the stored light; null where none was stored
 
 
 def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
     """Return the row of one view."""
     camera = scene.cameras[view]
     path = f"{layout.SCENES}/{layout.scene_name(scene.scene_id)}/{layout.view_name(view)}"
-    shares = [label.fractions for label in labels.objects]
+    fractions = [label.fractions for label in labels.objects]
     return ViewRow(
         scene_id=scene.scene_id,
         view=view,
@@ -107,47 +105,47 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
         grid_index=camera.grid_index,
         vessels=len(scene.vessels),
         props=len(scene.props),
-        objects_in_view=sum(share is not None for share in shares),
+        objects_in_view=sum(one is not None for one in fractions),
         object_ids=tuple(label.id for label in labels.objects),
         visible_pixels=tuple(label.pixels.visible for label in labels.objects),
-        visible_fractions=tuple(None if share is None else share.visible for share in shares),
-        seen_through_fractions=tuple(None if share is None else share.seen_through for share in shares),
+        visible_fractions=tuple(one and one.visible for one in fractions),
+        seen_through_fractions=tuple(one and one.seen_through for one in fractions),
         **_sampling(frame),
     )
 
 
 def _sampling(frame: Frame) -> dict[str, Any]:
     left, right = frame.sampling or (None, None)
-    columns = {}
-    for eye, taken in (("left", left), ("right", right)):
-        columns[f"spp_{eye}"] = None if taken is None else taken.spp
-        columns[f"noise_{eye}"] = None if taken is None else taken.noise
-    return columns
+    return {
+        "spp_left": left and left.spp,
+        "spp_right": right and right.spp,
+        "noise_left": left and left.noise,
+        "noise_right": right and right.noise,
+    }
 
 
 def scene_views(root: Path, scene_id: int) -> SceneViews:
-    """Return the record of one scene; InputError where it is missing, damaged or that of another scene."""
+    """Return the record of one scene; InputError where it is missing, damaged or of another scene."""
     path = layout.scene_folder(root, scene_id) / layout.SCENE_VIEWS
     record = parsed(SceneViews, read_json(path), path)
     others = sorted({row.scene_id for row in record.views} - {scene_id})
-    if others:  # a folder that was renamed would bring its views into the index under paths that do not exist
+    if others:  # a renamed folder would add paths to the index that do not exist
         raise InputError(path, f"the views of scene {scene_id}", f"those of scene {others[0]}")
     return record
 
 
 def read_scene_views(root: Path) -> Iterator[SceneViews]:
-    """Go through the records of all scenes that are there, in the order of their ids."""
+    """Yield the records of all scenes on disk, in the order of their ids."""
     return (scene_views(root, scene_id) for scene_id in layout.scene_ids(root))
 
 
 def write_views_table(root: Path, scenes: Iterable[SceneViews]) -> int:
     """Write ``views.parquet`` from the records of all scenes, a few at a time; return the number of views.
 
-    What is held at once is a row group, however many scenes there are. Groups are counted in scenes, so the same scenes
-    give the same bytes.
+    Memory holds one row group at a time. Groups are counted in scenes, so the same scenes give the same bytes.
     """
     views, waiting = 0, iter(scenes)
-    with whole_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
+    with atomic_file(root / layout.VIEWS) as partial, pq.ParquetWriter(partial, SCHEMA) as writer:
         while group := list(islice(waiting, SCENES_A_GROUP)):
             rows = [row.model_dump() for scene in group for row in scene.views]
             writer.write_table(pa.Table.from_pylist(rows, schema=SCHEMA))

@@ -15,13 +15,13 @@ from ...procedural.description.scene import FIRST_OBJECT_ID, TABLE_ID
 from ...procedural.description.surroundings import Camera
 from ...render.frame import Geometry
 
-#: Most rows of a sheet, so that it fits a screen.
-MOST_VIEWS = 5
-#: Width of a picture in the sheet, gap between pictures, height of a line of captions, room for row captions [px].
+#: Largest number of rows of a sheet, so that it fits a screen.
+MAX_VIEWS = 5
+#: Width of a picture in the sheet, gap between pictures, height of a line of captions, width of the row captions [px].
 _CELL, _GAP, _CAPTION, _GUTTER = 320, 6, 30, 56
-_PAPER, _INK, _NOTHING = (24, 24, 27), (225, 225, 228), (45, 45, 48)
+_BACKGROUND, _TEXT_COLOUR, _EMPTY = (24, 24, 27), (225, 225, 228), (45, 45, 48)
 _TABLE_COLOUR = (105, 105, 110)
-#: Fifteen colours far apart in hue and lightness, red, green, blue; objects beyond take them again.
+#: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
 _COLOURS = (
     (230, 80, 70),
     (70, 150, 235),
@@ -42,9 +42,9 @@ _COLOURS = (
 _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
-#: Sizes of an instance's number, the first that fits its region is taken; the last is the smallest one can read.
+#: Font sizes of an instance's number; the first that fits its region is used. The last is the smallest readable one.
 _NUMBER_SIZES = (0.5, 0.42, 0.35, 0.3)
-#: Radius of a keypoint's disc, and width of the dark ring about it [px].
+#: Radius of a keypoint's disc, and width of the dark ring around it [px].
 _DISC, _RING = _CELL / 150, _CELL / 400
 #: Drawing coordinates carry this many fractional bits, so overlays are not rounded to pixels.
 _SHIFT = 4
@@ -52,7 +52,7 @@ _SHIFT = 4
 
 @dataclass(frozen=True, eq=False)
 class PreviewRow:
-    """One view as the sheet shows it."""
+    """One view of the sheet."""
 
     name: str  #: caption, such as "000"
     picture: np.ndarray  #: (H, W, 3) uint8, the left picture
@@ -61,22 +61,22 @@ class PreviewRow:
     labels: Labels
 
 
-def chosen_views(count: int, most: int = MOST_VIEWS) -> list[int]:
-    """Return which of ``count`` views a sheet shows: evenly spread, first and last among them."""
-    return sorted({round(i) for i in np.linspace(0, count - 1, min(count, most))})
+def chosen_views(count: int, limit: int = MAX_VIEWS) -> list[int]:
+    """Return the views to show of ``count`` views: evenly spaced, with the first and the last."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(count, limit))})
 
 
 def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
     """Return the sheet of some views, (H, W, 3) uint8.
 
-    Columns: left picture; depth over the objects' range, near is bright; normals (x red, up green, towards the camera
+    Columns: left picture; depth over the objects' range, bright is near; normals (x red, up green, towards the camera
     blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility.
     """
     bands = [_header(title)]
     for row in rows:
         cells = _cells(row)
         height = cells[0].shape[0]
-        band = np.full((height + _GAP, _sheet_width(), 3), _PAPER, np.uint8)
+        band = np.full((height + _GAP, _sheet_width(), 3), _BACKGROUND, np.uint8)
         _text(band, row.name, (10, height // 2 + 5))
         for column, cell in enumerate(cells):
             band[:height, _left(column) : _left(column) + _CELL] = cell
@@ -85,32 +85,31 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
 
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return depth as colours, (H, W, 3) uint8, and the range shown [m]: that of the objects, else of everything."""
+    """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
     hit = np.isfinite(Z)
     shown = hit & (ids >= FIRST_OBJECT_ID) if (hit & (ids >= FIRST_OBJECT_ID)).any() else hit
     if not shown.any():
-        return np.full((*Z.shape, 3), _NOTHING, np.uint8), (0.0, 0.0)
+        return np.full((*Z.shape, 3), _EMPTY, np.uint8), (0.0, 0.0)
     near, far = float(Z[shown].min()), float(Z[shown].max())
-    share = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
-    level = np.rint(255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)
+    level = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
+    level = np.rint(255 * np.clip(level, 0.0, 1.0)).astype(np.uint8)
     colours = cv2.applyColorMap(level, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
-    colours[~hit] = _NOTHING
+    colours[~hit] = _EMPTY
     return colours, (near, far)
 
 
 def depth_caption(Z: np.ndarray, near: float, far: float) -> str:
-    """Return what the ends of the colours stand for: a depth [m], with a sign where what lies beyond has it too."""
+    """Return the depths [m] of the ends of the colour range, with <= or >= where surfaces lie beyond."""
     hit = Z[np.isfinite(Z)]
-    # The range is made of these very numbers, so none of the objects' is beyond it.
     nearer, farther = (hit < near).any(), (hit > far).any()
     return f"{'<= ' if nearer else ''}{near:.2f} m to {'>= ' if farther else ''}{far:.2f} m"
 
 
-def place_of_number(region: np.ndarray, width: int, height: int) -> tuple[tuple[int, int], bool]:
-    """Return where the middle of a text goes in a region, (x, y), and whether all of the text lies in it.
+def number_position(region: np.ndarray, width: int, height: int) -> tuple[tuple[int, int], bool]:
+    """Return the position of the centre of a text in a region, (x, y), and whether the whole text lies inside.
 
-    Of the places where the text's rectangle is inside the region, the one farthest from the region's border is taken;
-    where there is none, the one farthest of all.
+    Of the positions where the text's rectangle is inside the region, it is the one farthest from the region's border;
+    where the rectangle fits nowhere, the one farthest of all.
 
     Parameters
     ----------
@@ -130,13 +129,13 @@ def place_of_number(region: np.ndarray, width: int, height: int) -> tuple[tuple[
 def normal_colours(normal: np.ndarray) -> np.ndarray:
     """Return normals as colours, (H, W, 3) uint8: right is red, up is green, towards the camera is blue."""
     colours = np.rint(127.5 * (1.0 + normal * np.array([1.0, -1.0, -1.0]))).astype(np.uint8)
-    colours[(normal == 0.0).all(axis=-1)] = _NOTHING
+    colours[(normal == 0.0).all(axis=-1)] = _EMPTY
     return colours
 
 
 def id_colours(ids: np.ndarray) -> np.ndarray:
     """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
-    table = np.array([_NOTHING, _TABLE_COLOUR, *(_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
+    table = np.array([_EMPTY, _TABLE_COLOUR, *(_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
     return table[ids]
 
 
@@ -148,7 +147,7 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
     depth, ids = _resized(depth, scale), _resized(id_colours(geometry.id), scale)
     numbers = _resized(geometry.id, scale)
     _tag(depth, depth_caption(geometry.Z, near, far))
-    # Overlays are read more easily on a picture that steps back a little.
+    # Overlays are easier to see on a darker picture.
     boxes, points = _dimmed(left), _dimmed(left)
     for label in row.labels.objects:
         _draw_id(ids, numbers == label.id, str(label.id))
@@ -160,7 +159,7 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
 
 
 def _header(title: str) -> np.ndarray:
-    band = np.full((2 * _CAPTION + 8, _sheet_width(), 3), _PAPER, np.uint8)
+    band = np.full((2 * _CAPTION + 8, _sheet_width(), 3), _BACKGROUND, np.uint8)
     _text(band, title, (10, 24), 0.6)
     for column, caption in enumerate(_COLUMNS):
         _text(band, caption, (_left(column) + 2, _CAPTION + 28))
@@ -172,12 +171,12 @@ def _header(title: str) -> np.ndarray:
 
 
 def _draw_id(picture: np.ndarray, region: np.ndarray, text: str) -> None:
-    """Write a number inside a region, (H, W) bool, as large as it fits; none in one that it would cover altogether."""
+    """Write a number inside a region, (H, W) bool, as large as fits; nothing where it would cover the region."""
     for size in _NUMBER_SIZES:
         (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)
         if np.count_nonzero(region) < width * height:
             continue
-        (x, y), fits = place_of_number(region, width, height)
+        (x, y), fits = number_position(region, width, height)
         if fits or size == _NUMBER_SIZES[-1]:
             _text(picture, text, (x - width // 2, y + height // 2), size, (20, 20, 20))
             return
@@ -225,18 +224,18 @@ def _line(
 
 
 def _fixed(pixel: np.ndarray | tuple[float, float], scale: float) -> tuple[int, int]:
-    """Return where an image coordinate lies in a picture of another size, with `_SHIFT` fractional bits.
+    """Return an image coordinate in a picture of another size, as fixed point with `_SHIFT` fractional bits.
 
-    Pixel edges, not centres, stay in place: ``u' + 0.5 = (u + 0.5) scale``.
+    Pixel edges, not centres, are scaled: ``u' + 0.5 = (u + 0.5) scale``.
     """
-    # Far outside the picture OpenCV would overflow.
+    # OpenCV overflows far outside the picture.
     limit = 1 << 14
     x, y = (max(-limit, min(limit, (float(value) + 0.5) * scale - 0.5)) for value in pixel)
     return round(x * (1 << _SHIFT)), round(y * (1 << _SHIFT))
 
 
 def _resized(picture: np.ndarray, scale: float, smooth: bool = False) -> np.ndarray:
-    """Return a picture at the cells' width; labels are never blended."""
+    """Return a picture resized to the cells' width; label images are never interpolated."""
     blend = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
     height = max(1, round(picture.shape[0] * scale))
     return cv2.resize(picture, (_CELL, height), interpolation=blend if smooth else cv2.INTER_NEAREST)
@@ -247,17 +246,17 @@ def _dimmed(picture: np.ndarray) -> np.ndarray:
 
 
 def _tag(picture: np.ndarray, text: str) -> None:
-    """Write in the lower left corner, on a dark ground."""
+    """Write in the lower left corner, on a dark background."""
     (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.42, 1)
     bottom = picture.shape[0]
-    picture[max(0, bottom - height - 12) :, : width + 12] = _PAPER
+    picture[max(0, bottom - height - 12) :, : width + 12] = _BACKGROUND
     _text(picture, text, (6, bottom - 7), 0.42)
 
 
 def _text(
-    picture: np.ndarray, text: str, at: tuple[int, int], size: float = 0.48, colour: tuple[int, ...] = _INK
+    picture: np.ndarray, text: str, at: tuple[int, int], size: float = 0.48, colour: tuple[int, ...] = _TEXT_COLOUR
 ) -> int:
-    """Write text with its base line's start at a point; return where it ends."""
+    """Write text whose baseline starts at a point; return the x coordinate of its end."""
     cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)
     return at[0] + cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)[0][0]
 

@@ -1,12 +1,10 @@
-"""Settings from a preset, a YAML file and the command line, one on top of the other."""
+"""Settings from a preset, a YAML file and the command line, each on top of the one before."""
 
 from __future__ import annotations
 
-import re
+import sys
 from collections.abc import Iterator, Sequence
-from contextlib import redirect_stderr
 from importlib.resources import files
-from io import StringIO
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -14,13 +12,19 @@ import tyro
 import yaml
 from pydantic import BaseModel, ValidationError
 
+# Private, so pyproject.toml has the exact version of tyro: its public errors are a drawn box of prose.
+from tyro import _errors as tyro_errors
+
 from ...core.errors import InputError
-from ...core.setting_errors import parser_error, setting_error, shortened
+from ...core.setting_errors import setting_error, shortened, suggest
 from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
 
-#: Short names on the command line.
+#: Annotates a field of settings whose name is left out, in options (``--cameras.views``) as in YAML files.
+FLAT = tyro.conf.arg(name="")
+
+#: Short options.
 _SHORT = {
     "--views": "--cameras.views",
     "--width": "--cameras.width",
@@ -30,7 +34,7 @@ _SHORT = {
     "--hdri-dir": "--environment.hdri-dir",
 }
 
-#: Presets lie in the package as YAML files.
+#: Presets are YAML files in the package.
 _PRESETS = files("glassware.dataset").joinpath("presets")
 
 
@@ -40,14 +44,14 @@ def preset_names() -> list[str]:
 
 
 def preset(name: str) -> dict[str, Any]:
-    """Return a preset's settings; InputError where there is none of that name."""
+    """Return a preset's settings; InputError where no preset has this name."""
     if name not in preset_names():
         raise InputError("--preset", f"one of {', '.join(preset_names())}", shortened(name))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
 
 
 def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Return both settings as one, `above` winning field by field."""
+    """Return two nested settings as one; the values of `above` take precedence."""
     result = dict(below)
     for name, value in above.items():
         deeper = isinstance(value, dict) and isinstance(result.get(name), dict)
@@ -55,56 +59,100 @@ def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def validated(model: type[T], settings: dict[str, Any], where: str) -> T:
-    """Return the settings as a model; InputError that names the first wrong field and what is allowed."""
+def validated(model: type[T], settings: dict[str, Any], where: object) -> T:
+    """Return settings as a model; InputError that names the first invalid field and what is allowed."""
+    data, own = dict(settings), set(model.model_fields) - set(_flat_groups(model))
+    for name, kind in _flat_groups(model).items():
+        data = {key: value for key, value in settings.items() if key in own}
+        data[name] = validated(kind, {key: value for key, value in settings.items() if key not in own}, where)
     try:
-        return model.model_validate(settings)
+        return model.model_validate(data)
     except ValidationError as error:
         raise setting_error(where, error, model) from error
 
 
-def layered(model: type[T], arguments: Sequence[str]) -> T:
-    """Return the settings under the command line: the preset that it names, and on top of it the YAML file.
+def parse_request(model: type[T], arguments: Sequence[str], prog: str, description: str) -> T:
+    """Return a command's request from its preset, its YAML file and its options.
 
-    The model has the field ``config``, and ``preset`` where it has presets; both are taken from the command line first.
+    Parameters
+    ----------
+    model : type
+        The request. Where it has the fields ``preset`` and ``config``, these layers lie below the options.
+    arguments : sequence of str
+        The command line without the program.
+    prog, description : str
+        For the help text.
+
+    Raises
+    ------
+    InputError
+        For the first invalid setting or option, in one line.
     """
     _check_not_empty(arguments)
+    default: dict[str, Any] = {"default": _layers(model, arguments)} if "config" in model.model_fields else {}
+
+    def refuse(event: tyro_errors.ParseErrorEvent) -> None:
+        raise _argument_error(prog, event, model)
+
+    full = [_full_name(argument) for argument in arguments]
+    try:
+        with tyro_errors.on_parse_error(refuse):
+            return tyro.cli(model, **default, args=full, prog=prog, description=description)
+    except ValidationError as error:  # of a `FLAT` group: the parser passes these on
+        raise setting_error(prog, error) from error
+
+
+def _layers(model: type[T], arguments: Sequence[str]) -> T:
+    """Return the settings below the options: the preset, and on top of it the YAML file."""
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
     settings, where = {}, "preset"
     if "preset" in model.model_fields:
         settings = preset(name or model.model_fields["preset"].default)
     if path is not None:
-        asked = yaml_settings(path)
+        loaded = yaml_settings(path)
         for name in ("preset", "config"):
-            if name in asked:
-                raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(asked[name]))
-        check_switches(model, asked, path)
-        settings, where = merged(settings, asked), path
+            if name in loaded:
+                raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
+        _check_booleans(model, loaded, path)
+        settings, where = merged(settings, loaded), path
     return validated(model, settings, where)
 
 
-def check_switches(model: type[BaseModel], settings: dict[str, Any], where: str, group: str = "") -> None:
-    """Raise InputError where a setting that is no switch is yes or no: as a number that would be 1 or 0."""
+def _flat_groups(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
+    """Return the models of the fields that are annotated as `FLAT`, by field."""
+    return {
+        name: field.annotation
+        for name, field in model.model_fields.items()
+        if FLAT in field.metadata and isinstance(field.annotation, type)
+    }
+
+
+def _check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str, prefix: str = "") -> None:
+    """Raise InputError where a number or text is yes or no.
+
+    Pydantic takes a boolean for the number 1 or 0. Its strict mode does not, but refuses 1e-4 as well, which YAML 1.1
+    reads as a text.
+    """
+    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    for group in _flat_groups(model).values():
+        kinds |= {name: field.annotation for name, field in group.model_fields.items()}
     for name, value in settings.items():
-        field = model.model_fields.get(name)
-        if field is None:  # told when the settings are validated
-            continue
-        kind, place = field.annotation, f"{group}{name}"
+        kind, place = kinds.get(name), f"{prefix}{name}"
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             if isinstance(value, dict):
-                check_switches(kind, value, where, f"{place}.")
-        elif not _is_switch(kind) and any(
-            isinstance(one, bool) for one in (value if isinstance(value, list) else [value])
-        ):
-            raise InputError(f"{where}: {place}", "a number or a text, which no switch is", shortened(value))
+                _check_booleans(kind, value, where, f"{place}.")
+        elif name in kinds and not _is_boolean(kind):
+            values = value if isinstance(value, list) else [value]
+            if any(isinstance(one, bool) for one in values):
+                raise InputError(f"{where}: {place}", "a number or a text, not yes or no", shortened(value))
 
 
-def _is_switch(kind: Any) -> bool:
-    return kind is bool or any(_is_switch(part) for part in get_args(kind))
+def _is_boolean(kind: Any) -> bool:
+    return kind is bool or any(_is_boolean(part) for part in get_args(kind))
 
 
 def _value(arguments: Sequence[str], option: str) -> str | None:
-    """Return the value of an option in either spelling, ``--option value`` or ``--option=value``; the last one wins."""
+    """Return the value of an option, ``--option value`` or ``--option=value``; the last one counts."""
     found = None
     for position, argument in enumerate(arguments):
         if argument == option and position + 1 < len(arguments):
@@ -115,7 +163,7 @@ def _value(arguments: Sequence[str], option: str) -> str | None:
 
 
 def _check_not_empty(arguments: Sequence[str]) -> None:
-    """Raise InputError where an option's value is empty: a path or a name that is left out, as by an unset variable."""
+    """Raise InputError where a value is empty, as an unset shell variable leaves it."""
     for position, argument in enumerate(arguments):
         option, equals, value = argument.partition("=")
         if not argument or (option.startswith("--") and equals and not value):
@@ -123,49 +171,58 @@ def _check_not_empty(arguments: Sequence[str]) -> None:
             raise InputError(name, "a value", "''")
 
 
-def parsed(model: type[T], default: T | None, arguments: Sequence[str], prog: str, description: str) -> T:
-    """Return `default` (None: the model's own) with the command line's overrides; InputError in one line otherwise."""
-    _check_not_empty(arguments)
-    told = StringIO()
-    arguments = [_full(argument) for argument in arguments]
-    try:
-        with redirect_stderr(told):
-            known: dict[str, Any] = {} if default is None else {"default": default}
-            return tyro.cli(model, **known, args=arguments, prog=prog, description=description)
-    except SystemExit as stop:
-        if stop.code in (0, None):  # --help was asked for and printed
-            raise
-        wrong = _validation_behind(stop)
-        if wrong is not None:
-            raise setting_error(prog, wrong, model) from stop
-        raise parser_error(prog, _unframed(told.getvalue()), list(_options(model))) from stop
-
-
-def _validation_behind(error: BaseException | None) -> ValidationError | None:
-    """Return the validation that made the parser stop, if one did."""
-    while error is not None and not isinstance(error, ValidationError):
-        error = error.__cause__ or error.__context__
-    return error
-
-
-def _options(model: type[BaseModel], prefix: str = "--") -> Iterator[str]:
-    """Go through the options of all settings."""
-    for name, field in model.model_fields.items():
-        kind, option = field.annotation, prefix + name.replace("_", "-")
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            yield from _options(kind, f"{option}.")
-        else:
-            yield option
-
-
-def _full(argument: str) -> str:
+def _full_name(argument: str) -> str:
     name, equals, value = argument.partition("=")
     return _SHORT.get(name, name) + equals + value
 
 
-def _unframed(box: str) -> str:
-    """Return the first paragraph of the parser's message on one line; its frame is Unicode, ASCII or left out."""
-    text = " ".join(line.strip("│|╭╮╰╯+ ") for line in box.splitlines())
-    # The first is the frame's title.
-    paragraphs = [part.strip() for part in re.split(r"[─-]{5,}", text) if part.strip()]
-    return paragraphs[1] if len(paragraphs) > 1 else text
+def _options(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    """Yield the options of all settings, without the leading hyphens."""
+    flat = _flat_groups(model)
+    for name, field in model.model_fields.items():
+        kind, option = field.annotation, prefix + name.replace("_", "-")
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield from _options(kind, prefix if name in flat else f"{option}.")
+        else:
+            yield option
+
+
+def _argument_error(prog: str, event: tyro_errors.ParseErrorEvent, model: type[BaseModel]) -> InputError:
+    """Return an error of the parser as one line."""
+    match event:
+        case tyro_errors.InstantiationFailure(argument=None):
+            return _validation_error(prog, event.message, model)
+        case tyro_errors.InstantiationFailure(argument=argument, message=message):
+            return InputError(_place(prog, argument), _form(argument), message)
+        case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
+            return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
+        case tyro_errors.BadValue(argument=argument, offending_value=value):
+            return InputError(_place(prog, argument), _form(argument), value or "fewer values")
+        case tyro_errors.MissingArgs(missing_arguments=missing):
+            return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
+        case tyro_errors.UnrecognizedArgs(tokens=tokens):
+            hint = suggest(tokens[0].partition("=")[0].removeprefix("--"), list(_options(model)))
+            return InputError(prog, f"known options with valid values (see --help){hint}", " ".join(tokens))
+    return InputError(prog, "options as --help lists them", event)
+
+
+def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputError:
+    """Return the validation error that the parser handles now; it knows the fields that hold the validated model."""
+    error, group = sys.exception(), ""
+    while error is not None and not isinstance(error, ValidationError):
+        group = str(getattr(error, "arg", ""))
+        error = error.__cause__ or error.__context__
+    if error is None:
+        return InputError(prog, "valid settings", message)
+    flat = _flat_groups(model)
+    return setting_error(prog, error, group=[part for part in group.split(".") if part and part not in flat])
+
+
+def _form(argument: Any) -> str:
+    """Return the form of an argument's value as the help text has it, such as INT."""
+    return argument.lowered.metavar or "no value"
+
+
+def _place(prog: str, argument: Any) -> str:
+    """Return the command and the dotted name of an argument, as YAML files have it."""
+    return f"{prog}: {argument.display_name().removeprefix('--').replace('-', '_')}"

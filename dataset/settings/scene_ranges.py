@@ -1,4 +1,4 @@
-"""Which scenes: ``0:2000``, ``3,7,10:20`` - numbers and half-open ranges, as a request and ``dataset.json`` say it."""
+"""Lists of scenes as text, in requests and in ``dataset.json``: numbers and half-open ranges, such as 3,7,10:20."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterable, Sequence
 
 from ...core.errors import InputError
 
-#: Scene numbers have six digits in folder names, and the request of one scene ends there too.
+#: Folder names have six digits, and render-scene has the same limit.
 LARGEST_SCENE = 999_999
 _PART = re.compile(r"(?P<first>[0-9]{1,7})(?::(?P<end>[0-9]{1,7}))?")
 
 
 def parse_scenes(text: str, where: str = "--scenes") -> list[int]:
-    """Return the scenes that a text names, in its order, each once.
+    """Return the scenes of a text, in its order, each once.
 
     Raises
     ------
     InputError
-        Where it is no list of numbers and ranges, a range is empty, or a number is beyond `LARGEST_SCENE`.
+        Where it is not a list of numbers and ranges, a range is empty, or a number is above `LARGEST_SCENE`.
     """
     found: dict[int, None] = {}
     for part in text.split(",") if text else []:
@@ -45,12 +45,12 @@ def format_scenes(scenes: Iterable[int]) -> str:
 
 
 def shard(scenes: Sequence[int], text: str) -> list[int]:
-    """Return one of n nearly equal runs of scenes, all of which together are the whole.
+    """Return one of n parts of nearly equal length, which together are all scenes.
 
     Parameters
     ----------
     scenes : sequence of int
-        The whole.
+        All scenes, in order.
     text : str
         ``i/n``, i from 1 to n.
     """

@@ -1,4 +1,4 @@
-"""A YAML file of settings: a small regular file, plain data, every name once."""
+"""YAML files of settings: small regular files of plain data, in which no name occurs twice."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ...core.errors import InputError
 from ...core.setting_errors import setting_error
 from ...core.user_text import UserPath
 
-#: Largest file that is read [bytes]: all settings with their descriptions are under a hundredth of it.
-LARGEST = 1_000_000
+#: Largest file that is read [bytes]: all settings with their descriptions are below a hundredth of it.
+MAX_SIZE = 1_000_000
 
 
 def yaml_settings(path: str | Path) -> dict[str, Any]:
-    """Return the settings of a YAML file; InputError where it is not one."""
+    """Return the settings of a YAML file; InputError where they cannot be read."""
     text = _text(_checked(path))
     try:
         _check_names(path, yaml.compose(text, yaml.SafeLoader), set())
@@ -28,18 +28,18 @@ def yaml_settings(path: str | Path) -> dict[str, Any]:
         raise InputError(path, "valid YAML", str(error)) from error
     except InputError:
         raise
-    except ValueError as error:  # dates and numbers that only look like such
+    except ValueError as error:  # impossible dates and numbers
         raise InputError(path, "valid YAML values", str(error)) from error
     except RecursionError as error:
-        raise InputError(path, "valid YAML", "too deep a nesting") from error
+        raise InputError(path, "valid YAML", "too deeply nested values") from error
     if not isinstance(settings, dict | None):
         raise InputError(path, "a mapping of settings", type(settings).__name__)
     return settings or {}
 
 
 def _check_names(path: str | Path, node: yaml.Node | None, seen: set[int]) -> None:
-    """Raise InputError where a mapping says a name twice: PyYAML would take the last and say nothing."""
-    if node is None or id(node) in seen:  # an alias leads to a node that was met before, or is met now
+    """Raise InputError where a mapping has a name twice: PyYAML would silently take the last value."""
+    if node is None or id(node) in seen:  # an alias of a node that was visited before
         return
     seen.add(id(node))
     if isinstance(node, yaml.MappingNode):
@@ -67,8 +67,8 @@ def _text(path: Path) -> str:
         if not stat.S_ISREG(status.st_mode):
             kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
             raise InputError(path, "a regular file with YAML", kind)
-        if status.st_size > LARGEST:
-            raise InputError(path, f"a YAML file of at most {LARGEST} bytes", status.st_size)
+        if status.st_size > MAX_SIZE:
+            raise InputError(path, f"a YAML file of at most {MAX_SIZE} bytes", status.st_size)
         return path.read_text("utf-8")
     except OSError as error:
         raise InputError(path, "a readable YAML file", error.strerror) from error

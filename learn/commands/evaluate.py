@@ -11,10 +11,10 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.errors import InputError
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
-from ...dataset.settings.config import layered, parsed
+from ...dataset.settings.config import parse_request
 from ..evaluation.report import tables
 from ..evaluation.run import evaluate
 from ..networks.device import use
@@ -45,11 +45,11 @@ class Evaluate(Model):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit code says how it went."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _evaluate(given))
+    return run_command(lambda: _evaluate(given))
 
 
 def _evaluate(arguments: Sequence[str]) -> None:
-    request = parsed(Evaluate, layered(Evaluate, arguments), arguments, "glassware evaluate", _DESCRIPTION)
+    request = parse_request(Evaluate, arguments, "glassware evaluate", _DESCRIPTION)
     if request.checkpoint is None or request.data is None:
         raise InputError("glassware evaluate", "a checkpoint and the folder of a data set", "fewer")
     console = _console()

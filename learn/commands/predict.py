@@ -11,10 +11,10 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.errors import InputError
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
-from ...dataset.settings.config import layered, parsed
+from ...dataset.settings.config import parse_request
 from ..evaluation.predict import predict
 from ..networks.device import use
 
@@ -40,11 +40,11 @@ class Predict(Model):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit code says how it went."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _predict(given))
+    return run_command(lambda: _predict(given))
 
 
 def _predict(arguments: Sequence[str]) -> None:
-    request = parsed(Predict, layered(Predict, arguments), arguments, "glassware predict", _DESCRIPTION)
+    request = parse_request(Predict, arguments, "glassware predict", _DESCRIPTION)
     if request.checkpoint is None:
         raise InputError("glassware predict", "a checkpoint and pictures", "neither")
     device = use(request.device, request.threads)

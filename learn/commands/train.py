@@ -11,9 +11,9 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.errors import InputError
-from ...core.exit_codes import outcome
+from ...core.exit_codes import run_command
 from ...core.user_text import UserPath
-from ...dataset.settings.config import layered, parsed
+from ...dataset.settings.config import parse_request
 from ..training.run import train
 from ..training.settings import TrainSettings
 
@@ -35,11 +35,11 @@ class Train(TrainSettings):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit code says how it went."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    return outcome(lambda: _train(given))
+    return run_command(lambda: _train(given))
 
 
 def _train(arguments: Sequence[str]) -> None:
-    request = parsed(Train, layered(Train, arguments), arguments, "glassware train", _DESCRIPTION)
+    request = parse_request(Train, arguments, "glassware train", _DESCRIPTION)
     if request.data is None:
         raise InputError("glassware train", "the folder of a data set", "none")
     settings = TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})

@@ -9,7 +9,6 @@ import base64
 import hashlib
 import json
 import math
-import os
 import struct
 import tempfile
 from collections import Counter
@@ -19,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ...core.assets import asset
+from ...core.cache_folder import cache_folder
 from ...core.errors import InputError
 from ...core.user_text import usable_path, usable_text
 from ..description.material import PictureTexture, UniformTexture
@@ -50,9 +50,8 @@ class Look:
 
 
 def default_picture_folder() -> Path:
-    """Return where pictures out of mesh files are kept: the user's cache folder (XDG base directories)."""
-    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    return (base if base.is_absolute() else Path.home() / ".cache") / "glassware" / "pictures"
+    """Return where pictures out of mesh files are kept: a folder in the user's cache."""
+    return cache_folder() / "pictures"
 
 
 def obj_look(path: Path, root: Path, content: bytes) -> Look:

@@ -14,6 +14,8 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 
+from ...core.cache_folder import cache_folder
+
 #: The child's program. It is run by its path, so that it imports nothing of this package.
 PROBE = Path(__file__).with_name("probe.py")
 
@@ -58,10 +60,7 @@ def library_passes(variant: str, library: Path, environment: Mapping[str, str]) 
 
 def memory_file() -> Path:
     """Return the file that remembers what passed."""
-    root = os.environ.get("XDG_CACHE_HOME")
-    # XDG Base Directory Specification 0.8: a relative path is invalid and to be ignored.
-    base = Path(root) if root and Path(root).is_absolute() else Path.home() / ".cache"
-    return base / "glassware" / "backend.json"
+    return cache_folder() / "backend.json"
 
 
 def _facts(variant: str, library: Path) -> dict[str, object]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...procedural.description.scene import Prop, materials_of
+from .._mitsuba import dr, mi
 from ..frame import Layers
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pycocotools import mask as coco
 
-from glassware.annotate.masks import PixelCounts, decode_mask, encode_mask, fractions, pixel_counts
+from glassware.annotate.masks import Pixels, count_pixels, decode_mask, encode_mask, fractions
 
 
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 0.97, 1.0])
@@ -36,16 +36,16 @@ def test_a_damaged_mask_is_refused(text):
 
 @given(st.integers(0, 400_000), st.integers(0, 400_000), st.integers(0, 400_000))
 def test_fractions_sum_to_exactly_one_in_any_order(visible, seen_through, occluded):
-    shares = fractions(PixelCounts(visible, seen_through, occluded))
-    if shares is None:
-        assert visible + seen_through + occluded == 0
-        return
-    a, b, c = shares
-    assert a + b + c == b + c + a == c + a + b == 1.0
     whole = visible + seen_through + occluded
+    found = fractions(Pixels(silhouette=whole, visible=visible, seen_through=seen_through, occluded=occluded))
+    if found is None:
+        assert whole == 0
+        return
+    values = a, b, c = found.visible, found.seen_through, found.occluded
+    assert a + b + c == b + c + a == c + a + b == 1.0
     # A fraction is a multiple of 2^-40; the last one takes the rounding of the two others.
-    np.testing.assert_allclose(shares, [visible / whole, seen_through / whole, occluded / whole], atol=2.0**-39)
-    assert [share == 0.0 for share in shares] == [visible == 0, seen_through == 0, occluded == 0]
+    np.testing.assert_allclose(values, [visible / whole, seen_through / whole, occluded / whole], atol=2.0**-39)
+    assert [value == 0.0 for value in values] == [visible == 0, seen_through == 0, occluded == 0]
 
 
 def test_the_pixels_of_a_silhouette_are_visible_behind_glass_or_occluded(analytic):
@@ -53,7 +53,7 @@ def test_the_pixels_of_a_silhouette_are_visible_behind_glass_or_occluded(analyti
     # From this side the block stands before the ball.
     camera = analytic.camera(1).model_copy(update={"world_T_camera": _from_the_right(analytic)})
     geometry = analytic.geometry(scene, camera)
-    counts = [pixel_counts(geometry, i, item.id) for i, item in enumerate(scene.objects)]
+    counts = [count_pixels(geometry, i, item.id) for i, item in enumerate(scene.objects)]
     assert [c.silhouette for c in counts] == geometry.crossed.sum(axis=(1, 2)).tolist()
     ball = counts[1]
     assert ball.occluded > 0

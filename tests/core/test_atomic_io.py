@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from glassware.core.atomic_io import discard, remove_leftovers, whole_file, whole_folder, write_atomically
+from glassware.core.atomic_io import atomic_file, atomic_folder, remove_folder, remove_leftovers, write_atomically
 
 
 def _names(folder):
@@ -14,7 +14,7 @@ def _names(folder):
 
 
 def test_a_folder_appears_only_when_it_is_whole(tmp_path):
-    with whole_folder(tmp_path / "a") as partial:
+    with atomic_folder(tmp_path / "a") as partial:
         (partial / "file").write_text("x")
         assert not (tmp_path / "a").exists()
     assert (tmp_path / "a" / "file").read_text() == "x"
@@ -30,7 +30,7 @@ def _fail(folder, error):
 def test_what_goes_wrong_leaves_the_old_folder_and_nothing_else(tmp_path, error):
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "old").write_text("x")
-    with pytest.raises(error), whole_folder(tmp_path / "a") as partial:
+    with pytest.raises(error), atomic_folder(tmp_path / "a") as partial:
         _fail(partial, error)
     assert _names(tmp_path) == ["a"]
     assert _names(tmp_path / "a") == ["old"]
@@ -38,7 +38,7 @@ def test_what_goes_wrong_leaves_the_old_folder_and_nothing_else(tmp_path, error)
 
 def test_a_folder_replaces_the_one_before_it(tmp_path):
     for name in ("first", "second"):
-        with whole_folder(tmp_path / "a") as partial:
+        with atomic_folder(tmp_path / "a") as partial:
             (partial / name).write_text("x")
     assert _names(tmp_path) == ["a"]
     assert _names(tmp_path / "a") == ["second"]
@@ -78,7 +78,7 @@ def test_a_file_that_goes_wrong_leaves_the_one_before(tmp_path, error):
     (tmp_path / "a").write_text("first")
 
     def failing():
-        with whole_file(tmp_path / "a") as partial:
+        with atomic_file(tmp_path / "a") as partial:
             partial.write_text("sec")
             raise error
 
@@ -91,5 +91,5 @@ def test_a_file_that_goes_wrong_leaves_the_one_before(tmp_path, error):
 def test_a_discarded_folder_is_gone_with_all_in_it(tmp_path):
     (tmp_path / "a" / "b").mkdir(parents=True)
     (tmp_path / "a" / "b" / "file").write_text("x")
-    discard(tmp_path / "a")
+    remove_folder(tmp_path / "a")
     assert _names(tmp_path) == []

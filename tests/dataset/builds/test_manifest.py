@@ -52,7 +52,7 @@ def test_a_file_that_is_not_as_it_was_is_named(assets, tmp_path, change, name, s
     kept = manifest.scan(assets)
     change(tmp_path)
     with pytest.raises(InputError, match=re.escape(str(tmp_path / name)) + f": {says}"):
-        manifest.check_same(kept, manifest.scan(assets), assets)
+        manifest.check_manifest(kept, manifest.scan(assets), assets)
 
 
 def test_files_are_read_once_and_known_by_size_and_time_afterwards(assets, tmp_path, monkeypatch):
@@ -82,7 +82,7 @@ def test_a_file_that_changes_while_a_worker_lives_is_named(assets, tmp_path):
     with pytest.raises(InputError, match=r"a\.hdr: expected the asset as it was"):
         manifest.check_unchanged(before)
     (tmp_path / "hdri/a.hdr").unlink()
-    with pytest.raises(InputError, match=r"a\.hdr: expected the asset that was there"):
+    with pytest.raises(InputError, match=r"a\.hdr: expected the asset that the worker found"):
         manifest.check_unchanged(before)
 
 

@@ -41,8 +41,8 @@ def test_scenes_that_are_whole_are_kept_and_damaged_ones_made_again(builds, undi
     (scenes / "000004" / "extra").write_text("x")
     ended = builds.run(data, "--workers", 2)
     assert ended.returncode == 0, ended.stderr
-    assert "4 scenes to make, 2 are there" in ended.stdout
-    assert f"scene 2 is made again: {damaged}: expected SHA-256" in ended.stdout
+    assert "4 scenes to render, 2 kept" in ended.stdout
+    assert f"scene 2 is rendered again: {damaged}: expected SHA-256" in ended.stdout
     assert (scenes / "000001" / "000" / "left.png").stat().st_ino == kept
     assert content(data) == content(undisturbed)
 
@@ -50,9 +50,12 @@ def test_scenes_that_are_whole_are_kept_and_damaged_ones_made_again(builds, undi
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        (("--seed", 4), ("seed 3 (asked: 4)", "--overwrite")),
-        (("--spp", 4), ("picture.spp 2 (asked: 4)",)),
-        (("--spp", 4, "--vessel-count", 1, 2), ("picture.spp 2 (asked: 4)", "vessel_count [1, 1] (asked: [1, 2])")),
+        (("--seed", 4), ("seed 3 (requested: 4)", "--overwrite")),
+        (("--spp", 4), ("picture.spp 2 (requested: 4)",)),
+        (
+            ("--spp", 4, "--vessel-count", 1, 2),
+            ("picture.spp 2 (requested: 4)", "vessel_count [1, 1] (requested: [1, 2])"),
+        ),
     ],
     ids=["seed", "a setting", "two settings"],
 )
@@ -74,11 +77,11 @@ def test_another_version_of_a_package_is_refused_with_what_differs(builds, conte
 def test_overwrite_of_some_scenes_does_not_mix_settings_and_of_all_starts_again(builds, data):
     ended = builds.run(data, "--overwrite", "--spp", 4, scenes="0:2")
     assert ended.returncode == 2
-    assert "picture.spp 2 (asked: 4)" in ended.stderr
+    assert "picture.spp 2 (requested: 4)" in ended.stderr
     assert len(list((data / "scenes").iterdir())) == 6
     ended = builds.run(data, "--overwrite", "--spp", 4)
     assert ended.returncode == 0, ended.stderr
-    assert "6 scenes to make, 0 are there" in ended.stdout
+    assert "6 scenes to render, 0 kept" in ended.stdout
     assert json.loads((data / "dataset.json").read_text())["config"]["picture"]["spp"] == 4
 
 
@@ -135,7 +138,7 @@ def test_a_folder_that_holds_another_scene_is_no_scene(builds, undisturbed, cont
     (data / "scenes/000001.away").rename(data / "scenes/000001")
     mended = builds.run(data)
     assert mended.returncode == 0, mended.stderr
-    assert "scene 1 is made again" in mended.stdout
+    assert "scene 1 is rendered again" in mended.stdout
     assert content(data) == content(undisturbed)
 
 
@@ -150,7 +153,7 @@ def test_overwriting_and_retrying_are_not_asked_for_at_once(builds, undisturbed,
 @pytest.mark.parametrize(
     ("option", "says"),
     [
-        (("--name", "other"), "name 'glassware' (asked: 'other')"),
+        (("--name", "other"), "name 'glassware' (requested: 'other')"),
         (("--devices", "banana"), "devices"),
     ],
 )

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from glassware.dataset.builds.local_executor import LocalExecutor
 from glassware.dataset.builds.manifest import Manifest
-from glassware.dataset.builds.messages import Order
-from glassware.dataset.builds.pool import Pool
+from glassware.dataset.builds.messages import WorkerConfig
 from glassware.dataset.commands.glassware import main
 from glassware.procedural.scene.settings import SceneSettings
 
@@ -37,7 +37,7 @@ def test_merged_shards_are_the_whole_and_a_merge_can_be_repeated(builds, undistu
         assert main(["merge", *given, "--out", str(tmp_path / "whole")]) == 0
         assert content(tmp_path / "whole") == content(undisturbed)
     assert main(["verify", str(tmp_path / "whole")]) == 0
-    assert "6 scenes, all is well" in capsys.readouterr().out
+    assert "6 scenes, no faults" in capsys.readouterr().out
 
 
 def test_workers_on_one_core_do_not_wait_for_each_other(builds, undisturbed, content, tmp_path):
@@ -51,15 +51,15 @@ def test_a_data_set_grows_and_is_the_one_that_was_built_at_once(builds, undistur
     for scenes in ("2:4", "0:6"):
         ended = builds.run(tmp_path / "data", scenes=scenes)
         assert ended.returncode == 0, ended.stderr
-    assert "4 scenes to make, 2 are there" in ended.stdout
+    assert "4 scenes to render, 2 kept" in ended.stdout
     assert content(tmp_path / "data") == content(undisturbed)
 
 
 def test_workers_are_told_their_threads_and_their_device(tmp_path):
-    order = Order(root=tmp_path, seed=1, settings=SceneSettings(), manifest=Manifest(), threads=3)
-    with Pool(order, workers=2, recycle=1, patience=60.0, devices=("7", "5")) as pool:
-        machine = pool.machine()
-        environment = Path(f"/proc/{machine.process}/environ").read_bytes().split(b"\0")
+    config = WorkerConfig(root=tmp_path, seed=1, settings=SceneSettings(), manifest=Manifest(), threads=3)
+    with LocalExecutor(config, workers=2, max_tasks_per_child=1, timeout=60.0, devices=("7", "5")) as executor:
+        info = executor.worker_info()
+        environment = Path(f"/proc/{info.process}/environ").read_bytes().split(b"\0")
     assert b"CUDA_VISIBLE_DEVICES=7" in environment
     assert {b"OMP_NUM_THREADS=3", b"OPENBLAS_NUM_THREADS=3", b"OIDN_NUM_THREADS=3"} < set(environment)
-    assert not Path(f"/proc/{machine.process}").exists()  # a team that is left leaves nobody behind
+    assert not Path(f"/proc/{info.process}").exists()  # leaving the executor kills its workers

@@ -53,7 +53,7 @@ def test_a_full_disk_ends_the_build_and_a_larger_one_goes_on(builds, undisturbed
     small_disk("remount,size=30m")
     ended = builds.run(out, "--workers", 2)
     assert ended.returncode == 0, ended.stderr
-    assert f"{6 - len(made)} scenes to make" in ended.stdout
+    assert f"{6 - len(made)} scenes to render" in ended.stdout
     assert content(out) == content(undisturbed)
 
 
@@ -63,7 +63,7 @@ def test_a_read_only_folder_is_refused_in_one_line(builds, undisturbed, small_di
     small_disk("remount,ro")
     ended = builds.run(out, scenes="0:7")
     assert ended.returncode == 2
-    assert f"{out}: expected a folder that can be made and written to" in _last_line(ended.stderr)
+    assert f"{out}: expected a folder that can be created and written to" in _last_line(ended.stderr)
 
 
 def test_an_asset_that_vanishes_ends_the_build_by_its_name(builds, content, hidden, tmp_path, cleared):
@@ -108,7 +108,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 
     shutil.rmtree(out / "scenes" / "000003")  # not there either, but it did not fail
     ended = builds.run(out, "--retry-failed")
-    assert "1 scenes to make" in ended.stdout
+    assert "1 scenes to render" in ended.stdout
     assert sorted(path.name for path in (out / "scenes").iterdir()) == [f"{i:06d}" for i in (0, 1, 2, 4, 5)]
     assert builds.run(out).returncode == 0
     assert content(out) == content(undisturbed)
@@ -132,7 +132,7 @@ def test_a_build_that_is_stopped_goes_on_later(
     (os.killpg if everyone else os.kill)(child.pid, number)
     _, errors = child.communicate(timeout=60)
     assert child.returncode == 128 + number, errors
-    assert _last_line(errors) == "stopped; nothing half-written is left\n"
+    assert _last_line(errors) == "stopped; no incomplete files are left\n"
     gone(child.pid)
     assert hidden(out) == []
     assert 1 <= len(list((out / "scenes").iterdir())) < 6

@@ -61,8 +61,8 @@ DAMAGES = {
     "an index that lacks a view": (_shorter_index, "expected view 0 of scene 5 with its values, found no more views"),
     "an index of other values": (_other_index, "views.parquet: expected view 0 of scene 3"),
     "another seed": (lambda r: _edited(r / "dataset.json", seed=4), "expected scene 0 of seed 4, found 0 of 3"),
-    "other settings": (lambda r: _edited(r / "dataset.json", config={}), "expected the config that its hash"),
-    "other versions": (lambda r: _edited(r / "dataset.json", versions={}), "expected the backend that its hash"),
+    "other settings": (lambda r: _edited(r / "dataset.json", config={}), "expected the config of the stored hash"),
+    "other versions": (lambda r: _edited(r / "dataset.json", versions={}), "expected the backend of the stored hash"),
     "a damaged head": (lambda r: (r / "dataset.json").write_text("{"), "dataset.json: expected a JSON file"),
     "another manifest": (lambda r: _edited(r / "manifest.json", files=[]), "manifest.json: expected the manifest"),
     "no splits": (lambda r: (r / "splits.json").unlink(), "splits.json: expected a readable file"),
@@ -98,7 +98,7 @@ def test_an_asset_that_was_changed_is_named(data, capsys):
 
 def test_views_made_again_are_the_stored_ones_and_others_are_named(backend, data, capsys):
     assert main([str(data), "--rerender", "3", "--draw", "1"]) == 0
-    assert "3 views made again bit for bit" in capsys.readouterr().out
+    assert "3 views rendered again bit for bit" in capsys.readouterr().out
     for scene in (data / "scenes").iterdir():
         _flip(scene / "000" / "left.exr")
         (scene / "checksums.json").unlink()

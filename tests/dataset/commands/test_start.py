@@ -37,5 +37,5 @@ def test_a_signal_while_libraries_load_ends_a_command_in_one_line(tmp_path, numb
     child.send_signal(number)
     _, said = child.communicate(timeout=60)
     assert child.returncode == code, said
-    assert said == "stopped; nothing half-written is left\n"
+    assert said == "stopped; no incomplete files are left\n"
     assert not (tmp_path / "data").exists()

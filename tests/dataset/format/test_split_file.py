@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from glassware.core.errors import InputError
-from glassware.dataset.format.split_file import joined, read_splits, splits_file, write_splits
+from glassware.dataset.format.split_file import merged_splits, read_splits, splits_file, write_splits
 from glassware.dataset.reader import Dataset
 from glassware.procedural.scene.asset_files import AssetFiles
 from glassware.procedural.scene.settings import SceneSettings
@@ -31,7 +31,7 @@ def test_unseen_files_are_named_by_folder(tmp_path):
 
 def test_records_of_shards_join_to_that_of_the_whole():
     parts = [splits_file(SETTINGS, AssetFiles(), 5, part) for part in (range(20, 40), range(20))]
-    assert joined(*parts) == splits_file(SETTINGS, AssetFiles(), 5, range(40))
+    assert merged_splits(*parts) == splits_file(SETTINGS, AssetFiles(), 5, range(40))
 
 
 def test_a_data_set_gives_the_scenes_of_a_split(stored):

@@ -11,7 +11,7 @@ from glassware.dataset.preview.contact_sheet import (
     depth_colours,
     id_colours,
     normal_colours,
-    place_of_number,
+    number_position,
 )
 
 
@@ -63,10 +63,10 @@ def test_a_number_lies_inside_its_region_also_where_the_middle_of_the_box_does_n
     region = np.zeros((60, 80), bool)
     region[5:55, 10:70] = True
     region[5:40, 22:58] = False  # a U: the middle of its box is outside it
-    (x, y), fits = place_of_number(region, 9, 7)
+    (x, y), fits = number_position(region, 9, 7)
     assert fits
     assert region[y - 3 : y + 4, x - 4 : x + 5].all()
-    wide, fits = place_of_number(region, 41, 7)
+    wide, fits = number_position(region, 41, 7)
     assert fits
     assert region[wide[1] - 3 : wide[1] + 4, wide[0] - 20 : wide[0] + 21].all()
 
@@ -75,13 +75,13 @@ def test_a_number_that_fits_nowhere_is_where_its_region_is_thickest():
     region = np.zeros((20, 40), bool)
     region[10, 5:30] = True
     region[8:13, 20:25] = True
-    assert place_of_number(region, 9, 7) == ((22, 10), False)
+    assert number_position(region, 9, 7) == ((22, 10), False)
 
 
 def test_the_edge_of_the_picture_is_a_border_of_a_region():
     region = np.zeros((40, 40), bool)
     region[:, 30:] = True
-    (x, y), fits = place_of_number(region, 9, 7)
+    (x, y), fits = number_position(region, 9, 7)
     assert fits
     assert 34 <= x <= 35
     assert 3 <= y <= 36

@@ -64,7 +64,7 @@ def test_a_cluster_that_is_not_there_is_one_line(builds, tmp_path):
     pytest.importorskip("ray", reason="the extra ray is not installed")
     ended = builds.run(tmp_path / "data", "--executor", "ray", "--address", "127.0.0.1:1")
     assert ended.returncode == 2, ended.stderr
-    assert "--address: expected a Ray cluster that runs" in ended.stderr
+    assert "--address: expected a running Ray cluster" in ended.stderr
 
 
 def test_without_ray_the_command_says_what_to_install(builds, tmp_path, capsys, monkeypatch):
