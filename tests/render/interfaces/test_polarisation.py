@@ -18,12 +18,12 @@ from glassware.procedural.optics.medium import Medium
 EPS, ROUNDINGS = 2.0**-24, 64
 GLASS = 1.5
 #: Where the scenes of closed forms are, and the name that they are imported by.
-PROOFS, PACKAGE = Path(__file__).resolve().parents[3] / "bench" / "proofs", "glassware_proofs"
+PROOFS, PACKAGE = Path(__file__).resolve().parents[2] / "proofs", "glassware_proofs"
 
 
 @pytest.fixture(scope="module")
 def proofs() -> Callable[[str], ModuleType]:
-    """Name -> the module of `bench/proofs`, where bodies of closed forms are."""
+    """Name -> the module of `tests/proofs`, where bodies of closed forms are."""
     if PACKAGE not in sys.modules:
         spec = importlib.util.spec_from_file_location(
             PACKAGE, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]

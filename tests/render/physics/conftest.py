@@ -1,4 +1,4 @@
-"""The measurements of `bench/proofs`, imported by path, at budgets of a test."""
+"""The measurements of `tests/proofs`, imported by path, at budgets of a test."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from types import ModuleType
 
 import pytest
 
-PROOFS = Path(__file__).resolve().parents[3] / "bench" / "proofs"
+PROOFS = Path(__file__).resolve().parents[2] / "proofs"
 
 
 @pytest.fixture
 def law(backend: str) -> Callable[[str], ModuleType]:
-    """Name -> the module of `bench/proofs`."""
+    """Name -> the module of `tests/proofs`."""
     package = "glassware_proofs"
     if package not in sys.modules:
         spec = importlib.util.spec_from_file_location(

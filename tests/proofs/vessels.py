@@ -22,7 +22,7 @@ from .energy import FURNACE_BOUND
 from .loading import alone, loaded_scene
 
 #: The second tracer lives with the tests and shares nothing with the product but the triangles.
-_TRACER = Path(__file__).resolve().parents[2] / "tests" / "numpy_tracer.py"
+_TRACER = Path(__file__).resolve().parents[1] / "numpy_tracer.py"
 _SEED = 20230213
 
 
