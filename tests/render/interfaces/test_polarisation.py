@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Callable, Iterator
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 
@@ -25,11 +26,9 @@ PROOFS, PACKAGE = Path(__file__).resolve().parents[2] / "proofs", "glassware_pro
 def proofs() -> Callable[[str], ModuleType]:
     """Name -> the module of `tests/proofs`, where bodies of closed forms are."""
     if PACKAGE not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            PACKAGE, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]
-        )
+        spec = ModuleSpec(PACKAGE, None, is_package=True)
+        spec.submodule_search_locations = [str(PROOFS)]
         sys.modules[PACKAGE] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[PACKAGE])
     return lambda name: importlib.import_module(f"{PACKAGE}.{name}")
 
 

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Callable
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 
@@ -19,11 +20,9 @@ def law(backend: str) -> Callable[[str], ModuleType]:
     """Name -> the module of `tests/proofs`."""
     package = "glassware_proofs"
     if package not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            package, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]
-        )
+        spec = ModuleSpec(package, None, is_package=True)
+        spec.submodule_search_locations = [str(PROOFS)]
         sys.modules[package] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[package])
     return lambda name: importlib.import_module(f"{package}.{name}")
 
 
