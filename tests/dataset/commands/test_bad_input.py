@@ -317,6 +317,7 @@ def test_an_output_that_is_a_file_is_left_alone(refused, tmp_path):
     refused("--out", tmp_path / "notes.txt", says=(str(tmp_path / "notes.txt"), "a folder to write to", "a file"))
 
 
+@pytest.mark.slow
 def test_a_crowd_that_no_table_holds_is_refused(refused):
     crowd = ("--vessel-count", 24, 24, "--prop-count", 24, 24, "--placement.gap", 0.2)
     small_table = ("--table.smallest", 0.3, "--table.largest", 0.3)

@@ -157,6 +157,7 @@ def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     assert not (out / "views.parquet").exists()
 
 
+@pytest.mark.slow
 def test_stored_light_is_checked_and_gives_the_same_files_on_one_core(render_scene, small, tmp_path):
     shared = ("--seed", 7, "--config", small, "--picture.light", "shared")
     assert render_scene(*shared, "--out", tmp_path / "all").code == 0
