@@ -88,7 +88,7 @@ def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) 
         outer=((0.0, -RADIUS), (RADIUS, 0.0), (0.0, RADIUS)),
         inner=((0.0, RADIUS), (0.0, RADIUS)),
         interfaces=(Interface(part="outside", mesh=mesh, front=AIR, back=liquid),),
-        size=(2 * RADIUS,) * 3,
+        size=(2 * RADIUS, 2 * RADIUS, 2 * RADIUS),
         world_T_object=pose,
     )
     board = trimesh.creation.box(extents=(0.1, 0.1, 0.01))
@@ -111,7 +111,7 @@ def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) 
                 width=SIZE,
                 height=SIZE,
                 focal=2.0 * SIZE,
-                centre=((SIZE - 1) / 2,) * 2,
+                centre=((SIZE - 1) / 2, (SIZE - 1) / 2),
                 world_T_camera=world_T_camera,
                 baseline=0.05,
                 exposure=1.0,
@@ -143,7 +143,7 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
 
     optimiser = mi.ad.Adam(lr=RATE, params={"index": mi.Float(START), "colour": mi.Color3f(COLOUR_START)})
     optimiser.set_learning_rate({"colour": COLOUR_RATE})
-    history, rest = [], mi.Color3f(0.0)
+    history, rest, shown = [], mi.Color3f(0.0), mi.Color3f(0.0)
     for step in range(STEPS + 1):
         index, colour = optimiser["index"], optimiser["colour"]
         shown = model(kernel, ray, index, colour)

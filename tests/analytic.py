@@ -39,7 +39,13 @@ def scene(views: int = 3) -> Scene:
     board = Mesh("table", *_box(BOARD, (0, 0, -BOARD[2] / 2)))
     ball = trimesh.creation.icosphere(subdivisions=4, radius=BALL)
     sky = SkyEnvironment(
-        sun_elevation=0.7, sun_radiance=20.0, sun_radius=0.05, turbidity=3.0, cloudiness=0.1, ground=(0.3,) * 3, seed=1
+        sun_elevation=0.7,
+        sun_radiance=20.0,
+        sun_radius=0.05,
+        turbidity=3.0,
+        cloudiness=0.1,
+        ground=(0.3, 0.3, 0.3),
+        seed=1,
     )
     return Scene(
         seed=7,
@@ -53,7 +59,7 @@ def scene(views: int = 3) -> Scene:
                 category="sphere",
                 mesh=Mesh("ball", ball.vertices, ball.faces),
                 material=clay,
-                size=(2 * BALL,) * 3,
+                size=(2 * BALL, 2 * BALL, 2 * BALL),
                 symmetric=True,
                 world_T_object=pose((-0.09, 0.06, BALL), 0.0),
             ),
@@ -156,7 +162,10 @@ def frame(description: Scene, view: Camera) -> Frame:
         glass = (seen.id == 2)[..., None]
         picture = colours[seen.background_id] * 0.7 + 0.3 * colours[2]
         pictures.append(np.where(glass, picture * (0.4 + 0.6 * shade), colours[seen.id] * shade).astype(np.float32))
-    return Frame(*pictures, None, None, geometry(description, view), {"picture": 2.0, "geometry": 0.1, "denoise": 0.3})
+    left, right = pictures
+    return Frame(
+        left, right, None, None, geometry(description, view), {"picture": 2.0, "geometry": 0.1, "denoise": 0.3}
+    )
 
 
 def cast(description: Scene, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

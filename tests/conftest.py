@@ -92,6 +92,8 @@ def _module(stem: str) -> ModuleType:
     """Import a module beside this file by its path, as all test files are."""
     name = f"glassware_tests_{stem}"
     spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{stem}.py"))
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

@@ -62,7 +62,13 @@ def surrounded(vessels: tuple[Vessel, ...], cameras: tuple[Camera, ...]) -> Scen
     white = OpaqueMaterial(name="white", base_colour=UniformTexture(colour=(0.8, 0.8, 0.8)), roughness=0.9)
     board = box(BOARD, (0.0, 0.0, -BOARD[2] / 2))
     sky = SkyEnvironment(
-        sun_elevation=0.7, sun_radiance=5.0, sun_radius=0.1, turbidity=3.0, cloudiness=0.0, ground=(0.3,) * 3, seed=1
+        sun_elevation=0.7,
+        sun_radiance=5.0,
+        sun_radius=0.1,
+        turbidity=3.0,
+        cloudiness=0.0,
+        ground=(0.3, 0.3, 0.3),
+        seed=1,
     )
     return Scene(
         seed=3,

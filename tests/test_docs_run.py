@@ -266,13 +266,13 @@ def shown_and_printed(block: Block, page: str, names: dict[str, Any]) -> Iterato
         _, _, comment = lines[(node.end_lineno or 1) - 1].partition("  # ")
         node = ast.increment_lineno(node, block.line - 1)
         printed = io.StringIO()
-        bare = isinstance(node, ast.Expr) and isinstance(node.value, ast.Name)
+        bare = node.value.id if isinstance(node, ast.Expr) and isinstance(node.value, ast.Name) else None
         with contextlib.redirect_stdout(printed):
-            if bare:
-                printed.write(repr(names[node.value.id]))
+            if bare is not None:
+                printed.write(repr(names[bare]))
             else:
                 exec(compile(ast.Module([node], []), page, "exec"), names)
-        if comment and (bare or ast.unparse(node).startswith("print(")):
+        if comment and (bare is not None or ast.unparse(node).startswith("print(")):
             yield comment.strip(), printed.getvalue().strip()
 
 

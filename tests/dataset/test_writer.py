@@ -223,6 +223,7 @@ write_scene(root, scene, points, views())
 def _stopped(root, how):
     command = [sys.executable, "-P", "-c", CHILD, str(root), str(TESTS / "analytic.py")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as child:
+        assert child.stdout is not None
         assert child.stdout.readline() == "view\n"
         child.send_signal(how)
         child.wait(timeout=30)

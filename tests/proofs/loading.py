@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import OpenEXR
@@ -26,14 +27,18 @@ _CLAY = OpaqueMaterial(name="clay", base_colour=UniformTexture(colour=(0.5, 0.5,
 _TABLE = np.array([[0.3, 0.3, -0.3], [0.30001, 0.3, -0.3], [0.3, 0.30001, -0.3]])
 #: Stands in a description until `loaded_scene` puts a map in its place; it is never baked.
 _SKY = SkyEnvironment(
-    sun_elevation=1.0, sun_radiance=1.0, sun_radius=0.1, turbidity=3.0, cloudiness=0.0, ground=(0.5,) * 3, seed=1
+    sun_elevation=1.0, sun_radiance=1.0, sun_radius=0.1, turbidity=3.0, cloudiness=0.0, ground=(0.5, 0.5, 0.5), seed=1
 )
 #: Radiance 1 in every direction: a white furnace.
 FURNACE = np.ones((8, 16, 3))
 
 
+#: What an interface is a part of.
+Part = Literal["outside", "wet_wall", "liquid_surface"]
+
+
 def interface(
-    mesh: Mesh, back: Medium, front: Medium = AIR, roughness: float = 0.0, part: str = "outside"
+    mesh: Mesh, back: Medium, front: Medium = AIR, roughness: float = 0.0, part: Part = "outside"
 ) -> Interface:
     """Return an interface."""
     return Interface(part=part, mesh=mesh, front=front, back=back, roughness=roughness)
@@ -47,7 +52,7 @@ def screen(lower: Sequence[float], upper: Sequence[float]) -> Prop:
         category="box",
         mesh=box(lower, upper, "screen"),
         material=_CLAY,
-        size=tuple(np.subtract(upper, lower)),
+        size=(upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]),
         world_T_object=np.eye(4),
     )
 
@@ -112,7 +117,9 @@ def alone(description: Scene) -> Scene:
 
 
 def _speck() -> Table:
-    return Table(mesh=Mesh("table", _TABLE, [[0, 1, 2]], uv=np.zeros((3, 2))), material=_CLAY, size=(1e-5,) * 3)
+    return Table(
+        mesh=Mesh("table", _TABLE, np.array([[0, 1, 2]]), uv=np.zeros((3, 2))), material=_CLAY, size=(1e-5, 1e-5, 1e-5)
+    )
 
 
 def _camera() -> Camera:

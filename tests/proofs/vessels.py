@@ -121,6 +121,8 @@ def numpy_tracer() -> ModuleType:
     name = "glassware_second_tracer"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, _TRACER)
+        assert spec is not None
+        assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
         sys.modules[name] = module
         spec.loader.exec_module(module)

@@ -42,7 +42,7 @@ def looked_at(backend, panorama, optical_bench):
             "vessels": (vessel,),
             "table": scene.table.model_copy(update={"mesh": board}),
             "environment": PictureEnvironment(asset=asset(file)),
-            "picture": Picture(**(TO_THE_END | picture)),
+            "picture": Picture.model_validate(TO_THE_END | picture),
         }
         return load(scene.model_copy(update=update))
 
