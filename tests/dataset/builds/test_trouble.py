@@ -120,7 +120,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 @pytest.mark.parametrize(
     ("number", "everyone"),
     [
-        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal"),
+        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal", marks=pytest.mark.slow),
         pytest.param(signal.SIGTERM, True, id="a scheduler's SIGTERM to all"),
         pytest.param(signal.SIGTERM, False, id="SIGTERM to the build alone", marks=pytest.mark.slow),
     ],

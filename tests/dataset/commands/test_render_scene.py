@@ -132,7 +132,13 @@ def _started(command) -> subprocess.Popen:
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "a scheduler's SIGTERM"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGINT, id="ctrl-c"),
+        pytest.param(signal.SIGTERM, id="a scheduler's SIGTERM", marks=pytest.mark.slow),
+    ],
+)
 def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     out = tmp_path / "out"
     arguments = ["--config", str(small), "--views", "57", "--spp", "512", "--out", str(out)]

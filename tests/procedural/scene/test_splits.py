@@ -86,6 +86,7 @@ def test_scenes_show_only_the_families_of_their_split():
     assert not shown["train"] & unseen
 
 
+@pytest.mark.slow
 def test_without_unseen_ones_a_scene_is_drawn_as_if_there_were_no_splits():
     plain, split = SceneSettings(), SceneSettings(splits=SplitSettings(val=0.0, test=1.0))
     assert draw_scene(plain, 4, 1).model_dump_json() == draw_scene(split, 4, 1).model_dump_json()

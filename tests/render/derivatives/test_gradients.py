@@ -232,6 +232,7 @@ def test_derivatives_by_roughness_are_right_to_a_per_cent_or_so(looked_at, brigh
     assert np.hypot(error, other) < 0.01 * abs(two)
 
 
+@pytest.mark.slow
 def test_gradient_descent_finds_absorption_and_roughness_from_a_picture(looked_at, bright_spot):
     from glassware.render.derivatives.gradients import changed, picture_and_gradients
 

@@ -324,6 +324,7 @@ def test_light_through_and_from_a_pile_of_plates_is_polarised_as_stokes_said(pol
         assert (np.linalg.norm(found[:, 1:], axis=1) <= found[:, 0] * (1.0 + 16 * ROUNDINGS * EPS)).all()
 
 
+@pytest.mark.slow
 def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polarised(polarised, drawn):
     import mitsuba as mi
 
