@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 SEED ?= 7
 OUT ?= out
+PART ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup backend scene test slow lint format clean
@@ -18,11 +19,11 @@ help: ## Show the targets.
 scene: backend ## Render one labelled scene into out/ (SEED=7, OUT=out).
 	$(BIN)/render-scene --seed $(SEED) --out $(OUT)
 
-test: backend ## Pass the tests.
-	$(BIN)/pytest
+test: backend ## Pass the tests, on two cores.
+	$(BIN)/pytest --numprocesses 2 --dist loadscope
 
-slow: backend ## Pass the longer proofs as well.
-	$(BIN)/pytest -m "slow or not slow"
+slow: backend ## Pass the longer proofs (PART=2/7: the second seventh of them).
+	$(BIN)/pytest --numprocesses 2 --dist loadscope -m slow $(if $(PART),--part $(PART))
 
 lint: $(STAMP) ## Check style, format and types.
 	$(BIN)/ruff check

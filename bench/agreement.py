@@ -32,7 +32,7 @@ class Agreement:
     @property
     def different(self) -> np.ndarray:
         """Which blocks differ in any channel, (rows, columns) bool."""
-        return (np.abs(self.z) > self.limit).any(axis=-1)
+        return np.any(np.abs(self.z) > self.limit, axis=-1)
 
     @property
     def relative(self) -> np.ndarray:

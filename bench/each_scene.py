@@ -15,11 +15,30 @@ from glassware.core.errors import InputError
 class Options(Protocol):
     """What such a command is asked for, besides its own."""
 
-    scenes: tuple[str, ...]
-    width: int
-    height: int
-    reference_spp: int
-    json_file: Path | None
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes."""
+        ...
+
+    @property
+    def width(self) -> int:
+        """Width of the pictures [px]."""
+        ...
+
+    @property
+    def height(self) -> int:
+        """Height of the pictures [px]."""
+        ...
+
+    @property
+    def reference_spp(self) -> int:
+        """Samples per pixel of the reference."""
+        ...
+
+    @property
+    def json_file(self) -> Path | None:
+        """File to write the figures to."""
+        ...
 
 
 def report_scenes(title: str, options: Options, rows_of: Callable[[str], list[Row]]) -> int:

@@ -34,6 +34,13 @@ class Rendered:
     trace_seconds: float
     denoise_seconds: float
 
+    @property
+    def denoised(self) -> np.ndarray:
+        """The picture after the denoiser; ValueError where none ran."""
+        if self.clean is None:
+            raise ValueError("this picture was not denoised")
+        return self.clean
+
 
 @dataclass(frozen=True, eq=False)
 class Ours:

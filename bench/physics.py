@@ -3,8 +3,9 @@
     python bench/physics.py
     python bench/physics.py --only fresnel energy --json physics.json
 
-The same measurements run in the tests with smaller budgets (`tests/render/physics/`), held to what rounding, facets and
-noise explain. Here they are held to what the project promises; where it promises nothing, to the same limits.
+The measurements are in `tests/proofs/`, and run in the tests with smaller budgets (`tests/render/physics/`), held to
+what rounding, facets and noise explain. Here they are held to what the project promises; where it promises nothing, to
+the same limits.
 """
 
 from __future__ import annotations
@@ -20,13 +21,16 @@ from typing import Annotated
 import mitsuba as mi
 import numpy as np
 import tyro
-from proofs import derivatives, energy, fresnel, lenses, microsurface, picture_derivatives, snell, vessels
-from proofs.check import Check
 from rich.console import Console
 from table import Row, report
 
 from glassware.core.errors import InputError
 from glassware.render.backend.variant import activate
+
+# The measurements are test code, which no package holds.
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+from proofs import derivatives, energy, fresnel, lenses, microsurface, picture_derivatives, snell, vessels
+from proofs.check import Check
 
 #: Every measurement by its topic, at the budget of the printed table.
 TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {

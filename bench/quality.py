@@ -81,18 +81,18 @@ def _sample_rows(name: str, ours: Ours, kept: Reference, spp: int, options: Opti
     exposure = ours.kernel.description.cameras[0].exposure
     runs = [render(ours, spp, seed=1 + repeat) for repeat in range(options.repeats)]
     noisy = float(np.mean([relmse(run.noisy * exposure, kept) for run in runs]))
-    clean = float(np.mean([relmse(run.clean * exposure, kept) for run in runs]))
+    clean = float(np.mean([relmse(run.denoised * exposure, kept) for run in runs]))
     trace, denoise = (float(np.mean(values)) for values in zip(*_times(runs), strict=True))
     if options.pictures is not None:
         write_exposed(options.pictures / f"{name}-{spp}-noisy.png", runs[0].noisy * exposure)
-        write_exposed(options.pictures / f"{name}-{spp}-clean.png", runs[0].clean * exposure)
+        write_exposed(options.pictures / f"{name}-{spp}-clean.png", runs[0].denoised * exposure)
     floor = kept.floor
     at = f"{name}, {spp} spp:"
     doubt = "" if floor < FLOOR_SHARE * clean else f"reference's own noise is {floor:.2g}: more --reference-spp"
     return [
         Row(f"{at} relMSE before denoising", noisy),
         Row(f"{at} relMSE after denoising", clean, note=doubt),
-        Row(f"{at} share of that where glass is seen", 100.0 * _in_glass(ours, kept, runs[0].clean * exposure), "%"),
+        Row(f"{at} share of that where glass is seen", 100.0 * _in_glass(ours, kept, runs[0].denoised * exposure), "%"),
         Row(f"{at} tracing", trace, "s"),
         Row(f"{at} denoising", denoise, "s"),
         Row(f"{at} samples", spp * options.width * options.height / trace / 1e6, "M/s"),

@@ -68,7 +68,7 @@ def reference(path: Path, spp: int, one_pass: Callable[[int], np.ndarray]) -> Re
         console.print(f"reference {path.stem}: {done * PASS_SPP} of {passes * PASS_SPP} samples", highlight=False)
     mean = total / done
     spread = np.maximum(squares / done - mean**2, 0.0) * done / (done - 1)
-    return Reference(mean, spread / done, done)
+    return Reference(np.asarray(mean), spread / done, done)
 
 
 def _read(path: Path) -> tuple[np.ndarray | float, np.ndarray | float, int]:

@@ -164,11 +164,11 @@ def _curves(lit: _Lit, options: Options) -> tuple[list[Point], list[Point]]:
         for repeat in range(options.repeats):
             for found, tracer in zip(figures, (PATH_TRACER, lit.tracer), strict=True):
                 made = render(lit.ours, spp, repeat + 1, tracer=tracer)
-                errors = [relmse(picture * lit.exposure, lit.kept) for picture in (made.noisy, made.clean)]
+                errors = [relmse(picture * lit.exposure, lit.kept) for picture in (made.noisy, made.denoised)]
                 found.append((made.trace_seconds + made.denoise_seconds, *errors))
                 if options.pictures is not None:
                     way = "path" if tracer is PATH_TRACER else "shared"
-                    write_exposed(options.pictures / f"{lit.name}-{spp}-{way}.png", made.clean * lit.exposure)
+                    write_exposed(options.pictures / f"{lit.name}-{spp}-{way}.png", made.denoised * lit.exposure)
         for curve, found in zip(curves, figures, strict=True):
             curve.append(Point(spp, *map(float, np.mean(found, axis=0))))
     return curves
@@ -196,7 +196,7 @@ def _against_cycles(lit: _Lit, curve: list[Point], options: Options) -> Row:
         kept = reference(path, options.reference_spp, one_pass)
         peer.render(1, 0)  # loads
         made = [peer.render(options.level, repeat + 1) for repeat in range(options.repeats)]
-    error = float(np.mean([relmse(picture.clean * lit.exposure, kept) for picture in made]))
+    error = float(np.mean([relmse(picture.denoised * lit.exposure, kept) for picture in made]))
     seconds = float(np.mean([picture.render_seconds for picture in made]))
     return _whole_scene(lit, curve, max(options.views), error, seconds, "Cycles")
 

@@ -21,12 +21,11 @@ from ..procedural.description.scene import Scene
 from ..procedural.description.surroundings import Camera
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
-from ..render.frame import Geometry, Layers, Refraction, SurfaceLight
+from ..render.frame import Eye, Geometry, Layers, Refraction, SurfaceLight
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.dataset_file import DatasetFile, read_head
 from .format.exr import channel, read_exr, stacked
-from .format.layout import Eye
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png

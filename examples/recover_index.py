@@ -104,7 +104,7 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
 
     optimiser = mi.ad.Adam(lr=RATE, params={"index": mi.Float(START), "colour": mi.Color3f(COLOUR_START)})
     optimiser.set_learning_rate({"colour": COLOUR_RATE})
-    history, rest = [], mi.Color3f(0.0)
+    history, rest, shown = [], mi.Color3f(0.0), mi.Color3f(0.0)
     for step in range(STEPS + 1):
         index, colour = optimiser["index"], optimiser["colour"]
         shown = model(kernel, ray, index, colour)

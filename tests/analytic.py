@@ -40,7 +40,13 @@ def scene(views: int = 3) -> Scene:
     ball = scenes.block(Mesh("ball", solid.vertices, solid.faces), clay, id=3, category="sphere")
     block = scenes.block(bodies.box_mesh(BLOCK, "block"), clay, id=4, category="box")
     sky = SkyEnvironment(
-        sun_elevation=0.7, sun_radiance=20.0, sun_radius=0.05, turbidity=3.0, cloudiness=0.1, ground=(0.3,) * 3, seed=1
+        sun_elevation=0.7,
+        sun_radiance=20.0,
+        sun_radius=0.05,
+        turbidity=3.0,
+        cloudiness=0.1,
+        ground=(0.3, 0.3, 0.3),
+        seed=1,
     )
     return scenes.scene(
         (_glass(),),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -13,12 +15,44 @@ import pytest
 from glassware.render.backend.variant import activate
 
 REPOSITORY = Path(__file__).resolve().parents[1]
+#: Caches that libraries keep in the temp folder on purpose: compiled kernels of torch.
+KEPT_IN_TEMP = ("torchinductor_",)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--part", help="i/n: of the files with chosen tests, only each n-th, from the i-th on")
+
+
+@pytest.hookimpl(trylast=True)  # after `-m` has chosen
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep the chosen part of the files: what a file's tests share is then made once."""
+    part = config.getoption("--part")
+    if part is None:
+        return
+    number, parts = map(int, part.split("/"))
+    if not 1 <= number <= parts:
+        raise pytest.UsageError(f"--part: expected i/n with i from 1 to n, found {part}")
+    files = set(sorted({item.path for item in items})[number - 1 :: parts])
+    config.hook.pytest_deselected(items=[item for item in items if item.path not in files])
+    items[:] = [item for item in items if item.path in files]
 
 
 @pytest.fixture
 def rng() -> np.random.Generator:
     """A generator with the same seed in every test; tests must hold for any other seed as well."""
     return np.random.default_rng(20230213)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def temp_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Temp files of the tests and of their child processes go to a folder of their own, which is empty in the end."""
+    folder = tmp_path_factory.mktemp("temp")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TMPDIR", str(folder))
+        patch.setattr(tempfile, "tempdir", None)  # it is looked up once
+        yield
+    left = sorted(path.name for path in folder.iterdir() if not path.name.startswith(KEPT_IN_TEMP))
+    assert not left, "left in the temp folder"
 
 
 @pytest.fixture(scope="session")
@@ -58,6 +92,8 @@ def _module(stem: str) -> ModuleType:
     """Import a module beside this file by its path, as all test files are."""
     name = f"glassware_tests_{stem}"
     spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{stem}.py"))
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

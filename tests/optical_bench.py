@@ -38,7 +38,13 @@ def surrounded(vessels: tuple[GlassBody, ...], cameras: tuple[Camera, ...]) -> S
     """Bodies over a white board, top at z = 0, under a plain sky."""
     white = scenes.matte((0.8, 0.8, 0.8), "white").model_copy(update={"roughness": 0.9})
     sky = SkyEnvironment(
-        sun_elevation=0.7, sun_radiance=5.0, sun_radius=0.1, turbidity=3.0, cloudiness=0.0, ground=(0.3,) * 3, seed=1
+        sun_elevation=0.7,
+        sun_radiance=5.0,
+        sun_radius=0.1,
+        turbidity=3.0,
+        cloudiness=0.0,
+        ground=(0.3, 0.3, 0.3),
+        seed=1,
     )
     return scenes.scene(
         vessels, cameras, table=scenes.board(BOARD, white), environment=sky, picture=Picture(spp=4), seed=3

@@ -86,7 +86,7 @@ def _shows_rough_glass(ours: Ours, found: Agreement) -> np.ndarray:
     crossed = trace_geometry(ours.kernel, scene.cameras[0]).crossed
     rough = [isinstance(item, Vessel) and item.roughness > 0.0 for item in scene.objects]
     seen = crossed[rough].any(axis=0)
-    return block_means(np.repeat(seen[..., None], 3, axis=-1), found.block)[..., 0] > 0.0
+    return block_means(np.repeat(np.asarray(seen)[..., None], 3, axis=-1), found.block)[..., 0] > 0.0
 
 
 def _where(ours: Ours, found: Agreement, index: tuple) -> str:

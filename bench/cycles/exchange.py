@@ -52,7 +52,7 @@ def write_exchange(scene: Scene, folder: Path, plain: bool = False) -> None:
         "camera": _camera(scene.cameras[0]),
         "max_depth": scene.picture.max_depth,
     }
-    np.savez(folder / "arrays.npz", **arrays)
+    np.savez(folder / "arrays.npz", allow_pickle=False, **arrays)
     (folder / "scene.json").write_text(json.dumps(content, indent=1, sort_keys=True), "utf-8")
 
 

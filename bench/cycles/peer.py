@@ -32,6 +32,13 @@ class PeerPicture:
     setup_seconds: float  #: from the request to the first sample
     render_seconds: float  #: tracing and denoising
 
+    @property
+    def denoised(self) -> np.ndarray:
+        """The picture after the denoiser; ValueError where none ran."""
+        if self.clean is None:
+            raise ValueError("this picture was not denoised")
+        return self.clean
+
 
 class Cycles:
     """A scene held by a Cycles worker. Use it as a context: leaving it ends the worker.

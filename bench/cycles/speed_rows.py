@@ -54,6 +54,7 @@ def speed_rows(python: Path, options: Options) -> tuple[list[Row], str]:
         rows += [*_curve_rows(name, curves, options), *adaptive]
         for level in options.levels:
             row = _level_row(name, curves, level)
+            assert row.ratio is not None
             ratios[level].append(row.ratio)
             rows.append(row)
     for level, values in ratios.items():
@@ -90,12 +91,13 @@ def _curves(
             mine, theirs = render(ours, spp, repeat + 1), peer.render(spp, repeat + 1)
             seconds = (mine.trace_seconds + mine.denoise_seconds, theirs.render_seconds)
             for k, picture in enumerate((mine, theirs)):
-                errors = [relmse(p * exposure, kept[k]) for p in (picture.noisy, picture.clean)]
+                errors = [relmse(p * exposure, kept[k]) for p in (picture.noisy, picture.denoised)]
                 figures[k].append((seconds[k], *errors))
+            if options.pictures is not None:
+                shown = mine.denoised * exposure, theirs.denoised * exposure
+                write_exposed(options.pictures / f"{name}-{spp}.png", *shown)
         for k in range(2):
             curves[k].append(Point(spp, *map(float, np.mean(figures[k], axis=0))))
-        if options.pictures is not None:
-            write_exposed(options.pictures / f"{name}-{spp}.png", mine.clean * exposure, theirs.clean * exposure)
     return curves
 
 

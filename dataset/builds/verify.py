@@ -17,6 +17,7 @@ from ...core.errors import InputError
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.scene.splits import Split, split_of
+from ...render.frame import EYES
 from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
@@ -32,7 +33,7 @@ _VIEW_FILES = (
     layout.LABELS,
     layout.INSTANCES,
     layout.GEOMETRY,
-    *(f"{eye}.{kind}" for eye in layout.EYES for kind in ("png", "exr")),
+    *(f"{eye}.{kind}" for eye in EYES for kind in ("png", "exr")),
 )
 
 

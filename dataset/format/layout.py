@@ -17,7 +17,6 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import Literal, get_args
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
@@ -30,9 +29,6 @@ SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.js
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
 LIGHT = "light.parquet"  # of a scene, with the setting picture.keep_light
 LAYERS, REFRACTION = "layers.exr", "refraction.exr"
-#: A camera of the stereo pair.
-XX
-EYES: tuple[Eye, ...] = get_args(Eye)
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")

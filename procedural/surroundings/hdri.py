@@ -8,6 +8,7 @@ right in the scene.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import cv2
@@ -30,6 +31,8 @@ MAX_WIDTH = 16384
 BRIGHTEST = 1e8
 # First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
 _EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
+# The line of a Radiance picture's size, after the empty line that ends its header.
+_HDR_SIZE = re.compile(rb"\n\n-Y ([0-9]{1,9}) \+X ([0-9]{1,9})\n")
 # Sharpening filters (Lanczos) and lossy compression (DWA, B44) leave dips below zero beside bright lamps. The
 # first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are taken for
 # such up to this share of the brightest value within so many pixels; the deepest of twelve Poly Haven maps is 0.2.
@@ -135,11 +138,15 @@ def _rgb(path: Path, channels: dict[str, np.ndarray], shape: tuple[int, int]) ->
 def _read_hdr(path: Path) -> np.ndarray:
     _check_magic(path, _HDR_MAGIC, "a Radiance HDR file")
     content = np.fromfile(path, dtype=np.uint8)
+    size = _HDR_SIZE.search(content.data)
+    if size is not None:
+        # Before the decoder, which refuses an impossible size too, but then leaves a file in the temp folder.
+        _check_shape(path, int(size[2]), int(size[1]))
     try:
         with quiet():
             pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
-        raise InputError(path, "a Radiance HDR file", "a header of an impossible size") from error
+        raise InputError(path, "a Radiance HDR file", "a damaged header") from error
     if pixels is None or pixels.ndim != 3 or pixels.dtype != np.float32:
         raise InputError(path, "a whole Radiance HDR file", "a damaged one")
     return pixels[..., ::-1]

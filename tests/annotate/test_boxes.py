@@ -39,6 +39,7 @@ def test_the_amodal_box_of_a_ball_is_that_of_its_exact_projection():
     theta, phi = np.meshgrid(np.linspace(0, np.pi, 400), np.linspace(0, 2 * np.pi, 800))
     ball = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1).reshape(-1, 3)
     found = amodal_box(centre + radius * ball, K)
+    assert found is not None
     for axis, low, high, middle in ((0, found[0], found[2], 50), (1, found[1], found[3], 40)):
         a = np.arctan2(centre[axis], centre[2])
         b = np.arcsin(radius / np.hypot(centre[axis], centre[2]))

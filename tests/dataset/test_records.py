@@ -38,9 +38,12 @@ def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     assert [record.id for record in records] == [2, 3, 4]
     vessel, ball, block = records
     assert [(part.id, part.name) for part in vessel.parts] == [(1, "glass"), (2, "liquid")]
+    assert vessel.material.kind == "glass"
     assert vessel.material.medium == glass.glass
+    assert vessel.liquid is not None
     assert vessel.liquid.model_dump() == tea.model_dump()
     assert ball.liquid is None
+    assert ball.material.kind == "opaque"
     assert ball.material.name == "clay"
     assert [len(record.symmetries_continuous) for record in records] == [1, 2, 0]
     # A block of three different sides has three half turns.

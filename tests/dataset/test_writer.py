@@ -222,6 +222,7 @@ with scene_writer(root, scene, points) as writer:
 def _stopped(root, how):
     command = [sys.executable, "-P", "-c", CHILD, str(root), str(TESTS / "analytic.py")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as child:
+        assert child.stdout is not None
         assert child.stdout.readline() == "view\n"
         child.send_signal(how)
         child.wait(timeout=30)

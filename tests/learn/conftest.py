@@ -50,6 +50,8 @@ def box_scene() -> ModuleType:
     """The module `tests/learn/box_scene.py`: exact pictures of boxes."""
     name = "glassware_tests_learn_box_scene"
     spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("box_scene.py"))
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

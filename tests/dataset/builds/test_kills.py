@@ -47,6 +47,7 @@ def _killed_build(builds, out, family, gone, rng, kills, longest) -> int:
     return kills
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kills", [pytest.param(3, id="3 kills"), pytest.param(50, id="50 kills", marks=pytest.mark.slow)]
 )
@@ -67,6 +68,7 @@ def test_after_kills_a_build_goes_on_to_the_same_bytes(
     assert verify([str(out)]) == 0
 
 
+@pytest.mark.slow
 def test_a_build_that_is_killed_before_it_has_a_head_begins_anew(builds, tmp_path, gone, cleared):
     out = tmp_path / "data"
     child = builds.started(out)

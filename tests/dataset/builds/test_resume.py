@@ -74,6 +74,7 @@ def test_another_version_of_a_package_is_refused_with_what_differs(builds, conte
     assert content(data) == before
 
 
+@pytest.mark.slow
 def test_overwrite_of_some_scenes_does_not_mix_settings_and_of_all_starts_again(builds, data):
     ended = builds.run(data, "--overwrite", "--spp", 4, scenes="0:2")
     assert ended.returncode == 2
@@ -127,6 +128,7 @@ def test_a_wrong_request_is_one_line_and_writes_nothing(capsys, tmp_path, argume
     assert not (tmp_path / "data").exists()
 
 
+@pytest.mark.slow
 def test_a_folder_that_holds_another_scene_is_no_scene(builds, undisturbed, content, tmp_path):
     data = shutil.copytree(undisturbed, tmp_path / "data")
     (data / "scenes/000002").rename(data / "scenes/000007")

@@ -27,6 +27,7 @@ def test_workers_and_order_do_not_matter(builds, undisturbed, content, tmp_path,
     assert content(tmp_path / "data") == content(undisturbed)
 
 
+@pytest.mark.slow
 def test_merged_shards_are_the_whole_and_a_merge_can_be_repeated(builds, undisturbed, content, tmp_path, capsys):
     shards = [tmp_path / f"shard-{i}" for i in (1, 2, 3)]
     for i, folder in enumerate(shards, start=1):
@@ -40,6 +41,7 @@ def test_merged_shards_are_the_whole_and_a_merge_can_be_repeated(builds, undistu
     assert "6 scenes, no faults" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_workers_on_one_core_do_not_wait_for_each_other(builds, undisturbed, content, tmp_path):
     core = str(min(os.sched_getaffinity(0)))
     ended = builds.run(tmp_path / "data", "--workers", 2, before=("taskset", "-c", core))
@@ -47,6 +49,7 @@ def test_workers_on_one_core_do_not_wait_for_each_other(builds, undisturbed, con
     assert content(tmp_path / "data") == content(undisturbed)
 
 
+@pytest.mark.slow
 def test_a_data_set_grows_and_is_the_one_that_was_built_at_once(builds, undisturbed, content, tmp_path):
     for scenes in ("2:4", "0:6"):
         ended = builds.run(tmp_path / "data", scenes=scenes)

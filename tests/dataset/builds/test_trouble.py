@@ -42,6 +42,7 @@ def _last_line(errors: str) -> str:
     return errors
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_build_and_a_larger_one_goes_on(builds, undisturbed, content, hidden, small_disk):
     out = small_disk("size=900k") / "data"
     ended = builds.run(out, "--workers", 2)
@@ -66,6 +67,7 @@ def test_a_read_only_folder_is_refused_in_one_line(builds, undisturbed, small_di
     assert f"{out}: expected a folder that can be created and written to" in _last_line(ended.stderr)
 
 
+@pytest.mark.slow
 def test_an_asset_that_vanishes_ends_the_build_by_its_name(builds, content, hidden, tmp_path, cleared):
     folder, spare = tmp_path / "hdri", tmp_path / "spare.hdr"
     shutil.copytree(builds.settings.parent / "hdri", folder)
@@ -92,6 +94,7 @@ def test_an_asset_that_vanishes_ends_the_build_by_its_name(builds, content, hidd
     assert resumed.returncode == 0, resumed.stderr
 
 
+@pytest.mark.slow
 def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
     builds, undisturbed, content, hidden, tmp_path
 ):
@@ -117,7 +120,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 @pytest.mark.parametrize(
     ("number", "everyone"),
     [
-        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal"),
+        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal", marks=pytest.mark.slow),
         pytest.param(signal.SIGTERM, True, id="a scheduler's SIGTERM to all"),
         pytest.param(signal.SIGTERM, False, id="SIGTERM to the build alone", marks=pytest.mark.slow),
     ],

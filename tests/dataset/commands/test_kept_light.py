@@ -34,6 +34,7 @@ def test_kept_light_is_what_arrives_and_belongs_to_the_data_set(render_scene, sm
     np.testing.assert_allclose(found, meter, rtol=4.0 / np.sqrt(light.paths[top].sum()))
 
 
+@pytest.mark.slow
 def test_no_light_is_kept_unless_asked_for(render_scene, small, tmp_path):
     told = render_scene("--seed", 7, "--config", small, "--picture.light", "shared", "--out", tmp_path / "out")
     assert told.code == 0, told

@@ -131,7 +131,13 @@ def _started(command) -> subprocess.Popen:
         signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "a scheduler's SIGTERM"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGINT, id="ctrl-c"),
+        pytest.param(signal.SIGTERM, id="a scheduler's SIGTERM", marks=pytest.mark.slow),
+    ],
+)
 def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     out = tmp_path / "out"
     arguments = ["--config", str(small), "--views", "57", "--spp", "512", "--out", str(out)]
@@ -156,6 +162,7 @@ def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     assert not (out / "views.parquet").exists()
 
 
+@pytest.mark.slow
 def test_stored_light_is_checked_and_gives_the_same_files_on_one_core(render_scene, small, tmp_path):
     shared = ("--seed", 7, "--config", small, "--picture.light", "shared")
     assert render_scene(*shared, "--out", tmp_path / "all").code == 0

@@ -20,8 +20,8 @@ from glassware.procedural.surroundings.table import outline
 SLACK = 5e-4
 #: Points on each body that are tried against every other.
 PROBES = 2000
-#: Seeds of the quick proof, and of the long one with real files.
-QUICK, LONG = range(3), range(20)
+#: Seeds of the proof without files, one of them quick, and of the one with real files.
+SEEDS, LONG = [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)], range(20)
 
 
 def _settings(assets: Path | None = None) -> SceneSettings:
@@ -92,7 +92,7 @@ def _check_in_view(scene: Scene) -> None:
                 assert inside.all(), (number, item.name)
 
 
-@pytest.mark.parametrize("seed", QUICK)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_a_drawn_scene_is_sound(seed, rng):
     scene = draw_scene(_settings(), seed, 0)
     assert 1 <= len(scene.vessels) <= 7

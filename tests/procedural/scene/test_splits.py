@@ -70,6 +70,7 @@ def test_a_single_file_cannot_be_both():
         files_of(SplitSettings(unseen_assets=0.5), 1, "train", ["a.png"], str)
 
 
+@pytest.mark.slow
 def test_scenes_show_only_the_families_of_their_split():
     settings = SceneSettings(
         vessel_count=(2, 2), prop_count=(0, 0), splits=SplitSettings(val=0.0, test=0.5, unseen_families=2)
@@ -85,6 +86,7 @@ def test_scenes_show_only_the_families_of_their_split():
     assert not shown["train"] & unseen
 
 
+@pytest.mark.slow
 def test_without_unseen_ones_a_scene_is_drawn_as_if_there_were_no_splits():
     plain, split = SceneSettings(), SceneSettings(splits=SplitSettings(val=0.0, test=1.0))
     assert draw_scene(plain, 4, 1).model_dump_json() == draw_scene(split, 4, 1).model_dump_json()

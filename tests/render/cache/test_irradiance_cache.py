@@ -40,6 +40,7 @@ def _samples_of(kernel, stored, seed: int) -> np.ndarray:
     return np.array(mi.luminance(found.radiance), np.float64).reshape(len(pixel), SAMPLES)
 
 
+@pytest.mark.slow
 def test_roulette_leaves_no_window_out_that_a_polished_table_mirrors(polished, monkeypatch) -> None:
     from glassware.render.cache import irradiance_cache
 

@@ -21,8 +21,8 @@ def _nodes(*meshes: trimesh.Trimesh, sides: int = 1):
             mesh.append(np.full(len(one.vertices), number))
         first += sides * len(one.vertices)
     axis, none = Axis(0.0, 0.0, 0.0, 0.0, 0.001), np.zeros(0, np.uint32)
-    parts = (np.concatenate(x) for x in (positions, normals, triangles, back, mesh))
-    return Nodes((axis, axis), *parts, none, none)
+    a, b, c, d, e = (np.concatenate(x) for x in (positions, normals, triangles, back, mesh))
+    return Nodes((axis, axis), a, b, c, d, e, none, none)
 
 
 def _halves(light: np.ndarray, sigma: float, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:

@@ -57,27 +57,22 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
-#: One in the quick suite; the others take up to two minutes each.
-NAMES = [
-    "the caustic of a glass ball",
-    *(
-        pytest.param(name, marks=pytest.mark.slow)
-        for name in (
-            "a prop under a slab of water",
-            "colours between props",
-            "glasses with liquid over a table",
-            "a glossy table",
-        )
-    ),
-]
-
-
 def _blocks(picture: np.ndarray) -> np.ndarray:
     height, width, _ = picture.shape
     return picture.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((1, 3, 4))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.slow  # each takes one to two minutes
+@pytest.mark.parametrize(
+    "name",
+    [
+        "the caustic of a glass ball",
+        "a prop under a slab of water",
+        "colours between props",
+        "glasses with liquid over a table",
+        "a glossy table",
+    ],
+)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
     from glassware.render.cache.cache_points import place_nodes
     from glassware.render.cache.fill_cache import gather_light

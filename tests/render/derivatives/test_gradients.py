@@ -42,7 +42,7 @@ def looked_at(backend, panorama, optical_bench):
             "vessels": (vessel,),
             "table": scene.table.model_copy(update={"mesh": board}),
             "environment": PictureEnvironment(asset=asset(file)),
-            "picture": Picture(**(TO_THE_END | picture)),
+            "picture": Picture.model_validate(TO_THE_END | picture),
         }
         return load(scene.model_copy(update=update))
 
@@ -232,6 +232,7 @@ def test_derivatives_by_roughness_are_right_to_a_per_cent_or_so(looked_at, brigh
     assert np.hypot(error, other) < 0.01 * abs(two)
 
 
+@pytest.mark.slow
 def test_gradient_descent_finds_absorption_and_roughness_from_a_picture(looked_at, bright_spot):
     from glassware.render.derivatives.gradients import changed, picture_and_gradients
 

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Callable, Iterator
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 
@@ -18,18 +19,16 @@ from glassware.procedural.optics.medium import Medium
 EPS, ROUNDINGS = 2.0**-24, 64
 GLASS = 1.5
 #: Where the scenes of closed forms are, and the name that they are imported by.
-PROOFS, PACKAGE = Path(__file__).resolve().parents[3] / "bench" / "proofs", "glassware_proofs"
+PROOFS, PACKAGE = Path(__file__).resolve().parents[2] / "proofs", "glassware_proofs"
 
 
 @pytest.fixture(scope="module")
 def proofs() -> Callable[[str], ModuleType]:
-    """Name -> the module of `bench/proofs`, where bodies of closed forms are."""
+    """Name -> the module of `tests/proofs`, where bodies of closed forms are."""
     if PACKAGE not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            PACKAGE, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]
-        )
+        spec = ModuleSpec(PACKAGE, None, is_package=True)
+        spec.submodule_search_locations = [str(PROOFS)]
         sys.modules[PACKAGE] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[PACKAGE])
     return lambda name: importlib.import_module(f"{PACKAGE}.{name}")
 
 
@@ -42,9 +41,9 @@ def polarised(request, backend) -> Iterator[str]:
     activate(backend)
 
 
-def amplitudes(theta: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
+def amplitudes(theta: np.ndarray, eta: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fresnel's sine and tangent laws (Hecht, Optics, eqs. 4.42 and 4.43), complex beyond the critical angle."""
-    inside = np.arcsin(np.sin(theta) / eta + 0j)
+    inside: np.ndarray = np.arcsin(np.sin(theta) / eta + 0j)
     inside = np.where(inside.imag > 0.0, np.conj(inside), inside)  # the wave behind fades with exp(-i omega t)
     return -np.sin(theta - inside) / np.sin(theta + inside), np.tan(theta - inside) / np.tan(theta + inside)
 
@@ -325,6 +324,7 @@ def test_light_through_and_from_a_pile_of_plates_is_polarised_as_stokes_said(pol
         assert (np.linalg.norm(found[:, 1:], axis=1) <= found[:, 0] * (1.0 + 16 * ROUNDINGS * EPS)).all()
 
 
+@pytest.mark.slow
 def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polarised(polarised, drawn):
     import mitsuba as mi
 

@@ -126,12 +126,11 @@ def test_a_slab_has_its_two_faces_as_layers(backend, optical_bench):
     Z = np.array([0.275, 0.325, 0.5, 0.52])
     np.testing.assert_allclose(layers.Z[:4, whole], np.repeat(Z[:, None], whole.sum(), axis=1), atol=5e-6)
     outside, opaque = PARTS.index("outside"), PARTS.index("opaque")
-    for i, expected in enumerate(
-        [(2, outside, 2, True), (2, outside, 0, False), (1, opaque, 1, True), (1, 0, 0, False)]
-    ):
+    met = [(2, outside, 2, True), (2, outside, 0, False), (1, opaque, 1, True), (1, 0, 0, False)]
+    for i, expected in enumerate(met):
         fields = (layers.id[i], layers.part[i], layers.material[i], layers.entering[i])
         assert [set(field[whole].tolist()) for field in fields] == [{value} for value in expected]
-    assert (opaque, expected[1]) == (0, 0)
+    assert (opaque, met[-1][1]) == (0, 0)
     np.testing.assert_allclose(layers.normal[:4, whole].astype(float).reshape(-1, 3) @ [0, 0, 1], -1.0)
 
 

@@ -1,4 +1,4 @@
-"""The measurements of `bench/proofs`, imported by path, at budgets of a test."""
+"""The measurements of `tests/proofs`, imported by path, at budgets of a test."""
 
 from __future__ import annotations
 
@@ -6,24 +6,23 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Callable
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-PROOFS = Path(__file__).resolve().parents[3] / "bench" / "proofs"
+PROOFS = Path(__file__).resolve().parents[2] / "proofs"
 
 
 @pytest.fixture
 def law(backend: str) -> Callable[[str], ModuleType]:
-    """Name -> the module of `bench/proofs`."""
+    """Name -> the module of `tests/proofs`."""
     package = "glassware_proofs"
     if package not in sys.modules:
-        spec = importlib.util.spec_from_file_location(
-            package, PROOFS / "__init__.py", submodule_search_locations=[str(PROOFS)]
-        )
+        spec = ModuleSpec(package, None, is_package=True)
+        spec.submodule_search_locations = [str(PROOFS)]
         sys.modules[package] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[package])
     return lambda name: importlib.import_module(f"{package}.{name}")
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from glassware.procedural.optics.catalogue import catalogue
 from glassware.procedural.optics.medium import Medium
+from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import ball, plano_convex, tube
 from .bundles import refracted_rays, rows
@@ -55,7 +56,7 @@ def plano_convex_lens(rings: int = 65, segments: int = 256) -> list[Check]:
     ]
 
 
-def _focal(name: str, kernel: object, along: np.ndarray, radius: float, expected: float, sagitta: float) -> Check:
+def _focal(name: str, kernel: LoadedScene, along: np.ndarray, radius: float, expected: float, sagitta: float) -> Check:
     """Measure the focal length by rays parallel to the axis at two heights, extrapolated to height 0.
 
     A ray at height h leaves towards the axis at the tangent ``h / f``, where f falls as h^2 (third-order aberration).
@@ -72,7 +73,7 @@ def _focal(name: str, kernel: object, along: np.ndarray, radius: float, expected
     return worst(name, expected * 1e3, 1e3 / power, limit, basis, unit="mm", relative=True, bound=FOCAL_BOUND)
 
 
-def _power(kernel: object, along: np.ndarray, height: float) -> float:
+def _power(kernel: LoadedScene, along: np.ndarray, height: float) -> float:
     turn = 2.0 * np.pi * (np.arange(_AZIMUTHS) + 0.5) / _AZIMUTHS
     out = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AZIMUTHS)], 1)
     end = refracted_rays(kernel, height * out - 0.1 * along, np.broadcast_to(along, out.shape))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -25,7 +26,7 @@ from .fresnel import reflectance
 from .loading import interface, loaded
 
 _SIGMA, _ETA, _THICK, _ALPHA = (2.0, 20.0, 40.0), 1.5, 0.05, 0.2
-_TO_THE_END = {"max_depth": 64, "rr_depth": 64}
+_TO_THE_END: dict[str, Any] = {"max_depth": 64, "rr_depth": 64}
 #: Paths traced at a time: each writes 3 numbers for every parameter.
 _BATCH = 1_000_000
 

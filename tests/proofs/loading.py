@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import OpenEXR
@@ -25,8 +26,12 @@ SCREEN_ID = 9
 _TABLE = np.array([[0.3, 0.3, -0.3], [0.30001, 0.3, -0.3], [0.3, 0.30001, -0.3]])
 
 
+#: What an interface is a part of.
+Part = Literal["outside", "wet_wall", "liquid_surface"]
+
+
 def interface(
-    mesh: Mesh, back: Medium, front: Medium = AIR, roughness: float = 0.0, part: str = "outside"
+    mesh: Mesh, back: Medium, front: Medium = AIR, roughness: float = 0.0, part: Part = "outside"
 ) -> Interface:
     """Return an interface."""
     return Interface(part=part, mesh=mesh, front=front, back=back, roughness=roughness)

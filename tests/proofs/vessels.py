@@ -22,7 +22,7 @@ from .energy import FURNACE_BOUND
 from .loading import alone, loaded_scene
 
 #: The second tracer lives with the tests and shares nothing with the product but the triangles.
-_TRACER = Path(__file__).resolve().parents[2] / "tests" / "numpy_tracer.py"
+_TRACER = Path(__file__).resolve().parents[1] / "numpy_tracer.py"
 _SEED = 20230213
 
 
@@ -121,6 +121,8 @@ def numpy_tracer() -> ModuleType:
     name = "glassware_second_tracer"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, _TRACER)
+        assert spec is not None
+        assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
         sys.modules[name] = module
         spec.loader.exec_module(module)

@@ -38,8 +38,8 @@ def prism(apex: float, side: float, height: float) -> Mesh:
     """
     across, along = side * np.sin(apex / 2), side * np.cos(apex / 2)
     corners = np.array([[0.0, along / 2], [-across, -along / 2], [across, -along / 2]])
-    vertices = [[x, y, z] for z in (-height / 2, height / 2) for x, y in corners]
-    faces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+    vertices = np.array([[x, y, z] for z in (-height / 2, height / 2) for x, y in corners])
+    faces = np.array([[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]])
     return Mesh("prism", vertices, faces)
 
 
@@ -58,7 +58,7 @@ def shell(outer: float, inner: float, subdivisions: int = 5, flat: bool = False)
 def both(one: Mesh, other: Mesh) -> Mesh:
     """Return two meshes with normals as one."""
     faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
-    normals = None if one.normals is None else np.concatenate([one.normals, other.normals])
+    normals = None if one.normals is None or other.normals is None else np.concatenate([one.normals, other.normals])
     return Mesh("both", np.concatenate([one.vertices, other.vertices]), faces, normals)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from glassware.procedural.optics.medium import AIR, Medium
@@ -17,7 +19,7 @@ from .loading import interface, loaded
 ABSORPTION_BOUND, FURNACE_BOUND = 0.2, 0.2
 _GLASS, _WATER = Medium(name="glass", eta=1.52), Medium(name="water", eta=1.333)
 #: Settings of a picture whose paths end only where light does.
-_TO_THE_END = {"max_depth": 1024, "rr_depth": 1024}
+_TO_THE_END: dict[str, Any] = {"max_depth": 1024, "rr_depth": 1024}
 #: Absorption of the slab, in three colours [1/m]: 5 cm let 90, 37 and 13 % pass.
 _SIGMA = (2.0, 20.0, 40.0)
 

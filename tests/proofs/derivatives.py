@@ -161,7 +161,7 @@ def _mover(kernel: LoadedScene) -> Callable[[mi.Float], None]:
     parameters = mi.traverse(kernel.mi_scene)
     names = [name for name in parameters.keys() if name.endswith("vertex_positions")]  # noqa: SIM118
     counts = {name: dr.width(parameters[name]) for name in names}
-    key = max(counts, key=counts.get)  # the ball has by far the most vertices
+    key = max(counts, key=counts.__getitem__)  # the ball has by far the most vertices
     start = dr.unravel(mi.Point3f, mi.Float(parameters[key]))
 
     def move(shift: mi.Float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import stats
 
 #: Half the spacing of float32 numbers near 1: the most that one rounding changes, as a share.
@@ -34,9 +35,9 @@ class Check:
 
 def worst(
     name: str,
-    expected: np.ndarray,
-    measured: np.ndarray,
-    limit: np.ndarray,
+    expected: ArrayLike,
+    measured: ArrayLike,
+    limit: ArrayLike,
     basis: str,
     *,
     unit: str = "",
@@ -61,7 +62,7 @@ def worst(
         What the project promises, in the unit of the error.
     """
     expected, measured, limit = np.broadcast_arrays(
-        *(np.atleast_1d(np.float64(v)) for v in (expected, measured, limit))
+        *(np.atleast_1d(np.asarray(v, np.float64)) for v in (expected, measured, limit))
     )
     if not np.isfinite(measured).all():
         raise ValueError(f"{name}: expected numbers, measured {measured}")

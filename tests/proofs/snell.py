@@ -12,6 +12,7 @@ from glassware.procedural.optics.catalogue import catalogue
 from glassware.procedural.optics.dispersion import C_LINE, D_LINE, F_LINE
 from glassware.procedural.optics.medium import Medium, eta
 from glassware.render.backend.variant import activate
+from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import box, prism
 from .bundles import refracted_rays, rows, traced
@@ -96,7 +97,7 @@ def prism_angles(angles_deg: np.ndarray) -> list[Check]:
     origins, directions = _at_prism(theta)
     kernel = loaded(body, environment=_ramp())
     exits = _azimuth(refracted_rays(kernel, origins, directions).direction)
-    expected, limit = _behind_prism(theta, np.float64(_GLASS.eta))
+    expected, limit = _behind_prism(theta, np.asarray(_GLASS.eta))
     basis = f"{ROUNDINGS} float32 roundings an interface, magnified by 1/cos"
     path_limit = limit + _RAMP_LIMIT
     return [
@@ -219,7 +220,7 @@ _RAMP_LIMIT = 2.0 * ROUNDINGS * EPS * 360.0
 
 
 def _by_radiance(
-    kernel: object, origins: np.ndarray, directions: np.ndarray, expected: np.ndarray, nm: float | None
+    kernel: LoadedScene, origins: np.ndarray, directions: np.ndarray, expected: np.ndarray, nm: float | None
 ) -> np.ndarray:
     """Return the azimuths [deg] in which paths leave a body: what they bring back says from where.
 
