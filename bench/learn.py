@@ -167,7 +167,7 @@ def _targets() -> dict[str, torch.Tensor]:
     cells, size = (1, HEIGHT // 8, WIDTH // 8), (1, HEIGHT, WIDTH)
     fields = {"vertex": torch.zeros(1, 16, *cells[1:]), "covariance": torch.zeros(1, 6, *cells[1:])}
     whole = {"depth": torch.ones(size), "heatmap": torch.zeros(size), "seg": torch.zeros(size, dtype=torch.int64)}
-    masks = {"owned": torch.ones(size, dtype=torch.bool), "counts": torch.ones(cells, dtype=torch.bool)}
+    masks = {"object_mask": torch.ones(size, dtype=torch.bool), "cell_mask": torch.ones(cells, dtype=torch.bool)}
     return {**fields, **whole, **masks, "offset": torch.zeros(1, 2, HEIGHT, WIDTH), "z_centroid": torch.zeros(cells)}
 
 

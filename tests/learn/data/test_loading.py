@@ -7,7 +7,7 @@ import torch
 
 from glassware.core.errors import InputError
 from glassware.learn.data.loading import load_batches
-from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
 
@@ -19,7 +19,7 @@ def test_batches_are_those_of_the_samples(rendered, workers):
     found = list(load_batches(data, order, workers))
     assert len(found) == 2
     for batch, items in zip(found, order, strict=True):
-        assert torch.equal(batch.images, batched([data[item] for item in items]).images)
+        assert torch.equal(batch.images, collate([data[item] for item in items]).images)
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
