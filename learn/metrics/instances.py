@@ -55,10 +55,10 @@ class InstancePrecision:
 
 def instance_precision(images: Sequence[ImageMasks]) -> InstancePrecision:
     """Return the average precisions of masks over a data set."""
-    annotations, results, images = [], [], []
+    annotations, results, records = [], [], []
     for number, image in enumerate(images, start=1):
         height, width = image.size
-        images.append({"id": number, "height": height, "width": width})
+        records.append({"id": number, "height": height, "width": width})
         for mask, ignored in zip(image.true, image.ignored, strict=True):
             annotations.append(_annotation(mask, number, len(annotations) + 1) | {"iscrowd": int(ignored)})
         for mask, score in zip(image.found, image.scores, strict=True):
@@ -67,7 +67,7 @@ def instance_precision(images: Sequence[ImageMasks]) -> InstancePrecision:
         return InstancePrecision(*[float("nan")] * 3)
     if not results:
         return InstancePrecision(0.0, 0.0, 0.0)
-    return _evaluated(images, annotations, results)
+    return _evaluated(records, annotations, results)
 
 
 def mask_overlaps(image: ImageMasks) -> ImageOverlaps:

@@ -23,12 +23,12 @@ def test_batches_are_those_of_the_samples(rendered, workers):
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
-def test_a_sample_that_cannot_be_used_is_told_as_one_line_from_any_process(rendered, workers):
+def test_a_sample_that_cannot_be_used_is_one_line_from_any_process(rendered, workers):
     data = SampleDataset(rendered, "all", ViewSettings(count=9), CORRECTED)
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as raised:
         list(load_batches(data, [[(0, 0)]], workers))
-    assert "expected 8 others by the rule distance" in str(told.value)
-    assert "\n" not in str(told.value)
+    assert "expected 8 others by the rule distance" in str(raised.value)
+    assert "\n" not in str(raised.value)
 
 
 def test_an_input_error_is_the_same_in_another_process():

@@ -69,7 +69,7 @@ def test_a_network_that_sees_nothing_misses_everything(samples):
     assert found["masks"]["ap"] == 0.0
 
 
-def test_spoilt_weights_are_one_clear_line(samples, tiny):
+def test_damaged_weights_are_one_clear_line(samples, tiny):
     net = build_network(tiny)
     torch.nn.init.constant_(net.vertex_head.predictor.bias, float("nan"))
     with pytest.raises(InputError, match=r"scenes/000000/000: vertex: expected finite numbers from the network"):
@@ -142,7 +142,7 @@ def test_a_batch_of_several_gives_each_its_own_boxes(samples):
         torch.testing.assert_close(found.camera_T_object, alone.camera_T_object)
 
 
-def test_contents_are_told_apart(rendered, samples):
+def test_fills_are_those_of_the_objects(rendered, samples):
     vessels = [
         o for scene in Dataset.open(rendered).scenes for o in scene.objects().objects if o.material.kind == "glass"
     ]

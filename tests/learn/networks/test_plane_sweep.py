@@ -22,7 +22,7 @@ PIXELS = 1e-3
 
 
 def cameras(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Poses round a place near the origin, and a K of its own for each."""
+    """Poses around a place near the origin, and a K of its own for each."""
     eyes = [np.array([0.5, -0.3, 0.8]) + rng.uniform(-0.2, 0.2, 3) for _ in range(count)]
     poses = np.stack([look_at(eye, rng.uniform(-0.05, 0.05, 3), rng.uniform(0, 1)) for eye in eyes])
     K = np.stack(
