@@ -113,7 +113,7 @@ def settings_of(name: str, seed: int, steps: int) -> dict[str, Any]:
         "views": {**asked.views, "size": list(SIZE)},
         "losses": dict(asked.losses),
         "machine": {"accelerator": "cpu", "threads": 1, "workers": 1, "precision": "bf16-mixed"},
-        "optimiser": {"warmup": 50, "rate": asked.rate},
+        "optimiser": {"warmup": 50, "learning_rate": asked.rate},
         "seed": seed,
         "steps": round(steps * asked.share),
         "batch": 4,
@@ -135,7 +135,7 @@ def _run(name: str, seed: int, given: Namespace) -> None:
     config = folder / "run.yaml"
     config.write_text(json.dumps(settings_of(name, seed, given.steps), indent=1))  # JSON is YAML
     train = ["train", data, "--config", config, "--out", folder / "run"]
-    score = ["evaluate", folder / "run" / "last.ckpt", data, "--split", "test", "--out", folder]
+    score = ["evaluate", folder / "run" / "last.safetensors", data, "--split", "test", "--out", folder]
     spent = {
         "train": _seconds(train, folder / "train.txt"),
         "evaluate": _seconds([*score, "--worst", "4", "--workers", "0", "--threads", "1"], folder / "evaluate.txt"),

@@ -1,9 +1,9 @@
-"""What training and inference cost: the corrected network beside the released one, in turns, and the loader.
+"""Time and memory of training and inference, corrected and released network in turns, and the data loader.
 
 python bench/learn.py [--rounds 2] [--threads 1] [--data DIR] [--json FILE]
 
-Each round starts a process for either network, which takes one step that does not count and then `--steps` more, at
-640 x 480 with 2 views and one sample. Memory is the most that the process ever held.
+Each round starts a process for each network, which takes one warm-up step and then `--steps` measured steps, at
+640 x 480 with 2 views and one sample. Memory is the peak resident size of the process.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from glassware.learn.training.losses import LossWeights, losses, total_loss
 
 HEIGHT, WIDTH, VIEWS = 480, 640, 2
 DEPTH_RANGE = (0.25, 3.0)
-#: At least so many times as fast as the released network, with at most this share of its memory; and the loader at
-#: least so many times as fast as the network.
+#: Targets: least speed relative to the released network, greatest fraction of its memory, and least speed of the data
+#: loader relative to the network.
 FASTER, MEMORY, LOADER = 2.0, 0.6, 5.0
 
 
@@ -56,7 +56,7 @@ def main() -> int:
             found.setdefault(job, []).append(_child(job, given))
     best = {job: {key: min(run[key] for run in runs) for key in runs[0]} for job, runs in found.items()}
     rows = _training(best["reference"], best["corrected"], "corrected")
-    rows += _training(best["reference"], best["recompute"], "corrected, features computed again")[1::2]
+    rows += _training(best["reference"], best["recompute"], "corrected, recompute: features")[1::2]
     rows += _inference(best)
     rows += _loading(given, best["corrected"]["seconds"])
     facts = {"size": f"{WIDTH} x {HEIGHT}, {VIEWS} views, 1 sample", "rounds": given.rounds, "threads": given.threads}
@@ -71,7 +71,7 @@ def _child(job: str, given: Namespace) -> dict[str, float]:
 
 def _training(reference: dict[str, float], corrected: dict[str, float], name: str) -> list[Row]:
     faster = reference["seconds"] / corrected["seconds"]
-    share = corrected["peak"] / reference["peak"]
+    fraction = corrected["peak"] / reference["peak"]
     return [
         Row("training step, released", reference["seconds"], "s"),
         Row(
@@ -89,9 +89,9 @@ def _training(reference: dict[str, float], corrected: dict[str, float], name: st
             corrected["peak"],
             "GB",
             peer=reference["peak"],
-            ratio=1.0 / share,
+            ratio=1.0 / fraction,
             bound=MEMORY * reference["peak"],
-            ok=share <= MEMORY,
+            ok=fraction <= MEMORY,
         ),
     ]
 
@@ -102,7 +102,7 @@ def _inference(best: dict[str, dict[str, float]]) -> list[Row]:
     for job, name in (("bfloat16", "bfloat16"), ("compiled", "torch.compile")):
         seconds = best[job]["seconds"]
         if seconds < 0.0:
-            rows.append(Row(f"inference, {name}", None, "s", note="this machine has no compiler"))
+            rows.append(Row(f"inference, {name}", None, "s", note="no C++ compiler on this machine"))
         else:
             rows.append(Row(f"inference, {name}", seconds, "s", peer=plain, ratio=plain / seconds))
     return rows
@@ -151,7 +151,7 @@ def _job(given: Namespace) -> dict[str, float]:
         seconds = _steps(settings, given.steps)
     else:
         seconds = _forward(given.only, given.steps)
-    # Linux counts in kilobytes.
+    # Linux reports kilobytes.
     return {"seconds": seconds, "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9}
 
 
@@ -167,7 +167,7 @@ def _targets() -> dict[str, torch.Tensor]:
     cells, size = (1, HEIGHT // 8, WIDTH // 8), (1, HEIGHT, WIDTH)
     fields = {"vertex": torch.zeros(1, 16, *cells[1:]), "covariance": torch.zeros(1, 6, *cells[1:])}
     whole = {"depth": torch.ones(size), "heatmap": torch.zeros(size), "seg": torch.zeros(size, dtype=torch.int64)}
-    masks = {"owned": torch.ones(size, dtype=torch.bool), "counts": torch.ones(cells, dtype=torch.bool)}
+    masks = {"object_mask": torch.ones(size, dtype=torch.bool), "cell_mask": torch.ones(cells, dtype=torch.bool)}
     return {**fields, **whole, **masks, "offset": torch.zeros(1, 2, HEIGHT, WIDTH), "z_centroid": torch.zeros(cells)}
 
 

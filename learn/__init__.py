@@ -4,8 +4,8 @@ if __name__ != "glassware.learn":
     raise ImportError(f"this package is glassware.learn, not {__name__!r}: run from an installed checkout")
 
 from .networks.build import build_network
-from .networks.corrected import CorrectedNetwork
-from .networks.reference import ReferenceNetwork, load_reference
+from .networks.mvtrans import MVTrans
+from .networks.reference import ReferenceMVTrans, load_reference
 from .networks.settings import NetworkSettings
 
-__all__ = ["CorrectedNetwork", "NetworkSettings", "ReferenceNetwork", "build_network", "load_reference"]
+__all__ = ["MVTrans", "NetworkSettings", "ReferenceMVTrans", "build_network", "load_reference"]

@@ -1,1 +1,1 @@
-"""The commands of networks."""
+"""The commands ``glassware train``, ``glassware evaluate`` and ``glassware predict``."""

@@ -1,4 +1,4 @@
-"""``glassware evaluate``: what a network is worth on a data set."""
+"""``glassware evaluate``: metrics of a network on a data set."""
 
 from __future__ import annotations
 
@@ -15,35 +15,36 @@ from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
+from ..data.splits import SplitName
 from ..evaluation.report import tables
 from ..evaluation.run import evaluate
-from ..networks.device import use
+from ..networks.build import select_device
 
 _DESCRIPTION = """Evaluate a network: glassware evaluate CKPT DATA --split val
 
-No weight of the network changes. Figures are printed as tables and written to OUT/report.json; the samples with the
-greatest error of depth are drawn beside it: what was found above, what is there below."""
+Metrics are printed as tables and written to OUT/report.json, beside images of the samples with the greatest depth
+error, predictions above ground truth. The network does not change."""
 
-#: Columns of what is printed to a file or a pipe.
+#: Columns of output that goes to a file or a pipe.
 _WIDTH = 160
 
 
 class Evaluate(Model):
-    """The request."""
+    """Arguments of the command."""
 
     checkpoint: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Checkpoint of a network")
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of a data set")
-    split: str = Field(default="val", description="Scenes: train, val, test, or all")
-    out: UserPath = Field(default=Path("out-evaluate"), description="Folder of the report")
-    worst: int = Field(default=8, ge=0, le=1000, description="Worst samples that are drawn")
-    workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: none but this one")
+    split: SplitName = Field(default="val", description="Scenes to evaluate on")
+    out: UserPath = Field(default=Path("out-evaluate"), description="Output folder")
+    worst: int = Field(default=8, ge=0, le=1000, description="Number of worst samples drawn as images")
+    workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: in the main process")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
-    threads: int | None = Field(default=None, ge=1, le=1024, description="Threads of torch; all cores unless given")
+    threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code says how it went."""
+    """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     return run_command(lambda: _evaluate(given))
 
@@ -65,7 +66,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
         say,
         worst=request.worst,
         workers=request.workers,
-        device=use(request.device, request.threads),
+        device=select_device(request.device, request.threads),
     )
     for table in tables(found):
         console.print(table)
@@ -73,7 +74,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
 
 
 def _console() -> Console:
-    """Return a console that is wide enough for the tables, in a file or a pipe as well."""
+    """Return a console that is wide enough for the tables in a file or a pipe."""
     console = Console()
     return console if console.is_terminal else Console(width=_WIDTH)
 

@@ -1,4 +1,4 @@
-"""``glassware predict``: objects and depth in given pictures."""
+"""``glassware predict``: objects and depth in images of your own."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
 from ..evaluation.predict import predict
-from ..networks.device import use
+from ..networks.build import select_device
 
-_DESCRIPTION = """Find objects and depth in pictures: glassware predict CKPT IMAGE IMAGE ...
+_DESCRIPTION = """Predict objects and depth: glassware predict CKPT IMAGE IMAGE ...
 
-The pictures are two or more views of one scene; boxes, masks and depth are of the first. The camera of a.png is in
+The images are two or more views of one scene; boxes, masks and depth are those of the first. The camera of a.png is in
 a.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder."""
 
 
 class Predict(Model):
-    """The request."""
+    """Arguments of the command."""
 
     checkpoint: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Checkpoint of a network")
     images: tyro.conf.Positional[tuple[UserPath, ...]] = Field(
-        default=(), description="Pictures; the first is labelled"
+        default=(), description="Images; objects and depth of the first are predicted"
     )
-    out: UserPath = Field(default=Path("out-predict"), description="Folder that is written to")
+    out: UserPath = Field(default=Path("out-predict"), description="Output folder")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
-    threads: int | None = Field(default=None, ge=1, le=1024, description="Threads of torch; all cores unless given")
+    threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code says how it went."""
+    """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     return run_command(lambda: _predict(given))
 
@@ -47,7 +47,7 @@ def _predict(arguments: Sequence[str]) -> None:
     request = parse_request(Predict, arguments, "glassware predict", _DESCRIPTION)
     if request.checkpoint is None:
         raise InputError("glassware predict", "a checkpoint and pictures", "neither")
-    device = use(request.device, request.threads)
+    device = select_device(request.device, request.threads)
     found = predict(request.checkpoint, request.images, request.out, device).objects
     console = Console()
     console.print(f"{len(found)} objects; written to {request.out}", markup=False, highlight=False, soft_wrap=True)

@@ -1,4 +1,4 @@
-"""``glassware train``: a network from a data set."""
+"""``glassware train``: train a network on a data set."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from ..training.settings import TrainSettings
 
 _DESCRIPTION = """Train a network on a data set: glassware train DATA --config FILE --out RUN
 
-Settings are those of the YAML file, with the command line on top of it. A run that was stopped goes on with
---resume RUN/last.ckpt and gives the weights that it would have given."""
+Settings come from the YAML file, overridden by the command line. A run that was stopped resumes with
+--resume RUN/last.safetensors and gives the weights of an uninterrupted run."""
 
 
 class Train(TrainSettings):
-    """The request."""
+    """Arguments of the command."""
 
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of the data set")
-    out: UserPath = Field(default=Path("out-train"), description="Folder of the run")
-    resume: UserPath | None = Field(default=None, description="Checkpoint to go on from")
+    out: UserPath = Field(default=Path("out-train"), description="Output folder")
+    resume: UserPath | None = Field(default=None, description="Checkpoint to resume from")
     config: UserPath | None = Field(default=None, description="YAML file of settings")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; the exit code says how it went."""
+    """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     return run_command(lambda: _train(given))
 

@@ -1,1 +1,1 @@
-"""Samples of several views out of a data set."""
+"""The data loader: multi-view samples of a data set, their ground truth, augmentation and batches."""

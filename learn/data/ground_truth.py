@@ -1,4 +1,4 @@
-"""What is known of a reference view: its objects, their pixels and its depth."""
+"""Ground truth of a reference view: instance ids, depth, objects with poses, keypoints."""
 
 from __future__ import annotations
 
@@ -15,36 +15,39 @@ from ...dataset.format.exr import channel, read_exr
 from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
 from ...dataset.format.pictures import read_png
 from ...dataset.reader import StoredView
+from ...procedural.description.scene import TABLE_ID
 from ..targets.objects import ViewObject, canonical_pose
 from .views import check_rigid
 
-#: Farthest depth and longest side that a label may have [m]: more were not metres.
-FARTHEST = 1000.0
-#: Axes of revolution that an object may have: z, and another one where it is a ball.
+#: Greatest depth and longest side of a label [m]: larger values are not in metres.
+MAX_LENGTH = 1000.0
+#: Id of pixels without a surface.
+_BACKGROUND_ID = 0
+#: Axes of revolution of an object: z, and another one for a ball.
 _AXES = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class GroundTruth:
     """The labels of a view."""
 
-    instances: np.ndarray  #: (H, W) uint16, ids of the first surface
+    instances: np.ndarray  #: (H, W) uint16, instance ids of the first surface
     Z: np.ndarray  #: (H, W) float32 [m]; +inf for none
     objects: tuple[ViewObject, ...]
-    keypoints: dict[int, np.ndarray]  #: by object id, (k, 3) float64 in the object's frame [m]
+    keypoints: dict[int, np.ndarray]  #: by object id, (k, 3) float64 in the object frame [m]
 
 
-def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) -> Truth:
-    """Return the labels of a view; InputError that names file and field where one is missing.
+def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) -> GroundTruth:
+    """Return the labels of a view; InputError with file and field where one is missing or wrong.
 
     Parameters
     ----------
     view : StoredView
         The view.
     objects : ObjectsFile
-        Its scene's.
+        The objects of its scene.
     size : (int, int)
-        Height and width of its pictures [px].
+        Height and width of its images [px].
     """
     path = view.folder / layout.GEOMETRY
     Z = channel(read_exr(path), "Z", path)
@@ -52,10 +55,10 @@ def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) ->
     for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
         if values.shape != size:
             raise InputError(view.folder / name, f"{size[0]} x {size[1]} px", values.shape)
-    wrong = ~((Z > 0.0) & ((Z <= FARTHEST) | np.isposinf(Z)))  # NaN as well
+    wrong = ~((Z > 0.0) & ((Z <= MAX_LENGTH) | np.isposinf(Z)))  # NaN as well
     if wrong.any():
         found = f"{Z[wrong][0]:g} in {int(wrong.sum())} pixels"
-        raise InputError(f"{path}: Z", f"depths above 0 and up to {FARTHEST:g} m, or +inf for none", found)
+        raise InputError(f"{path}: Z", f"depths above 0 and up to {MAX_LENGTH:g} m, or +inf for none", found)
     records = {record.id: record for record in objects.objects}
     labels = view.labels().objects
     numbers = [label.id for label in labels]
@@ -66,21 +69,21 @@ def read_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) ->
             where = view.folder.parent / layout.OBJECTS
             raise InputError(where, f"an object {label.id}, which {layout.LABELS} has", f"{sorted(records)}")
     found = tuple(_object(records[label.id], label, instances, view) for label in labels)
-    known = {0, 1, *(item.id for item in found)}
-    strange = sorted(set(np.unique(instances).tolist()) - known)
-    if strange:
-        raise InputError(view.folder / layout.LABELS, f"an object {strange[0]}, which {layout.INSTANCES} has", "none")
+    known = {_BACKGROUND_ID, TABLE_ID, *(item.id for item in found)}
+    unknown = sorted(set(np.unique(instances).tolist()) - known)
+    if unknown:
+        raise InputError(view.folder / layout.LABELS, f"an object {unknown[0]}, which {layout.INSTANCES} has", "none")
     keypoints = {record.id: np.array(record.keypoints, np.float64).reshape(-1, 3) for record in objects.objects}
-    return Truth(instances, Z, found, keypoints)
+    return GroundTruth(instances, Z, found, keypoints)
 
 
 def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:
     symmetry = _symmetry(record, view.folder.parent / layout.OBJECTS)
     pose = np.array(label.camera_T_object)
     check_rigid(pose, f"{view.folder / layout.LABELS}: object {label.id} camera_T_object")
-    if not all(0.0 < side < FARTHEST for side in record.size):
+    if not all(0.0 < side < MAX_LENGTH for side in record.size):
         where = f"{view.folder.parent / layout.OBJECTS}: object {record.id} size"
-        raise InputError(where, f"sides above 0 and up to {FARTHEST:g} m", record.size)
+        raise InputError(where, f"sides above 0 and up to {MAX_LENGTH:g} m", record.size)
     return ViewObject(
         id=record.id,
         category=record.category,
@@ -94,7 +97,7 @@ def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, vie
 
 
 def _symmetry(record: ObjectRecord, path: Path) -> Symmetry:
-    """Return what an object's record says of its symmetry: turns about z, all turns, and single motions."""
+    """Return the symmetry of an object's record: revolution about z, of a ball, and single motions."""
     where = f"{path}: object {record.id} symmetries"
     axes = [(axis.axis, axis.offset) for axis in record.symmetries_continuous]
     for axis, offset in axes:

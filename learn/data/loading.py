@@ -1,4 +1,4 @@
-"""Batches from processes that load samples, and what goes wrong there."""
+"""The data loader: batches of samples, loaded by worker processes, with their errors."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from torch.utils.data import Dataset as TorchDataset
 
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed
-from .samples import Batch, Sample, SampleDataset, batched
+from .samples import Batch, Sample, SampleDataset, collate
 
 
-class _Told(TorchDataset):
-    """Samples, or what is wrong with them: torch makes another error of one that is raised in a process of its own."""
+class _SamplesOrErrors(TorchDataset):
+    """Samples, or their InputError as a value: torch would change an exception raised in a worker process."""
 
     def __init__(self, samples: SampleDataset) -> None:
         super().__init__()
@@ -31,30 +31,30 @@ class _Told(TorchDataset):
 
 
 def load_batches(samples: SampleDataset, order: Iterable[list[tuple[int, int]]], workers: int) -> Iterator[Batch]:
-    """Go through batches of samples.
+    """Yield batches of samples.
 
     Parameters
     ----------
     samples : SampleDataset
         The samples.
     order : iterable of lists
-        The samples of each batch, as `SampleDataset` is asked for them.
+        The items of each batch, (index, draw) of `SampleDataset`.
     workers : int
-        Processes that load; 0: none but this one.
+        Worker processes; 0: load in this process.
 
     Raises
     ------
     InputError
-        Where a sample cannot be used, as `SampleDataset` raises it.
+        Where a sample cannot be used.
     WorkFailed
-        Where a process died, as when memory runs out.
+        Where a worker process died, for example when memory ran out.
     """
     loader = DataLoader(
-        _Told(samples),
+        _SamplesOrErrors(samples),
         batch_sampler=order,
-        collate_fn=_batch_or_error,
+        collate_fn=_collate_or_error,
         num_workers=workers,
-        worker_init_fn=_leave_signals,
+        worker_init_fn=_ignore_signals,
     )
     try:
         for found in loader:
@@ -64,20 +64,20 @@ def load_batches(samples: SampleDataset, order: Iterable[list[tuple[int, int]]],
     except RuntimeError as error:
         if not str(error).startswith("DataLoader worker"):
             raise
-        raise WorkFailed(f"a process that loads samples: {' '.join(str(error).split())}") from error
+        raise WorkFailed(f"a data loader process: {' '.join(str(error).split())}") from error
 
 
-def _leave_signals(_: int) -> None:
-    """Leave it to the parent to stop: a signal to the whole group reaches both."""
+def _ignore_signals(_: int) -> None:
+    """Ignore signals to stop in a worker: they reach the parent as well, which stops its workers."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
 
 
-def _batch_or_error(items: Sequence[Sample | InputError]) -> Batch | InputError:
+def _collate_or_error(items: Sequence[Sample | InputError]) -> Batch | InputError:
     for item in items:
         if isinstance(item, InputError):
             return item
     try:
-        return batched([item for item in items if isinstance(item, Sample)])
+        return collate([item for item in items if isinstance(item, Sample)])
     except InputError as error:
         return error

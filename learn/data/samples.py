@@ -1,4 +1,4 @@
-"""A data set as samples of several views."""
+"""Multi-view samples of a data set, and batches of them."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from ...dataset.reader import Dataset, Eye, StoredScene, StoredView
 from ..targets.encoding import Encoding
 from ..targets.view import view_targets
 from .augment import augmented
-from .ground_truth import Truth, read_truth
-from .neighbours import LAST_REFERENCE, grid_neighbours, nearest_cameras
-from .scaling import scaled_truth, scaled_view
+from .ground_truth import GroundTruth, read_ground_truth
+from .scaling import scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
-from .splits import scenes_of
+from .splits import SplitName, scenes_of
+from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from .views import CameraView, check_picture, check_sizes, read_camera, read_view
 
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Pictures of one scene from several cameras, and what is to be found in the first."""
+    """Images of one scene from several cameras, and the targets of the first one (the reference)."""
 
     name: str  #: such as ``scenes/000003/004``, the folder of the reference view
     images: Tensor  #: (V, 3, H, W) float32 in [0, 1]
     world_T_camera: Tensor  #: (V, 4, 4) float32
     K: Tensor  #: (V, 3, 3) float32 [px]
     targets: dict[str, Tensor]  #: of `targets.view.view_targets`
-    truth: Truth | None  #: the labels themselves, where they were asked for
+    ground_truth: GroundTruth | None  #: the labels themselves; None unless `SampleDataset` was made with them
 
 
 class SampleDataset(TorchDataset):
-    """Samples of a data set: each view that may be a reference is one.
+    """Samples of a data set, one for each view that can be a reference.
 
-    An item is asked for by (index, draw): which reference, and which of the draws of neighbours and of changes of the
-    pictures, such as the number of the epoch. Nothing but these two and the seed decides a sample.
+    An item is (index, draw): the number of the reference, and the number of the random draw of source views and
+    augmentation, such as the epoch. A sample depends on these two and the seed alone.
 
     Parameters
     ----------
@@ -52,89 +52,89 @@ class SampleDataset(TorchDataset):
     split : str
         ``train``, ``val``, ``test``, or ``all`` for every scene.
     views : ViewSettings
-        Which views make a sample.
+        Number, selection and size of the views.
     encoding : Encoding
-        Units of the targets.
+        Encoding of the targets.
     augment : AugmentSettings, optional
-        How pictures are changed; without, they are not.
+        Image augmentation; none by default.
     seed : int
-        Of the draws.
-    truth : bool
-        Whether samples carry their labels.
+        Seed of the draws.
+    ground_truth : bool
+        Whether samples have their ground truth.
 
     Raises
     ------
     InputError
-        Where there is no such data set or split, or nothing in it that may be a reference.
+        Where data set or split does not exist, or has no view that can be a reference.
     """
 
     def __init__(
         self,
         root: Path,
-        split: str,
+        split: SplitName,
         views: ViewSettings,
         encoding: Encoding,
         *,
         augment: AugmentSettings | None = None,
         seed: int = 0,
-        truth: bool = False,
+        ground_truth: bool = False,
     ) -> None:
         if views.rule == "stereo" and views.count != 2:
             raise InputError("views.count", "2 with the rule stereo", views.count)
         self._root, self._views, self._encoding = root, views, encoding
-        self._augment, self._seed, self._truth = augment, seed, truth
+        self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
         self._objects_of: dict[int, ObjectsFile] = {}
         self._cameras_of: dict[int, list[CameraFile]] = {}
         scenes = scenes_of(Dataset.open(root), split)
-        self._references = [(scene, view) for scene in scenes for view in scene.views if self._may_be(view)]
+        self._references = [(scene, view) for scene in scenes for view in scene.views if self._can_be_reference(view)]
         if not self._references:
-            raise InputError(f"{root}, split {split}", "a view that may be a reference", "none")
+            raise InputError(f"{root}, split {split}", "a view that can be a reference", "none")
 
     def __len__(self) -> int:
         """Return the number of references."""
         return len(self._references)
 
     def __getitem__(self, item: tuple[int, int]) -> Sample:
-        """Return a sample: of which reference, and of which draw."""
+        """Return the sample of an item (index, draw)."""
         index, draw = item
         scene, reference = self._references[index]
         rng = stream(self._seed, index, f"learn/samples/{draw}")
-        views = [self._view(view, eye) for view, eye in self._seen_together(scene, reference, rng)]
+        views = [self._view(view, eye) for view, eye in self._select_views(scene, reference, rng)]
         check_sizes(views, reference.folder)
         pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
             pictures = augmented(pictures, self._augment, rng)
-        truth = scaled_truth(self._truth_of(scene, reference), self._views.size)
-        targets = view_targets(truth.instances, truth.Z, truth.objects, views[0].K, self._encoding)
+        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size)
+        targets = view_targets(labels.instances, labels.Z, labels.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
-            images=picture_tensor(pictures, self._encoding),
+            images=image_tensor(pictures, self._encoding),
             world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in views])).float(),
             K=torch.from_numpy(np.stack([view.K for view in views])).float(),
             targets={name: torch.from_numpy(values) for name, values in targets.items()},
-            truth=truth if self._truth else None,
+            ground_truth=labels if self._with_ground_truth else None,
         )
 
-    def depth_range(self, most: int = 64) -> tuple[float, float]:
-        """Return the least and the greatest depth of objects and table over evenly spread references [m].
+    def depth_range(self, max_views: int = 64) -> tuple[float, float]:
+        """Return the least and the greatest depth of objects and table over evenly spaced references [m].
 
         Parameters
         ----------
-        most : int
-            How many references are read at most.
+        max_views : int
+            Approximate limit of the views that are read.
         """
-        step = max(len(self) // most, 1)
+        step = max(len(self) // max_views, 1)
         limits = []
         for scene, view in self._references[::step]:
-            truth = self._truth_of(scene, view)
-            seen = truth.Z[(truth.instances > 0) & np.isfinite(truth.Z)]
-            if seen.size:
-                limits.append((float(seen.min()), float(seen.max())))
+            labels = self._ground_truth(scene, view)
+            depths = labels.Z[(labels.instances > 0) & np.isfinite(labels.Z)]
+            if depths.size:
+                limits.append((float(depths.min()), float(depths.max())))
         if not limits:
             raise InputError(self._root, "a view with a surface in it", "none")
         return min(near for near, _ in limits), max(far for _, far in limits)
 
-    def _may_be(self, view: StoredView) -> bool:
+    def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or read_camera(view).grid_index <= LAST_REFERENCE
 
     def _view(self, view: StoredView, eye: Eye) -> CameraView:
@@ -142,11 +142,11 @@ class SampleDataset(TorchDataset):
         check_picture(scaled.picture, view.folder / f"{eye}.png")
         return scaled
 
-    def _truth_of(self, scene: StoredScene, view: StoredView) -> Truth:
+    def _ground_truth(self, scene: StoredScene, view: StoredView) -> GroundTruth:
         record = read_camera(view)
-        return read_truth(view, self._objects(scene), (record.height, record.width))
+        return read_ground_truth(view, self._objects(scene), (record.height, record.width))
 
-    def _seen_together(
+    def _select_views(
         self, scene: StoredScene, reference: StoredView, rng: np.random.Generator
     ) -> list[tuple[StoredView, Eye]]:
         if self._views.rule == "stereo":
@@ -184,14 +184,14 @@ class SampleDataset(TorchDataset):
         return self._objects_of[scene.scene_id]
 
 
-def picture_tensor(pictures: np.ndarray, encoding: Encoding) -> Tensor:
-    """Return pictures, (V, H, W, 3) uint8, as networks take them: (V, 3, H, W) float32 in [0, 1].
+def image_tensor(images: np.ndarray, encoding: Encoding) -> Tensor:
+    """Return images, (V, H, W, 3) uint8, as input of a network: (V, 3, H, W) float32 in [0, 1].
 
-    Channel after channel in memory: the backward pass of some convolutions of torch 2.13 on a processor (1 x 1, every
-    second pixel, 16 channels or fewer) writes beyond its memory where channels are interleaved.
+    Contiguous, not channels-last: the backward pass of some convolutions of torch 2.13 on a CPU (1 x 1, stride 2, 16
+    channels or fewer) writes out of bounds for channels-last memory.
     """
-    values = torch.from_numpy(pictures).movedim(-1, 1).float() / 255.0
-    if encoding.stretched:
+    values = torch.from_numpy(images).movedim(-1, 1).float() / 255.0
+    if encoding.stretch_contrast:
         low, high = values.amin((1, 2, 3), keepdim=True), values.amax((1, 2, 3), keepdim=True)
         values = (values - low) / (high - low)
     return values.contiguous()
@@ -199,24 +199,24 @@ def picture_tensor(pictures: np.ndarray, encoding: Encoding) -> Tensor:
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Samples side by side."""
+    """A batch of samples."""
 
     names: tuple[str, ...]
     images: Tensor  #: (B, V, 3, H, W)
     world_T_camera: Tensor  #: (B, V, 4, 4)
     K: Tensor  #: (B, V, 3, 3)
     targets: dict[str, Tensor]
-    truths: tuple[Truth | None, ...]
+    ground_truths: tuple[GroundTruth | None, ...]
 
     def to(self, device: torch.device) -> Batch:
         """Return the batch on another device."""
         moved = {name: value.to(device, non_blocking=True) for name, value in self.targets.items()}
         images, poses, K = (x.to(device, non_blocking=True) for x in (self.images, self.world_T_camera, self.K))
-        return Batch(self.names, images, poses, K, moved, self.truths)
+        return Batch(self.names, images, poses, K, moved, self.ground_truths)
 
 
-def batched(samples: Sequence[Sample]) -> Batch:
-    """Return samples as one batch; InputError where their pictures differ in size."""
+def collate(samples: Sequence[Sample]) -> Batch:
+    """Return samples as one batch; InputError where their images differ in size."""
     sizes = {sample.images.shape[-2:]: sample.name for sample in samples}
     if len(sizes) > 1:
         shown = " and ".join(f"{h} x {w} px in {name}" for (h, w), name in sizes.items())
@@ -227,5 +227,5 @@ def batched(samples: Sequence[Sample]) -> Batch:
         world_T_camera=torch.stack([sample.world_T_camera for sample in samples]),
         K=torch.stack([sample.K for sample in samples]),
         targets={name: torch.stack([sample.targets[name] for sample in samples]) for name in samples[0].targets},
-        truths=tuple(sample.truth for sample in samples),
+        ground_truths=tuple(sample.ground_truth for sample in samples),
     )

@@ -1,4 +1,4 @@
-"""Which views make a sample, and what a camera does to their pictures."""
+"""Settings of samples: their views, and the augmentation of their images."""
 
 from __future__ import annotations
 
@@ -7,41 +7,45 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...core.model import Model, Ordered
-from ..networks.inputs import MULTIPLE
+from ..networks.layers import SIZE_MULTIPLE
 
-_Side = Annotated[int, Field(ge=MULTIPLE, le=8192, multiple_of=MULTIPLE)]
-_Share = Annotated[float, Field(ge=0.0, le=1.0)]
+_Side = Annotated[int, Field(ge=SIZE_MULTIPLE, le=8192, multiple_of=SIZE_MULTIPLE)]
+_Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class ViewSettings(Model):
-    """The views of a sample: a reference, and others near it."""
+    """The views of a sample: a reference view, and source views near it."""
 
-    count: int = Field(default=2, ge=2, le=57, description="Views of a sample, 2 to 57")
+    count: int = Field(default=2, ge=2, le=57, description="Views of a sample, with the reference")
     rule: Literal["grid", "distance", "stereo"] = Field(
         default="distance",
-        description="grid: the paper's, next to the reference in the 57-view grid; distance: the nearest cameras; "
-        "stereo: the right camera of the reference",
+        description="Source views. grid: neighbours of the reference in the 57-view grid, as in the paper; distance: "
+        "of the nearest cameras; stereo: the right camera of the reference",
     )
     pool: int = Field(
-        default=8, ge=1, le=56, description="With distance, how many of the nearest cameras the others are drawn from"
+        default=8, ge=1, le=56, description="With distance, how many of the nearest cameras sources are drawn from"
     )
     size: tuple[_Side, _Side] | None = Field(
-        default=None, description="Height and width that pictures are scaled to, multiples of 32 [px]; null: as stored"
+        default=None, description="Height and width that images are resized to, multiples of 32 [px]; null: as stored"
     )
 
 
 class AugmentSettings(Model):
-    """What differs from camera to camera and from picture to picture; the default ranges are a modest camera's."""
+    """Ranges of the image augmentation; the defaults are those of a simple camera."""
 
-    share: _Share = Field(default=1.0, description="Share of samples that are changed at all")
-    exposure: float = Field(default=0.7, ge=0.0, le=4.0, description="Largest change of exposure [stops]")
-    balance: float = Field(default=0.15, ge=0.0, le=1.0, description="Largest change of red's and blue's gain [stops]")
-    between: float = Field(default=0.1, ge=0.0, le=1.0, description="Largest change of exposure between views [stops]")
-    shot_noise: float = Field(
-        default=0.01, ge=0.0, le=0.2, description="Most deviation of white's noise, which falls with the root of light"
+    probability: _Probability = Field(default=1.0, description="Probability that a sample is augmented")
+    exposure: float = Field(default=0.7, ge=0.0, le=4.0, description="Greatest change of exposure [stops]")
+    balance: float = Field(
+        default=0.15, ge=0.0, le=1.0, description="Greatest change of the red and blue gain, white balance [stops]"
     )
-    read_noise: float = Field(default=0.005, ge=0.0, le=0.1, description="Most deviation of noise in the dark")
-    blur: float = Field(default=0.8, ge=0.0, le=5.0, description="Most deviation of a Gaussian blur [px]")
+    view_exposure: float = Field(
+        default=0.1, ge=0.0, le=1.0, description="Greatest difference in exposure of each view [stops]"
+    )
+    shot_noise: float = Field(
+        default=0.01, ge=0.0, le=0.2, description="Greatest standard deviation of shot noise at white"
+    )
+    read_noise: float = Field(default=0.005, ge=0.0, le=0.1, description="Greatest standard deviation of read noise")
+    blur: float = Field(default=0.8, ge=0.0, le=5.0, description="Greatest standard deviation of a Gaussian blur [px]")
     jpeg: Annotated[tuple[Annotated[int, Field(ge=10, le=100)], Annotated[int, Field(ge=10, le=100)]], Ordered] = Field(
-        default=(70, 100), description="Range of the quality of JPEG, 10 to 100"
+        default=(70, 100), description="Range of the JPEG quality"
     )

@@ -1,34 +1,34 @@
-"""Which scenes of a data set are for what."""
+"""The scenes of a split of a data set."""
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import Literal, get_args
 
 from ...core.errors import InputError
 from ...dataset.reader import Dataset, StoredScene
 from ...procedural.scene.splits import Split
 
-#: Every scene, for data sets that have no splits.
-ALL = "all"
+#: ``all``: every scene, for data sets without splits.
+SplitName = Split | Literal["all"]
+_NAMES = (*get_args(Split), "all")
 
 
-def scenes_of(data: Dataset, split: str) -> tuple[StoredScene, ...]:
-    """Return the scenes of a split (``train``, ``val``, ``test``, as the build made them) or all of them.
+def scenes_of(data: Dataset, split: SplitName) -> tuple[StoredScene, ...]:
+    """Return the scenes of a split, as the build made it, or all scenes.
 
     Raises
     ------
     InputError
         Where the data set has no such split, or no scene of it.
     """
-    if split == ALL:
+    if split not in _NAMES:
+        raise InputError("split", f"one of {', '.join(_NAMES)}", split)
+    if split == "all":
         return data.scenes
-    names = get_args(Split)
-    if split not in names:
-        raise InputError("split", f"one of {', '.join((*names, ALL))}", split)
-    found = data.split(split)  # pyright: ignore[reportArgumentType]  # it is one of them
+    found = data.split(split)
     numbers = [scene.scene_id for scene in found]
     if len(set(numbers)) < len(numbers):
         raise InputError(f"{data.root}: split {split}", "each scene once", numbers)
     if not found:
-        raise InputError(f"{data.root}: split {split}", "scenes that are there", "none")
+        raise InputError(f"{data.root}: split {split}", "scenes that exist", "none")
     return found

@@ -1,4 +1,4 @@
-"""One view of a sample: its picture and its camera, checked."""
+"""One view of a sample: its image and its camera, and the checks of both."""
 
 from __future__ import annotations
 
@@ -12,20 +12,19 @@ from ...core.json_file import check_schema, parsed, read_json
 from ...dataset.format import layout
 from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
 from ...dataset.reader import Eye, StoredView
-from ..networks.inputs import MULTIPLE
+from ..networks.layers import SIZE_MULTIPLE
 
-#: How far from 1 the rows of a rotation may be, and from 0 their products: our poses are stored with 16 digits, but
-#: those of others often with 6.
-RIGID = 1e-4
-#: Smallest determinant of K over its largest element cubed: a camera of 162 degrees has about 1e-2.
-REGULAR = 1e-9
-#: No camera has a number beyond this in its matrices [px, m].
-MOST = 1e6
+#: Tolerance of R R^T = I: our poses are stored with 16 digits, but those of others often with 6.
+RIGID_TOLERANCE = 1e-4
+#: Least determinant of K over the cube of its largest element: a camera of 162 degrees has about 1e-2.
+MIN_DETERMINANT = 1e-9
+#: Greatest absolute value in the matrices of a camera [px, m].
+MAX_VALUE = 1e6
 
 
 @dataclass(frozen=True, eq=False)
 class CameraView:
-    """A picture and its camera."""
+    """An image and its camera."""
 
     picture: np.ndarray  #: (H, W, 3) uint8, sRGB
     world_T_camera: np.ndarray  #: (4, 4) float64
@@ -33,7 +32,7 @@ class CameraView:
 
 
 def read_camera(view: StoredView) -> CameraFile:
-    """Return the record of a view's cameras; InputError that names file and field where it is none."""
+    """Return the camera record of a view; InputError with file and field where it is missing or wrong."""
     path = view.folder / layout.CAMERA
     data = read_json(path)
     check_schema(path, data, CAMERA_SCHEMA)
@@ -43,7 +42,7 @@ def read_camera(view: StoredView) -> CameraFile:
 
 
 def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
-    """Return the picture and the camera of a view; InputError that names file and field where they cannot be used."""
+    """Return the image and the camera of a view; InputError with file and field where they cannot be used."""
     record = read_camera(view)
     path = view.folder / f"{eye}.png"
     picture = view.picture(eye)
@@ -56,17 +55,17 @@ def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
 
 
 def check_camera(K: np.ndarray, world_T_camera: np.ndarray, where: Path | str) -> None:
-    """Raise InputError where a pose is not rigid, or an intrinsic matrix has no inverse or another last row."""
+    """Raise InputError where a pose is not rigid, or an intrinsic matrix is singular or has a wrong last row."""
     for name, matrix in (("world_T_camera", world_T_camera), ("K", K)):
-        if not (np.abs(matrix) < MOST).all():
-            raise InputError(f"{where}: {name}", f"numbers below {MOST:g}", np.abs(matrix).max())
+        if not (np.abs(matrix) < MAX_VALUE).all():
+            raise InputError(f"{where}: {name}", f"numbers below {MAX_VALUE:g}", np.abs(matrix).max())
     check_rigid(world_T_camera, f"{where}: world_T_camera")
     if K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
         raise InputError(f"{where}: K", "focal lengths above 0", f"{K[0, 0]:g} and {K[1, 1]:g}")
     if (K[2] != (0.0, 0.0, 1.0)).any():
         raise InputError(f"{where}: K", "a last row of 0, 0, 1", K[2].tolist())
     determinant = float(np.linalg.det(K))
-    if not abs(determinant) > REGULAR * float(np.abs(K).max()) ** 3:
+    if not abs(determinant) > MIN_DETERMINANT * float(np.abs(K).max()) ** 3:
         raise InputError(f"{where}: K", "a matrix with an inverse", f"the determinant {determinant:.3g}")
 
 
@@ -75,17 +74,17 @@ def check_rigid(pose: np.ndarray, where: str) -> None:
     if (pose[3] != (0.0, 0.0, 0.0, 1.0)).any():
         raise InputError(where, "a last row of 0, 0, 0, 1", pose[3].tolist())
     error = float(np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max())
-    if not error < RIGID:
+    if not error < RIGID_TOLERANCE:
         raise InputError(where, "a rigid pose", f"rows that are off by {error:.2g}")
     if np.linalg.det(pose[:3, :3]) < 0.0:
         raise InputError(where, "a rigid pose", "a reflection")
 
 
 def check_picture(picture: np.ndarray, where: Path | str) -> None:
-    """Raise InputError where a picture is all one value, or of a size that the networks cannot take."""
+    """Raise InputError where an image has one colour only, or a size that networks cannot take."""
     height, width = picture.shape[:2]
-    if height % MULTIPLE or width % MULTIPLE:
-        raise InputError(where, f"a height and a width that are multiples of {MULTIPLE} px", f"{height} x {width}")
+    if height % SIZE_MULTIPLE or width % SIZE_MULTIPLE:
+        raise InputError(where, f"a height and a width that are multiples of {SIZE_MULTIPLE} px", f"{height} x {width}")
     if (picture == picture[:1, :1]).all():
         raise InputError(where, "a picture", f"nothing but the colour {picture[0, 0].tolist()}")
 

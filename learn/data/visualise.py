@@ -1,4 +1,4 @@
-"""Pictures for people: what a network finds in a view."""
+"""Visualisation of detections, depth, classes and heatmaps."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ from torch import Tensor
 from ...annotate.boxes import EDGES
 from ...annotate.projection import project_camera
 from ..decoding.decode import Detections, decode
+from ..networks.settings import Variant
 from ..targets.encoding import encoding_of
 from ..targets.objects import box_points
 from .samples import Batch
 
-#: Colours of classes (nothing, table, transparent, opaque), and of objects in turn, sRGB.
+#: Colours of the classes (background, table, transparent, opaque), and of objects in turn, sRGB.
 _CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60]], np.uint8)
 _OBJECTS = ((255, 80, 80), (80, 220, 80), (90, 140, 255), (255, 210, 60), (220, 90, 255), (60, 220, 220))
 
 
-def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: str) -> np.ndarray:
-    """Return the first sample of a batch, what the network gives for it and what it should, (H', W', 3) uint8."""
+def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: Variant) -> np.ndarray:
+    """Return the first sample of a batch as an image, predictions above targets, (2 H, 4 W, 3) uint8.
+
+    From left to right: the reference image with detections, depth, classes, heatmap.
+    """
     first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if name != "planes"}
     (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(variant))
     picture = rgb(batch.images[0, 0])
@@ -35,12 +39,12 @@ def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: str) ->
 
 
 def rgb(image: Tensor) -> np.ndarray:
-    """Return a picture in [0, 1], (3, H, W), as (H, W, 3) uint8."""
+    """Return an image in [0, 1], (3, H, W), as (H, W, 3) uint8."""
     return (image.detach().cpu().clamp(0.0, 1.0) * 255.0).round().to(torch.uint8).movedim(0, -1).contiguous().numpy()
 
 
 def depth_limits(depth: np.ndarray) -> tuple[float, float]:
-    """Return the least and the greatest known depth [m], apart."""
+    """Return the least and the greatest known depth [m]; they differ by 1 mm or more."""
     known = depth[(depth > 0.0) & np.isfinite(depth)]
     if not known.size:
         return 0.0, 1.0
@@ -48,15 +52,15 @@ def depth_limits(depth: np.ndarray) -> tuple[float, float]:
 
 
 def coloured_depth(depth: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
-    """Return depth in colours, near bright, (H, W, 3) uint8; black where it is unknown."""
+    """Return depth in false colours (turbo, near is red), (H, W, 3) uint8; black where it is unknown."""
     near, far = limits
-    share = np.clip((far - depth) / (far - near), 0.0, 1.0)
-    colours = cv2.applyColorMap((np.nan_to_num(share) * 255.0).astype(np.uint8), cv2.COLORMAP_TURBO)[..., ::-1]
+    nearness = np.clip((far - depth) / (far - near), 0.0, 1.0)
+    colours = cv2.applyColorMap((np.nan_to_num(nearness) * 255.0).astype(np.uint8), cv2.COLORMAP_TURBO)[..., ::-1]
     return np.where(((depth > 0.0) & np.isfinite(depth))[..., None], colours, 0).astype(np.uint8)
 
 
 def with_boxes(picture: np.ndarray, found: Detections, K: np.ndarray) -> np.ndarray:
-    """Return a picture with the boxes and masks of what was found, (H, W, 3) uint8."""
+    """Return an image with the boxes and masks of detections, (H, W, 3) uint8."""
     drawn = picture.copy()
     for index in range(len(found)):
         colour = _OBJECTS[index % len(_OBJECTS)]

@@ -1,1 +1,1 @@
-"""From a network's outputs to objects: peaks, boxes, poses and masks."""
+"""Decoding: from the outputs of a network to objects, with peaks, boxes, poses and masks."""

@@ -1,1 +1,1 @@
-"""What a frozen network is worth on a data set."""
+"""Evaluation of a trained network on a data set, and prediction on images of your own."""

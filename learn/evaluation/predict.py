@@ -1,4 +1,4 @@
-"""A frozen network on given pictures."""
+"""Prediction: a trained network on images of your own."""
 
 from __future__ import annotations
 
@@ -20,61 +20,61 @@ from ...dataset.format import layout
 from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
 from ...dataset.format.exr import write_exr
 from ...dataset.format.pictures import write_png
-from ..data.samples import picture_tensor
+from ..data.samples import image_tensor
 from ..data.scaling import scaled_view
-from ..data.views import MOST, CameraView, check_camera, check_picture, check_sizes
+from ..data.views import MAX_VALUE, CameraView, check_camera, check_picture, check_sizes
 from ..data.visualise import coloured_depth, depth_limits, with_boxes
 from ..decoding.decode import Detections, decode
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
-from ..training.out_folder import made_folder
-from .score import check_finite, frozen
+from ..training.out_folder import make_out_folder
+from .score import check_finite, eval_mode
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What a network finds in the first of some pictures."""
+    """Depth and objects that a network predicts for a reference image."""
 
     depth: np.ndarray  #: (H, W) float32 [m]
     objects: Detections
 
 
 def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "cpu") -> Prediction:
-    """Find objects and depth in the first of some pictures of one scene, and write them.
+    """Predict objects and depth of the first of several images of one scene, and write them.
 
-    ``prediction.png`` is the picture with boxes and masks, and its depth; ``prediction.json`` has the objects, and
-    ``depth.exr`` the depth, as channel Z [m].
+    ``prediction.png`` is the image with boxes and masks, beside its depth; ``prediction.json`` has the objects, and
+    ``depth.exr`` the depth as channel Z [m].
 
     Parameters
     ----------
     checkpoint : Path
-        Ours, or one of the released code.
+        A checkpoint of ours, or of the released code.
     images : sequence of Path
-        Two pictures or more, each with its camera (`picture_and_camera`); the first is the reference.
+        Two images or more, each with its camera (`read_image_and_camera`); the first is the reference.
     out : Path
-        Folder that is written to.
+        Output folder.
     device : str
         Torch's name of the device.
 
     Raises
     ------
     InputError
-        Where there are too few pictures, or one or its camera cannot be used.
+        Where an image is missing, or cannot be used, or has no camera.
     """
     if len(images) < 2:
         raise InputError("pictures", "two or more views of one scene", len(images))
     network, settings = load_network(checkpoint)
-    made_folder(out)
-    views = [scaled_view(picture_and_camera(path), settings.views.size) for path in images]
+    make_out_folder(out)
+    views = [scaled_view(read_image_and_camera(path), settings.views.size) for path in images]
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)
     encoding = encoding_of(settings.network.variant)
-    pictures = picture_tensor(np.stack([view.picture for view in views]), encoding)[None]
+    pictures = image_tensor(np.stack([view.picture for view in views]), encoding)[None]
     poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
     K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]
     with torch.inference_mode():
-        outputs = frozen(network.to(device))(pictures.to(device), poses.to(device), K.to(device))
+        outputs = eval_mode(network.to(device))(pictures.to(device), poses.to(device), K.to(device))
     fields = {name: value.float().cpu() for name, value in outputs.items()}
     check_finite(fields, str(images[0]))
     (found,) = decode(fields, K[:, 0].double(), encoding)
@@ -83,17 +83,17 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
     return prediction
 
 
-def picture_and_camera(path: Path) -> CameraView:
-    """Return a picture, PNG or JPEG, and its camera.
+def read_image_and_camera(path: Path) -> CameraView:
+    """Read an image, PNG or JPEG, and its camera.
 
-    The camera is in a JSON file of the picture's name (``a.png``: ``a.json``) with ``K`` and ``world_T_camera`` as in
-    ``camera.json``, or it is the ``camera.json`` of the same folder, whose right camera belongs to ``right.png``.
+    The camera is in a JSON file with the name of the image (``a.png``: ``a.json``) with ``K`` and ``world_T_camera`` as
+    in ``camera.json``, or in the ``camera.json`` of the same folder, whose right camera belongs to ``right.png``.
     """
     try:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
         raise InputError(path, "a readable picture", error.strerror) from error
-    # Cameras look the way that pixels are stored, whatever a viewer is told to turn.
+    # Cameras refer to pixels as stored, so the orientation tag of a JPEG is ignored.
     how = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         with quiet():
@@ -103,11 +103,11 @@ def picture_and_camera(path: Path) -> CameraView:
     if picture is None:
         raise InputError(path, "a PNG or JPEG picture", "something else")
     picture = np.ascontiguousarray(picture[..., ::-1])
-    own = path.with_suffix(".json")
-    return _with_own(picture, own) if own.is_file() else _with_folders(picture, path)
+    camera = path.with_suffix(".json")
+    return _with_own_camera(picture, camera) if camera.is_file() else _with_stored_camera(picture, path)
 
 
-def _with_own(picture: np.ndarray, path: Path) -> CameraView:
+def _with_own_camera(picture: np.ndarray, path: Path) -> CameraView:
     record = read_json(path)
     matrices = []
     for name, shape in (("K", (3, 3)), ("world_T_camera", (4, 4))):
@@ -125,11 +125,11 @@ def _is_matrix(value: Any, shape: tuple[int, int]) -> bool:
     return (
         isinstance(value, list)
         and [len(row) if isinstance(row, list) else -1 for row in value] == [columns] * rows
-        and all(type(number) in (int, float) and abs(number) < MOST for row in value for number in row)
+        and all(type(number) in (int, float) and abs(number) < MAX_VALUE for row in value for number in row)
     )
 
 
-def _with_folders(picture: np.ndarray, path: Path) -> CameraView:
+def _with_stored_camera(picture: np.ndarray, path: Path) -> CameraView:
     camera = path.with_name(layout.CAMERA)
     if not camera.is_file():
         raise InputError(path, f"its camera in {path.with_suffix('.json').name} or {layout.CAMERA}", "neither")
@@ -147,11 +147,11 @@ def _write(found: Prediction, picture: np.ndarray, K: np.ndarray, images: Sequen
     depth = coloured_depth(found.depth, depth_limits(found.depth))
     write_png(out / "prediction.png", np.concatenate([with_boxes(picture, found.objects, K), depth], axis=1))
     write_exr(out / "depth.exr", {"Z": found.depth})
-    record = {"images": [str(path) for path in images], "objects": _records(found.objects)}
+    record = {"images": [str(path) for path in images], "objects": _object_records(found.objects)}
     write_atomically(out / "prediction.json", json_text(record).encode())
 
 
-def _records(found: Detections) -> list[dict[str, Any]]:
+def _object_records(found: Detections) -> list[dict[str, Any]]:
     return [
         {
             "score": float(found.score[index]),

@@ -1,4 +1,4 @@
-"""Scores of many samples as figures: the whole, and each kind of object."""
+"""The evaluation report: metrics of all samples, by category and by fill, as JSON and as tables."""
 
 from __future__ import annotations
 
@@ -13,48 +13,50 @@ from rich.table import Table
 from ..metrics.depth import mean_errors
 from ..metrics.detection import average_precision, mean_overlap
 from ..metrics.instances import instance_precision, mask_overlaps
-from ..metrics.pose import area_under_curve, share_near
-from .score import FOUND, PIXELS, ObjectScore, SampleScore
+from ..metrics.pose import area_under_curve, fraction_near
+from .score import FOUND_IOU, PIXEL_GROUPS, ObjectScore, SampleScore
 
 
-def figures(scores: Sequence[SampleScore]) -> dict[str, Any]:
-    """Return all figures, as JSON holds them: numbers, and null for what has no value.
+def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
+    """Return all metrics as JSON data: numbers, and None where a metric is undefined.
 
-    Depth in metres, angles in degrees, shares from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and kind of
-    pixels. ``boxes``: average precision at three overlaps, and the mean overlap of those found (the paper's 3D IoU) and
-    of all. ``masks``: COCO's precision, and the mean overlap of all. ``pose``: see `pose_figures`. Then the same by
-    category and by what a vessel holds.
+    Depth is in metres, angles in degrees, fractions from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and group
+    of pixels. ``boxes``: average precision at three IoUs, and the mean IoU of the detected objects (the 3D IoU of the
+    paper) and of all. ``masks``: COCO average precision, and the mean IoU of all. ``pose``: see `pose_metrics`. Then
+    pose metrics by category and by fill of a vessel.
     """
     boxes = [score.boxes for score in scores]
     masks = [score.masks for score in scores]
     objects = [item for score in scores for item in score.objects]
-    iou_found, iou_all = mean_overlap(boxes, FOUND)
+    iou_found, iou_all = mean_overlap(boxes, FOUND_IOU)
     precision = instance_precision(masks)
     whole = {
         "samples": len(scores),
         "depth": {
-            "full": {kind: _asdict(mean_errors([score.full[kind] for score in scores])) for kind in PIXELS},
-            "cleargrasp": {kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXELS},
+            "full": {kind: _asdict(mean_errors([score.full[kind] for score in scores])) for kind in PIXEL_GROUPS},
+            "cleargrasp": {
+                kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXEL_GROUPS
+            },
         },
         "boxes": {
             **{f"ap{round(100 * at)}": average_precision(boxes, at) for at in (0.25, 0.5, 0.75)},
             "iou_found": iou_found,
             "iou_all": iou_all,
         },
-        "masks": {**asdict(precision), "iou_all": mean_overlap([mask_overlaps(mask) for mask in masks], FOUND)[1]},
-        "pose": pose_figures(objects),
-        "by_category": _by(objects, [item.label.category for item in objects]),
-        "by_content": _by(objects, [content(item) for item in objects]),
+        "masks": {**asdict(precision), "iou_all": mean_overlap([mask_overlaps(mask) for mask in masks], FOUND_IOU)[1]},
+        "pose": pose_metrics(objects),
+        "by_category": _grouped(objects, [item.label.category for item in objects]),
+        "by_content": _grouped(objects, [fill_class(item) for item in objects]),
     }
-    return _without_nan(whole)
+    return _nan_to_none(whole)
 
 
-def pose_figures(objects: Sequence[ObjectScore]) -> dict[str, Any]:
-    """Return figures of poses.
+def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
+    """Return pose metrics.
 
-    ``auc`` and ``near`` are over the keypoints of all objects; those of a missed object are right at no threshold.
-    ``mae``, ``add``, ``add_s``, ``translation`` [m] and ``rotation`` [degrees] are means over the objects found, so
-    they tell nothing without ``found``, the share of objects that were.
+    ``auc`` and ``near`` are over the keypoints of all objects; those of missed objects are within no threshold.
+    ``mae``, ``add``, ``add_s``, ``translation`` [m] and ``rotation`` [degrees] are means over the detected objects,
+    to be read together with ``found``, the fraction of objects detected.
     """
     found = [item.pose for item in objects if item.pose is not None]
     distances = [distance for pose in found for distance in pose.points]
@@ -63,7 +65,7 @@ def pose_figures(objects: Sequence[ObjectScore]) -> dict[str, Any]:
         "objects": len(objects),
         "found": len(found) / len(objects) if objects else math.nan,
         "auc": area_under_curve(distances, missed),
-        "near": share_near(distances, missed),
+        "near": fraction_near(distances, missed),
         "mae": _mean(distances),
         "add": _mean([pose.add for pose in found]),
         "add_s": _mean([pose.add_s for pose in found]),
@@ -72,8 +74,8 @@ def pose_figures(objects: Sequence[ObjectScore]) -> dict[str, Any]:
     }
 
 
-def content(item: ObjectScore) -> str:
-    """Return what an object holds: ``solid`` for no vessel, ``empty``, ``under half``, ``over half``."""
+def fill_class(item: ObjectScore) -> str:
+    """Return the fill of an object: ``solid`` if it is no vessel, ``empty``, ``under half``, ``over half``."""
     if not item.label.transparent:
         return "solid"
     if item.label.fill is None:
@@ -82,7 +84,7 @@ def content(item: ObjectScore) -> str:
 
 
 def tables(found: dict[str, Any]) -> list[Table]:
-    """Return the figures as tables: the paper's columns first, then depth, then kinds of objects."""
+    """Return the result of `summarise` as tables: the columns of the paper, depth, groups of objects."""
     depth, boxes, masks, pose = (found[name] for name in ("depth", "boxes", "masks", "pose"))
     objects = depth["cleargrasp"]["objects"] or {}
     paper = [objects.get("rmse"), objects.get("mae"), objects.get("rel"), boxes["ap25"], boxes["iou_found"]]
@@ -109,13 +111,13 @@ def _depth_rows(depth: dict[str, Any]) -> list[list[Any]]:
     return rows
 
 
-def _by(objects: Sequence[ObjectScore], names: Sequence[str]) -> dict[str, Any]:
+def _grouped(objects: Sequence[ObjectScore], names: Sequence[str]) -> dict[str, Any]:
     groups: dict[str, list[ObjectScore]] = {}
     for item, name in zip(objects, names, strict=True):
         groups.setdefault(name, []).append(item)
     return {
         name: {
-            **pose_figures(group),
+            **pose_metrics(group),
             "iou_all": _mean([item.iou for item in group]),
             "depth_mae": _mean([item.depth_mae for item in group if item.depth_mae is not None]),
         }
@@ -146,7 +148,7 @@ def _asdict(errors: Any) -> dict[str, float] | None:
     return None if errors is None else asdict(errors)
 
 
-def _without_nan(value: Any) -> Any:
+def _nan_to_none(value: Any) -> Any:
     if isinstance(value, dict):
-        return {name: _without_nan(inner) for name, inner in value.items()}
+        return {name: _nan_to_none(inner) for name, inner in value.items()}
     return None if isinstance(value, float) and math.isnan(value) else value

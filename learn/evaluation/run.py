@@ -1,4 +1,4 @@
-"""A frozen network over a split of a data set."""
+"""Evaluation of a network on a split of a data set."""
 
 from __future__ import annotations
 
@@ -15,25 +15,28 @@ from ...core.json_file import json_text
 from ...core.stopping import check_stop
 from ...dataset.format.pictures import write_png
 from ...dataset.reader import Dataset
+from ..data.dataset_digest import dataset_digest
 from ..data.loading import load_batches
 from ..data.samples import SampleDataset
+from ..data.splits import SplitName
 from ..data.visualise import sample_picture
 from ..networks.build import Network
+from ..networks.settings import Variant
 from ..targets.encoding import encoding_of
-from ..training.checkpoint import data_digest, load_network
-from ..training.out_folder import made_folder
-from .report import figures
-from .score import SampleScore, frozen, score_sample
+from ..training.checkpoint import load_network
+from ..training.out_folder import make_out_folder
+from .report import summarise
+from .score import SampleScore, eval_mode, score_sample
 
-#: Evaluation draws neighbours once, the same for every network.
+#: Seed and draw of the source views: the same for every network.
 _SEED, _DRAW = 0, 0
 #: Samples between two lines about the progress.
-_LINES = 20
+_PROGRESS_STEP = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Scored:
-    """A sample's score, and its picture where it is one of the worst so far."""
+class WorstSample:
+    """The score of a sample, and its image."""
 
     score: SampleScore
     picture: np.ndarray
@@ -42,7 +45,7 @@ class Scored:
 def evaluate(
     checkpoint: Path,
     data: Path,
-    split: str,
+    split: SplitName,
     out: Path,
     say: Callable[[str], None],
     *,
@@ -50,48 +53,48 @@ def evaluate(
     workers: int = 0,
     device: str = "cpu",
 ) -> dict[str, Any]:
-    """Evaluate the network of a checkpoint and write ``report.json`` and the worst samples as pictures.
+    """Evaluate the network of a checkpoint and write ``report.json`` and images of the worst samples.
 
     Parameters
     ----------
     checkpoint : Path
-        Ours, or one of the released code.
+        A checkpoint of ours, or of the released code.
     data : Path
         A data set.
     split : str
         ``train``, ``val``, ``test`` or ``all``.
     out : Path
-        Folder of the report.
+        Output folder.
     say : callable
         Takes lines about the progress.
     worst : int
-        How many samples, those with the greatest error of depth on objects, are drawn.
+        Number of samples drawn as images: those with the greatest depth error on objects.
     workers : int
-        Processes that load samples; 0: none but this one.
+        Worker processes of the data loader; 0: load in this process.
     device : str
         Torch's name of the device.
 
     Returns
     -------
     dict
-        `report.figures`, and what was evaluated on what.
+        `report.summarise`, with the checkpoint and the data set.
     """
-    digest = data_digest(Dataset.open(data).root)
+    digest = dataset_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
-    made_folder(out)
+    make_out_folder(out)
     encoding = encoding_of(settings.network.variant)
-    samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, truth=True)
-    scored, bad = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
+    samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, ground_truth=True)
+    scores, worst_samples = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
     found = {
         "checkpoint": str(checkpoint),
         "data": {"path": str(data), "split": split, "sha256": digest},
         "views": settings.views.model_dump(mode="json"),
-        **figures(scored),
+        **summarise(scores),
     }
     for earlier in out.glob("worst-*.png"):
         earlier.unlink()
     write_atomically(out / "report.json", json_text(found).encode())
-    for rank, case in enumerate(bad):
+    for rank, case in enumerate(worst_samples):
         write_png(out / f"worst-{rank:02d}-{case.score.name.replace('/', '-')}.png", case.picture)
     return found
 
@@ -99,35 +102,35 @@ def evaluate(
 def score_all(
     network: Network,
     samples: SampleDataset,
-    variant: str,
+    variant: Variant,
     say: Callable[[str], None],
     worst: int = 0,
     workers: int = 0,
-) -> tuple[list[SampleScore], list[Scored]]:
-    """Return the scores of all samples, and the worst ones; the network is frozen and no weight of it changes."""
-    frozen(network)
+) -> tuple[list[SampleScore], list[WorstSample]]:
+    """Put a network into evaluation mode, and return the scores of all samples and the worst samples."""
+    eval_mode(network)
     device = next(network.parameters()).device
     order = [[(index, _DRAW)] for index in range(len(samples))]
     scores: list[SampleScore] = []
-    bad: list[Scored] = []
+    worst_samples: list[WorstSample] = []
     with torch.inference_mode():
         for number, batch in enumerate(load_batches(samples, order, workers), start=1):
             check_stop()
             moved = batch.to(device)
             outputs = network(moved.images, moved.world_T_camera, moved.K)
             outputs = {name: value.float().cpu() for name, value in outputs.items()}
-            (truth,) = batch.truths
-            assert truth is not None, "samples come with their labels"
-            score = score_sample(batch.names[0], outputs, batch.K[0, 0], truth, encoding_of(variant))
+            (labels,) = batch.ground_truths
+            assert labels is not None, "the data set was made with ground truth"
+            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(variant))
             scores.append(score)
-            if worst and (len(bad) < worst or _error(score) > _error(bad[-1].score)):
-                bad.append(Scored(score, sample_picture(batch, outputs, variant)))
-                bad = sorted(bad, key=lambda case: -_error(case.score))[:worst]
-            if number % _LINES == 0 or number == len(samples):
+            if worst and (len(worst_samples) < worst or _depth_mae(score) > _depth_mae(worst_samples[-1].score)):
+                worst_samples.append(WorstSample(score, sample_picture(batch, outputs, variant)))
+                worst_samples = sorted(worst_samples, key=lambda case: -_depth_mae(case.score))[:worst]
+            if number % _PROGRESS_STEP == 0 or number == len(samples):
                 say(f"sample {number}/{len(samples)}")
-    return scores, bad
+    return scores, worst_samples
 
 
-def _error(score: SampleScore) -> float:
+def _depth_mae(score: SampleScore) -> float:
     errors = score.full["objects"]
     return 0.0 if errors is None else errors.mae

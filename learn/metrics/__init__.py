@@ -1,1 +1,1 @@
-"""How good what a network finds is. Each module is one family of figures; all of them are on arrays of NumPy."""
+"""Evaluation metrics on NumPy arrays: depth errors, box IoU, average precision, mask AP, pose errors."""

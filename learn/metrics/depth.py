@@ -1,9 +1,9 @@
-"""Errors of depth, as ClearGrasp counts them.
+"""Depth errors by the protocol of ClearGrasp: RMSE, MAE, REL, delta accuracy.
 
 (Sajjan et al., "ClearGrasp: 3D Shape Estimation of Transparent Objects for Manipulation", ICRA 2020, section VI; the
-deltas are Eigen et al.'s, NeurIPS 2014, section 4.) Over the pixels of a mask whose true depth t is known, with the
-predicted depth p: RMSE = sqrt(mean (p - t)^2), MAE = mean |p - t|, REL = mean |p - t| / t, and delta 1.05 = the share
-with max(p / t, t / p) < 1.05, and so on. The figures of a data set are means over its pictures.
+deltas are those of Eigen et al., NeurIPS 2014, section 4.) Over the pixels of a mask with known true depth t and
+predicted depth p: RMSE = sqrt(mean (p - t)^2), MAE = mean |p - t|, REL = mean |p - t| / t, and delta 1.05 = the
+fraction with max(p / t, t / p) < 1.05, and so on. The errors of a data set are means over its images.
 """
 
 from __future__ import annotations
@@ -13,31 +13,31 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-#: Height and width that ClearGrasp, and MVTrans after it, compares at [px].
+#: Height and width at which ClearGrasp, and MVTrans after it, compares depth [px].
 CLEARGRASP_SIZE = (144, 256)
 
 
 @dataclass(frozen=True)
 class DepthErrors:
-    """Errors of one picture, or their means."""
+    """Errors of one image, or their means."""
 
     rmse: float  #: [m]
     mae: float  #: [m]
     rel: float
-    delta_105: float  #: share, 0 to 1
+    delta_105: float  #: fraction, 0 to 1
     delta_110: float
     delta_125: float
 
 
 def depth_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:
-    """Return the errors over a mask; None where no pixel of it has a known depth.
+    """Return the errors over a mask; None where it has no pixel with a known depth.
 
     Parameters
     ----------
     predicted, true : (H, W) float
-        Depths [m]; a true one that is 0 or infinite is unknown. A predicted one of 0 or less is in no delta.
+        Depths [m]; true depths of 0 and infinity are unknown. Predicted depths of 0 or less are within no delta.
     mask : (H, W) bool
-        The pixels that count.
+        The compared pixels.
     """
     valid = mask & (true > 0.0) & np.isfinite(true)
     if not valid.any():
@@ -50,13 +50,13 @@ def depth_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> D
 
 
 def cleargrasp_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:
-    """Return the errors after all three were brought to `CLEARGRASP_SIZE`, each pixel taken whole from the larger."""
+    """Return the errors after nearest-neighbour resizing of all three to `CLEARGRASP_SIZE`."""
     return depth_errors(*(_nearest(values, CLEARGRASP_SIZE) for values in (predicted, true, mask)))
 
 
-def mean_errors(pictures: Sequence[DepthErrors | None]) -> DepthErrors | None:
-    """Return the means over the pictures that have any; None where none has."""
-    known = [errors for errors in pictures if errors is not None]
+def mean_errors(images: Sequence[DepthErrors | None]) -> DepthErrors | None:
+    """Return the means over the images that have errors; None where none has."""
+    known = [errors for errors in images if errors is not None]
     if not known:
         return None
     return DepthErrors(*(float(np.mean([getattr(row, field.name) for row in known])) for field in fields(DepthErrors)))

@@ -1,6 +1,7 @@
-"""Instance segmentation by pycocotools.
+"""Average precision of instance masks, by pycocotools.
 
-(Lin et al., "Microsoft COCO", ECCV 2014: average precision over 101 recalls, at IoU 0.50 to 0.95 in steps of 0.05.)
+(Lin et al., "Microsoft COCO", ECCV 2014: precision averaged over 101 recalls and over IoU 0.50 to
+0.95 in steps of 0.05.)
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pycocotools import mask as coco_mask
 from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
 
-from .detection import PictureOverlaps
+from .detection import ImageOverlaps
 
 #: The only category: any object.
 _CATEGORY = 1
@@ -27,58 +28,58 @@ Rle = Any
 
 
 @dataclass(frozen=True, eq=False)
-class PictureMasks:
-    """Masks found in one picture, and those that are there."""
+class ImageMasks:
+    """Detected and true masks of one image."""
 
     size: tuple[int, int]  #: height and width [px]
     scores: np.ndarray  #: (n,) float
-    found: tuple[Rle, ...]  #: n of them
-    true: tuple[Rle, ...]  #: m of them
-    ignored: np.ndarray  #: (m,) bool: need not be found (COCO's ``iscrowd``)
+    found: tuple[Rle, ...]  #: n detected masks
+    true: tuple[Rle, ...]  #: m true masks
+    ignored: np.ndarray  #: (m,) bool: true masks that are not scored (``iscrowd`` in COCO)
 
 
-def picture_masks(scores: np.ndarray, found: np.ndarray, true: np.ndarray, ignored: np.ndarray) -> PictureMasks:
-    """Return the masks of a picture, packed; those found, (n, H, W), and those that are there, (m, H, W), are bool."""
+def image_masks(scores: np.ndarray, found: np.ndarray, true: np.ndarray, ignored: np.ndarray) -> ImageMasks:
+    """Return the masks of an image, run-length encoded, of detected, (n, H, W), and true, (m, H, W), bool masks."""
     size = (true.shape[1], true.shape[2])
-    return PictureMasks(size, scores, tuple(map(_packed, found)), tuple(map(_packed, true)), ignored)
+    return ImageMasks(size, scores, tuple(map(_encoded, found)), tuple(map(_encoded, true)), ignored)
 
 
 @dataclass(frozen=True)
 class InstancePrecision:
-    """COCO's figures, 0 to 1; NaN where there is nothing to be found."""
+    """COCO average precision, 0 to 1; NaN without true masks."""
 
     ap: float  #: mean over the IoU thresholds
     ap50: float
     ap75: float
 
 
-def instance_precision(pictures: Sequence[PictureMasks]) -> InstancePrecision:
+def instance_precision(images: Sequence[ImageMasks]) -> InstancePrecision:
     """Return the average precisions of masks over a data set."""
-    annotations, results, images = [], [], []
-    for number, picture in enumerate(pictures, start=1):
-        height, width = picture.size
-        images.append({"id": number, "height": height, "width": width})
-        for mask, ignored in zip(picture.true, picture.ignored, strict=True):
+    annotations, results, records = [], [], []
+    for number, image in enumerate(images, start=1):
+        height, width = image.size
+        records.append({"id": number, "height": height, "width": width})
+        for mask, ignored in zip(image.true, image.ignored, strict=True):
             annotations.append(_annotation(mask, number, len(annotations) + 1) | {"iscrowd": int(ignored)})
-        for mask, score in zip(picture.found, picture.scores, strict=True):
+        for mask, score in zip(image.found, image.scores, strict=True):
             results.append(_annotation(mask, number, len(results) + 1) | {"score": float(score)})
     if all(annotation["iscrowd"] for annotation in annotations):
         return InstancePrecision(*[float("nan")] * 3)
     if not results:
         return InstancePrecision(0.0, 0.0, 0.0)
-    return _evaluated(images, annotations, results)
+    return _evaluated(records, annotations, results)
 
 
-def mask_overlaps(picture: PictureMasks) -> PictureOverlaps:
-    """Return the IoU of each found mask with each true one."""
-    shape = (len(picture.found), len(picture.true))
+def mask_overlaps(image: ImageMasks) -> ImageOverlaps:
+    """Return the IoU of each detected mask with each true mask."""
+    shape = (len(image.found), len(image.true))
     if not all(shape):
-        return PictureOverlaps(picture.scores, np.zeros(shape), picture.ignored)
-    overlaps = coco_mask.iou(list(picture.found), list(picture.true), [0] * len(picture.true))
-    return PictureOverlaps(picture.scores, np.asarray(overlaps), picture.ignored)
+        return ImageOverlaps(image.scores, np.zeros(shape), image.ignored)
+    overlaps = coco_mask.iou(list(image.found), list(image.true), [0] * len(image.true))
+    return ImageOverlaps(image.scores, np.asarray(overlaps), image.ignored)
 
 
-def _packed(mask: np.ndarray) -> Rle:
+def _encoded(mask: np.ndarray) -> Rle:
     return coco_mask.encode(np.asfortranarray(mask.astype(np.uint8)))
 
 
@@ -99,13 +100,13 @@ def _dataset(images: list, annotations: list) -> Any:
 
 
 def _evaluated(images: list, annotations: list, results: list) -> InstancePrecision:
-    with redirect_stdout(io.StringIO()):  # pycocotools tells what it does
-        truth, found = COCO(), COCO()
-        truth.dataset = _dataset(images, annotations)
+    with redirect_stdout(io.StringIO()):  # pycocotools prints its progress
+        true, found = COCO(), COCO()
+        true.dataset = _dataset(images, annotations)
         found.dataset = _dataset(images, results)
-        truth.createIndex()
+        true.createIndex()
         found.createIndex()
-        evaluation = COCOeval(truth, found, "segm")
+        evaluation = COCOeval(true, found, "segm")
         evaluation.evaluate()
         evaluation.accumulate()
         evaluation.summarize()

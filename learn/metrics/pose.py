@@ -1,4 +1,4 @@
-"""Errors of poses, and of the points of an object that a pose puts somewhere."""
+"""Pose errors: translation, rotation, ADD, ADD-S, and the accuracy of keypoints."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ import numpy as np
 from ...annotate.symmetries import Symmetry
 from .box_iou import turn_about_z
 
-#: Where the curve of accuracy ends, and the distance of the share of good points [m] (Liu et al., "KeyPose", CVPR 2020,
-#: section 5.1; Xiang et al., "PoseCNN", RSS 2018, section V-B).
-AUC_END, NEAR = 0.10, 0.02
+#: Greatest threshold of the accuracy curve, and the distance below which a keypoint is near [m] (Liu et al., "KeyPose",
+#: CVPR 2020, section 5.1; Xiang et al., "PoseCNN", RSS 2018, section V-B).
+AUC_LIMIT, NEAR = 0.10, 0.02
 
 
 @dataclass(frozen=True)
 class PoseErrors:
-    """Of one object that was found."""
+    """Pose errors of one detected object."""
 
-    translation: float  #: distance of the boxes' middles [m]
-    rotation: float  #: angle between the poses [rad]; of an object of revolution, between its axes
-    add: float  #: mean distance of the object's points under both poses [m]
-    add_s: float  #: mean distance of each point to the nearest one under the other pose [m]
-    points: tuple[float, ...]  #: distance of each point [m]
+    translation: float  #: distance of the box centres [m]
+    rotation: float  #: angle between the poses [rad]; between the axes for an object of revolution
+    add: float  #: mean distance between the points of the object under both poses [m]
+    add_s: float  #: mean distance of each point to the nearest point under the other pose [m]
+    points: tuple[float, ...]  #: distance of each point under both poses [m]
 
 
 def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: Symmetry) -> PoseErrors:
-    """Return the errors of a pose, against the one of all true poses that look the same with the least ADD.
+    """Return the errors of a pose; of all true poses that look the same, the one with the least ADD is taken.
 
-    ADD is Hinterstoisser et al.'s (ACCV 2012, eq. 9), ADD-S Xiang et al.'s ("PoseCNN", eq. 6), over the given points;
-    the least over symmetries is BOP's (Hodan et al., "BOP", ECCV 2018, section 3.3). An object of revolution may stand
-    at any turn: the found pose is first turned about its axis to be as near to the true one as it can.
+    ADD is that of Hinterstoisser et al. (ACCV 2012, eq. 9), ADD-S that of Xiang et al. ("PoseCNN", eq. 6), over the
+    given points; the minimum over symmetries is that of Hodan et al. ("BOP", ECCV 2018, section 3.3). The pose of an
+    object of revolution is first rotated about its axis to be as near to the true one as possible.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def pose_errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetr
     points : (n, 3) float
         Points of the object in its frame [m].
     symmetry : Symmetry
-        How the object may be moved and look the same.
+        Motions under which the object looks the same.
     """
     errors = [_errors(found, true @ motion, points, symmetry) for motion in symmetry.motions]
     return min(errors, key=lambda error: error.add)
@@ -52,9 +52,9 @@ def _errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: S
         turned[:3, :3] = true[:3, :3]
     elif symmetry.turns:
         turned = nearest_turn(found, true)
-    ours, theirs = (points @ pose[:3, :3].T + pose[:3, 3] for pose in (turned, true))
-    distances = np.linalg.norm(ours - theirs, axis=1)
-    nearest = np.linalg.norm(ours[None] - theirs[:, None], axis=2).min(axis=1)
+    points_found, points_true = (points @ pose[:3, :3].T + pose[:3, 3] for pose in (turned, true))
+    distances = np.linalg.norm(points_found - points_true, axis=1)
+    nearest = np.linalg.norm(points_found[None] - points_true[:, None], axis=2).min(axis=1)
     return PoseErrors(
         translation=float(np.linalg.norm(found[:3, 3] - true[:3, 3])),
         rotation=rotation_angle(turned[:3, :3], true[:3, :3]),
@@ -65,7 +65,7 @@ def _errors(found: np.ndarray, true: np.ndarray, points: np.ndarray, symmetry: S
 
 
 def nearest_turn(found: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Return a pose turned about its own z axis so that its rotation is as near to another's as it can be."""
+    """Return a pose rotated about its own z axis so that its rotation is as near to another as possible."""
     relative = found[:3, :3].T @ true[:3, :3]
     angle = np.arctan2(relative[1, 0] - relative[0, 1], relative[0, 0] + relative[1, 1])
     turned = found.copy()
@@ -74,32 +74,32 @@ def nearest_turn(found: np.ndarray, true: np.ndarray) -> np.ndarray:
 
 
 def rotation_angle(a: np.ndarray, b: np.ndarray) -> float:
-    """Return the angle of the rotation between two, (3, 3) [rad], exact for small ones as well.
+    """Return the angle between two rotations, (3, 3) [rad], exact for small angles as well.
 
-    2 asin(|A - B|_F / sqrt(8)): the arccosine of the trace loses half of the digits near 0.
+    2 asin(|A - B|_F / sqrt(8)): the arccosine of the trace would lose half of the digits near 0.
     """
     return float(2.0 * np.arcsin(np.clip(np.linalg.norm(a - b) / np.sqrt(8.0), 0.0, 1.0)))
 
 
 def area_under_curve(distances: Sequence[float], missed: int) -> float:
-    """Return the area under the curve of accuracy over thresholds from 0 to `AUC_END`, over its greatest value.
+    """Return the area under the accuracy curve (AUC) over thresholds from 0 to `AUC_LIMIT`, normalised to 0 to 1.
 
-    Accuracy at a threshold is the share of distances below it, so the area is exactly the mean of max(0, 1 - d / end).
+    Accuracy is the fraction of distances below a threshold, so the area is exactly the mean of max(0, 1 - d / limit).
 
     Parameters
     ----------
     distances : sequence of float
-        [m]
+        Distances of keypoints [m].
     missed : int
-        How many were not found: they are right at no threshold.
+        Number of keypoints of missed objects, which are below no threshold.
     """
     if not len(distances) + missed:
         return float("nan")
-    return float(np.clip(1.0 - np.asarray(distances, float) / AUC_END, 0.0, None).sum() / (len(distances) + missed))
+    return float(np.clip(1.0 - np.asarray(distances, float) / AUC_LIMIT, 0.0, None).sum() / (len(distances) + missed))
 
 
-def share_near(distances: Sequence[float], missed: int) -> float:
-    """Return the share of distances below `NEAR`, with the missed ones counted as far."""
+def fraction_near(distances: Sequence[float], missed: int) -> float:
+    """Return the fraction of distances below `NEAR`, with those of missed objects above it."""
     if not len(distances) + missed:
         return float("nan")
     return float((np.asarray(distances, float) < NEAR).sum() / (len(distances) + missed))

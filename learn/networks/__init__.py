@@ -1,1 +1,1 @@
-"""The network MVTrans: as it was released, and corrected."""
+"""The network MVTrans: as the paper describes it (`mvtrans`), and as it was released (`reference`)."""

@@ -1,14 +1,40 @@
-"""The network of given settings."""
+"""Build the network of given settings, and select the device that it runs on."""
 
 from __future__ import annotations
 
-from .corrected import CorrectedNetwork
-from .reference import ReferenceNetwork
+import torch
+
+from ...core.errors import InputError
+from .mvtrans import MVTrans
+from .reference import ReferenceMVTrans
 from .settings import NetworkSettings
 
-Network = CorrectedNetwork | ReferenceNetwork
+Network = MVTrans | ReferenceMVTrans
 
 
 def build_network(settings: NetworkSettings) -> Network:
-    """Return a network with new weights, drawn by torch's global generator."""
-    return ReferenceNetwork() if settings.variant == "reference" else CorrectedNetwork(settings)
+    """Return a network with new weights, drawn from torch's global generator."""
+    return ReferenceMVTrans() if settings.variant == "reference" else MVTrans(settings)
+
+
+def select_device(device: str, threads: int | None) -> str:
+    """Set the number of CPU threads and return torch's name of a device; InputError where the device is missing.
+
+    Parameters
+    ----------
+    device : str
+        Torch's name, or ``auto``: CUDA where available, otherwise the CPU.
+    threads : int, optional
+        CPU threads of torch; all cores by default.
+    """
+    if threads is not None:
+        torch.set_num_threads(threads)
+    if device == "auto":
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    if device.partition(":")[0] == "meta":  # a device that computes nothing
+        raise InputError("--device", "a device of this machine, such as cpu or cuda:0", device)
+    try:
+        torch.zeros(1, device=device)
+    except (RuntimeError, AssertionError, ImportError) as error:  # an unknown name, or a missing device
+        raise InputError("--device", "a device of this machine, such as cpu or cuda:0", device) from error
+    return device

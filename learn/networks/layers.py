@@ -1,22 +1,25 @@
-"""Layers that several parts of the networks are made of."""
+"""Building blocks of both networks: normalisation, convolutions, initialisation, upsampling, input checks."""
 
 from __future__ import annotations
 
 import math
 from typing import Literal
 
-import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from ...core.errors import InputError
+
 Norm = Literal["batch", "group"]
-#: Groups of a group norm, fewer where the channels do not divide. Heads have 32 channels, so a group has four: with the
-#: 32 groups of Wu & He ("Group Normalization", 2018) each channel would lose its mean, which is what a head tells.
+#: Groups of a group norm; fewer where they do not divide the channels. Heads have 32 channels, so a group has four:
+#: with the 32 groups of Wu & He ("Group Normalization", 2018) each channel would lose its mean, which heads predict.
 GROUPS = 8
+#: Height and width of images are multiples of this [px]: the coarsest features are at 1/32 of the image size.
+SIZE_MULTIPLE = 32
 
 
 def norm(kind: Norm, channels: int, dims: int = 2) -> nn.Module:
-    """Return a normalisation of pictures (``dims`` 2) or volumes (3)."""
+    """Return a normalisation layer for images (``dims`` 2) or volumes (3)."""
     if kind == "group":
         return nn.GroupNorm(math.gcd(GROUPS, channels), channels)
     return nn.BatchNorm2d(channels) if dims == 2 else nn.BatchNorm3d(channels)
@@ -25,23 +28,23 @@ def norm(kind: Norm, channels: int, dims: int = 2) -> nn.Module:
 def conv_norm(
     inputs: int, outputs: int, kernel: int = 3, stride: int = 1, dilation: int = 1, kind: Norm = "batch"
 ) -> nn.Sequential:
-    """Return a convolution of pictures without bias, which keeps their size at stride 1, and its normalisation."""
+    """Return a 2D convolution without bias, padded to keep the size at stride 1, and its normalisation."""
     padding = dilation * (kernel // 2)
     conv = nn.Conv2d(inputs, outputs, kernel, stride, padding, dilation, bias=False)
     return nn.Sequential(conv, norm(kind, outputs))
 
 
 def conv_norm_3d(inputs: int, outputs: int, kernel: int = 3, stride: int = 1, kind: Norm = "batch") -> nn.Sequential:
-    """Return the same of volumes."""
+    """Return a 3D convolution without bias, padded to keep the size at stride 1, and its normalisation."""
     conv = nn.Conv3d(inputs, outputs, kernel, stride, kernel // 2, bias=False)
     return nn.Sequential(conv, norm(kind, outputs, dims=3))
 
 
 def initialise(net: nn.Module) -> None:
-    """Draw the weights of all convolutions from Kaiming's normal distribution and set biases to 0.
+    """Draw all convolution weights from Kaiming's normal distribution and set biases to 0.
 
     (He et al., "Delving Deep into Rectifiers", ICCV 2015, eq. 10: standard deviation sqrt(2 / fan in).) The released
-    code does so to the whole network, pretrained parts included. The global generator of torch decides the draws.
+    code initialises the whole network this way, pretrained parts included. Draws come from torch's global generator.
     """
     for module in net.modules():
         if isinstance(module, nn.Conv2d | nn.Conv3d):
@@ -53,11 +56,11 @@ def initialise(net: nn.Module) -> None:
             nn.init.zeros_(module.bias)
 
 
-def enlarged(values: Tensor, factor: int) -> Tensor:
-    """Return pictures at ``factor`` times the size, with every old value at its place in the new picture.
+def upsample(values: Tensor, factor: int) -> Tensor:
+    """Return maps upsampled bilinearly, with old cell i at new pixel ``factor * i``.
 
-    Strided convolutions put cell i over pixel ``factor * i``. The usual bilinear enlargement puts it over
-    ``factor * (i + 1/2) - 1/2``, which is 1.5 px beside that at a factor of 4. Beyond the last cell its value stays.
+    Strided convolutions put cell i at pixel ``factor * i``. `torch.nn.functional.interpolate` alone puts it at
+    ``factor * (i + 1/2) - 1/2``, which is 1.5 px away at a factor of 4. Beyond the last cell its value is repeated.
 
     Parameters
     ----------
@@ -74,18 +77,18 @@ def enlarged(values: Tensor, factor: int) -> Tensor:
     return functional.interpolate(padded, size, mode="bilinear", align_corners=True)[..., :-1, :-1]
 
 
-def convex_enlarged(values: Tensor, logits: Tensor, factor: int) -> Tensor:
-    """Return a picture at ``factor`` times the size, each pixel a mean of nine old ones with weights of its own.
+def convex_upsample(values: Tensor, logits: Tensor, factor: int) -> Tensor:
+    """Return a map upsampled as a convex combination of the 3x3 nearest cells, with learnt weights for each pixel.
 
-    So an edge may stay sharp: a pixel takes the value of the side that it lies on. (Teed & Deng, "RAFT: Recurrent
+    Edges can stay sharp: a pixel can take the value of the side that it lies on. (Teed & Deng, "RAFT: Recurrent
     All-Pairs Field Transforms for Optical Flow", ECCV 2020, section 3.3.)
 
     Parameters
     ----------
     values : (B, 1, H, W) Tensor
-        The picture; beyond its edge the last value stays.
+        The map; beyond its edge the last value is repeated.
     logits : (B, 9 factor^2, H, W) Tensor
-        Of the weights: for each of the nine in the order of rows, one for each new pixel of an old one.
+        Logits of the weights: for each of the nine cells, row by row, one for each new pixel of a cell.
 
     Returns
     -------
@@ -93,14 +96,32 @@ def convex_enlarged(values: Tensor, logits: Tensor, factor: int) -> Tensor:
     """
     height, width = values.shape[-2:]
     padded = functional.pad(values, (1, 1, 1, 1), mode="replicate")
-    near = functional.unfold(padded, 3).reshape(len(values), 9, 1, height, width)
-    weights = logits.unflatten(1, (9, factor * factor)).softmax(dim=1)
-    return functional.pixel_shuffle((weights * near).sum(1), factor)
+    near = functional.unfold(padded, 3).reshape(len(values), 9, 1, height, width)  # (B, 9, 1, H, W)
+    weights = logits.unflatten(1, (9, factor * factor)).softmax(dim=1)  # (B, 9, factor^2, H, W)
+    return functional.pixel_shuffle((weights * near).sum(1), factor)  # (B, 1, factor H, factor W)
 
 
-def soft_argmin(logits: Tensor, planes: Tensor) -> Tensor:
-    """Return the expected depth, (B, H, W), of logits, (B, D, H, W), over planes, (B, D).
+def check_inputs(images: Tensor, world_T_camera: Tensor, K: Tensor) -> None:
+    """Raise InputError where the inputs of a network have wrong shapes.
 
-    (Kendall et al., "End-to-End Learning of Geometry and Context for Deep Stereo Regression", ICCV 2017, eq. 1.)
+    Parameters
+    ----------
+    images : (B, V, 3, H, W) Tensor
+        V is 2 or more; H and W are multiples of `SIZE_MULTIPLE`.
+    world_T_camera : (B, V, 4, 4) Tensor
+        Camera poses.
+    K : (B, V, 3, 3) Tensor
+        Intrinsic matrices.
     """
-    return torch.einsum("bdhw,bd->bhw", logits.softmax(dim=1), planes)
+    if images.ndim != 5 or images.shape[2] != 3:
+        raise InputError("images", "shape (B, V, 3, H, W)", tuple(images.shape))
+    batch, views, _, height, width = images.shape
+    if views < 2:
+        raise InputError("images", "two views or more", views)
+    if height % SIZE_MULTIPLE or width % SIZE_MULTIPLE:
+        expected = f"a height and a width that are multiples of {SIZE_MULTIPLE} px"
+        raise InputError("images", expected, f"{height} x {width}")
+    if world_T_camera.shape != (batch, views, 4, 4):
+        raise InputError("world_T_camera", f"shape {(batch, views, 4, 4)}", tuple(world_T_camera.shape))
+    if K.shape != (batch, views, 3, 3):
+        raise InputError("K", f"shape {(batch, views, 3, 3)}", tuple(K.shape))

@@ -1,23 +1,28 @@
-"""Features that are matched between views: residual blocks and spatial pyramid pooling.
+"""The feature extractor of the matching branch: PSMNet's residual blocks and spatial pyramid pooling.
 
-(Chang & Chen, "Pyramid Stereo Matching Network", CVPR 2018, table 1; pools half as large, as in the released MVTrans.)
+(Chang & Chen, "Pyramid Stereo Matching Network", CVPR 2018, table 1; pooling windows half as large, as in the released
+MVTrans.) `recompute` is its gradient checkpointing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
+from torch.utils.checkpoint import checkpoint
 
 from .layers import Norm, conv_norm
-from .recompute import recomputed
 
-#: Sides of the squares that are averaged, on the features at a quarter of the picture's size [px].
+#: Side of the average-pooling windows, on features at 1/4 of the image size [px].
 POOLS = (32, 16, 8, 4)
+_BatchNorm = nn.BatchNorm2d | nn.BatchNorm3d
 
 
 class _Block(nn.Module):
-    """Two convolutions and a shortcut, without a rectifier after the sum."""
+    """A residual block of two convolutions, without a rectifier after the sum."""
 
     def __init__(self, inputs: int, outputs: int, stride: int, dilation: int, kind: Norm) -> None:
         super().__init__()
@@ -32,17 +37,29 @@ class _Block(nn.Module):
         return self.conv2(self.conv1(x)) + shortcut
 
 
+class _Pool(nn.Module):
+    """Average pooling with square windows, cut to the image where it is smaller."""
+
+    def __init__(self, side: int) -> None:
+        super().__init__()
+        self.side = side
+
+    def forward(self, x: Tensor) -> Tensor:
+        height, width = x.shape[-2:]
+        return functional.avg_pool2d(x, (min(self.side, height), min(self.side, width)))
+
+
 class MatchingFeatures(nn.Module):
-    """Pictures to features at a quarter of their size.
+    """Images to features at 1/4 of their size.
 
     Parameters
     ----------
     outputs : int
         Channels of the features.
     width : int
-        Channels of the first layers; the later ones have two and four times as many.
+        Channels of the first layers; later layers have two and four times as many.
     blocks : 4 int
-        Residual blocks in the four layers.
+        Residual blocks of the four layers.
     kind : str
         Normalisation.
     """
@@ -75,28 +92,46 @@ class MatchingFeatures(nn.Module):
         first = _Block(inputs, outputs, stride, dilation, kind)
         return nn.Sequential(first, *(_Block(outputs, outputs, 1, dilation, kind) for _ in range(count - 1)))
 
-    def forward(self, pictures: Tensor, recompute: bool = False) -> Tensor:
-        """Return the features, (B, C, H/4, W/4), of pictures, (B, 3, H, W).
+    def forward(self, images: Tensor, recompute_early: bool = False) -> Tensor:
+        """Return the features, (B, C, H/4, W/4), of images, (B, 3, H, W).
 
-        With `recompute`, the first layers keep nothing for the backward pass: they hold half of the features' memory,
-        and take a small part of the time.
+        With `recompute_early`, the first layers keep no activations for the backward pass: they hold half of the
+        memory of the features, and take a small part of the time.
         """
         first = nn.Sequential(self.firstconv, self.layer1, self.layer2)
-        early = recomputed(first, pictures) if recompute else first(pictures)
-        late = self.layer4(self.layer3(early))
+        early = recompute(first, images) if recompute_early else first(images)  # (B, 2 width, H/4, W/4)
+        late = self.layer4(self.layer3(early))  # (B, 4 width, H/4, W/4)
         pooled = [self.get_submodule(f"branch{number}")(late) for number in range(len(POOLS), 0, -1)]
         size = late.shape[-2:]
         wide = [functional.interpolate(x, size, mode="bilinear", align_corners=False) for x in pooled]
-        return self.lastconv(torch.cat([early, late, *wide], dim=1))
+        return self.lastconv(torch.cat([early, late, *wide], dim=1))  # 2 + 4 + 4 x 1 = 10 times width
 
 
-class _Pool(nn.Module):
-    """The mean over squares; over the whole of a side that is shorter than the square."""
+def recompute(part: nn.Module, x: Tensor) -> Tensor:
+    """Return ``part(x)`` with gradient checkpointing: activations are computed again in the backward pass.
 
-    def __init__(self, side: int) -> None:
-        super().__init__()
-        self.side = side
+    (Chen et al., "Training Deep Nets with Sublinear Memory Cost", 2016.) Gradients, weights and batch statistics are
+    those of the plain call.
+    """
+    if not torch.is_grad_enabled():
+        return part(x)
 
-    def forward(self, x: Tensor) -> Tensor:
-        height, width = x.shape[-2:]
-        return functional.avg_pool2d(x, (min(self.side, height), min(self.side, width)))
+    def contexts() -> tuple[AbstractContextManager, AbstractContextManager]:
+        return nullcontext(), _frozen_statistics(part)
+
+    return checkpoint(part, x, use_reentrant=False, preserve_rng_state=False, context_fn=contexts)
+
+
+@contextmanager
+def _frozen_statistics(part: nn.Module) -> Iterator[None]:
+    """Keep the running statistics, which the first forward pass has updated already."""
+    norms = [module for module in part.modules() if isinstance(module, _BatchNorm)]
+    before = [(norm.momentum, norm.num_batches_tracked) for norm in norms]
+    for norm in norms:
+        norm.momentum = 0.0
+        norm.num_batches_tracked = None if norm.num_batches_tracked is None else norm.num_batches_tracked.clone()
+    try:
+        yield
+    finally:
+        for norm, (momentum, count) in zip(norms, before, strict=True):
+            norm.momentum, norm.num_batches_tracked = momentum, count

@@ -1,15 +1,15 @@
-"""The network as it was released, with its faults, so that its checkpoints run and the difference can be measured.
+"""MVTrans as its authors released it, faults included, so that its checkpoints run and the difference can be measured.
 
-The faults that decide its results, each marked below:
+The faults with the largest effect, each marked below:
 
-1. Intrinsics are scaled by 1/4 twice before features at 1/4 of the size are warped with them.
-2. Pictures in [0, 1] are divided by 255 again.
-3. Warped coordinates are normalised for one convention of `grid_sample` and sampled with the other, so features lie up
-   to half a pixel off; points behind a camera are projected like those before it.
-4. Planes stand every 0.159 m from 0.01 to 10 m, whatever the scene.
-5. The first sample's intrinsics serve the whole batch.
+1. Intrinsics are scaled by 1/4 twice before features at 1/4 of the image size are warped with them.
+2. Images in [0, 1] are divided by 255 again.
+3. Warped coordinates are normalised for one convention of `grid_sample` and sampled with the other, so features are up
+   to half a pixel off; points behind a camera are projected like those in front of it.
+4. Planes are 0.159 m apart, from 0.01 to 10 m, for every scene.
+5. The intrinsics of the first sample are used for the whole batch.
 
-Modules have the released names. Those that nothing reads are kept, because checkpoints have them.
+Modules have the released names. Unused modules are kept, because checkpoints contain them.
 """
 
 from __future__ import annotations
@@ -21,24 +21,23 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from ...core.errors import InputError
-from .context import ContextDecoder, UpConv
-from .dilated_backbone import ReferenceBackbone
-from .heads import DenseHead, FieldHead
-from .inputs import check_inputs
-from .layers import conv_norm_3d, initialise, soft_argmin
+from .cost_volume import soft_argmin
+from .decoders import ContextDecoder, DenseHead, FieldHead, UpConv
+from .layers import check_inputs, conv_norm_3d, initialise
 from .matching_features import MatchingFeatures
+from .reference_backbone import ReferenceBackbone
 from .resnet import ResNet
 
-#: Number of planes, and the depth of the first and the last [m].
-PLANES, NEAREST, FARTHEST = 64, 0.01, 10.0
-#: Channels of the matching features and of the volume.
+#: Number of planes, and the depth of the first and the last [m] (fault 4).
+PLANES, FIRST_PLANE, LAST_PLANE = 64, 0.01, 10.0
+#: Channels of the matching features and of the cost volume.
 CHANNELS = 32
-#: What Lightning puts before every name of a released checkpoint.
+#: Prefix that Lightning adds to every name of a released checkpoint.
 _PREFIX = "model."
-#: Smallest longer side at which its widest pool has two values a picture, which a batch norm needs in training [px].
-_TRAINABLE = 256
+#: Smallest longer side at which the widest pooling gives two values an image, which batch norm needs in training [px].
+_MIN_TRAINING_SIDE = 256
 #: Keeps the division by depth finite [m].
-_DIVISION = 1e-8
+_EPSILON = 1e-8
 
 
 class _Semantic(nn.Module):
@@ -48,7 +47,7 @@ class _Semantic(nn.Module):
 
 
 class _Regularisation(ContextDecoder):
-    """Matching volume and context to a depth map; `key_layer`, `stereo_head0` and six more are never read."""
+    """Cost volume and context to the coarse depth; `key_layer`, `stereo_head0` and six other layers are unused."""
 
     def __init__(self) -> None:
         super().__init__((256, 512, 1024, 2048), PLANES)
@@ -64,10 +63,10 @@ class _Regularisation(ContextDecoder):
         self.stereo_head1 = nn.Sequential(_conv(16, 16), nn.Conv3d(16, 1, 1))
 
     def forward(self, volume: Tensor, features: tuple[Tensor, ...], planes: Tensor) -> Tensor:
-        """Return the rough depth, (B, H/4, W/4) [m]."""
-        context = self.context(features)[:, None]
-        joined = torch.cat([context, self.dres1(self.dres0(volume))], dim=1)
-        logits = self.stereo_head1(self.value_layer(self.dres2(joined)))[:, 0]
+        """Return the coarse depth, (B, H/4, W/4) [m]."""
+        context = self.context(features)[:, None]  # (B, 1, D, H/4, W/4)
+        joined = torch.cat([context, self.dres1(self.dres0(volume))], dim=1)  # (B, 33, D, H/4, W/4)
+        logits = self.stereo_head1(self.value_layer(self.dres2(joined)))[:, 0]  # (B, D, H/4, W/4)
         return soft_argmin(logits, planes.expand(len(logits), -1))
 
 
@@ -87,11 +86,11 @@ class _PoseHead(nn.Module):
         self.vertex_head, self.z_centroid_head, self.rotation_head = FieldHead(16), FieldHead(1), FieldHead(6)
 
 
-class ReferenceNetwork(nn.Module):
+class ReferenceMVTrans(nn.Module):
     """The released MVTrans: 49,749,487 parameters.
 
-    Its fields have the released units: vertices times 100, covariance times 1000, and 100 (z - 1) of the negative depth
-    z of a box's centre [m].
+    Its fields have the released units: vertices times 100, covariance times 1000, and 100 (z - 1) for the negative
+    depth z of the box centre [m].
     """
 
     planes: Tensor  #: (64,) [m]
@@ -106,7 +105,7 @@ class ReferenceNetwork(nn.Module):
         self.CostRegNet = _Regularisation()
         self.multiviewBackbone = ReferenceBackbone()
         self.depth_head, self.seg_head, self.pose_head = _Head(1), _Head(3), _PoseHead()
-        self.register_buffer("planes", torch.linspace(NEAREST, FARTHEST, PLANES), persistent=False)
+        self.register_buffer("planes", torch.linspace(FIRST_PLANE, LAST_PLANE, PLANES), persistent=False)
         initialise(self)
 
     def forward(self, images: Tensor, world_T_camera: Tensor, K: Tensor) -> dict[str, Tensor]:
@@ -115,11 +114,11 @@ class ReferenceNetwork(nn.Module):
         Parameters
         ----------
         images : (B, V, 3, H, W) Tensor
-            Pictures; the first of the V views is the reference. H and W are multiples of 32.
+            Images in [0, 1]; the first of the V views is the reference. H and W are multiples of 32.
         world_T_camera : (B, V, 4, 4) Tensor
             Poses [m].
         K : (B, V, 3, 3) Tensor
-            Intrinsic matrices at full size [px]; only the first is read.
+            Intrinsic matrices at full size [px]; only that of the first sample and view is used.
 
         Returns
         -------
@@ -128,26 +127,27 @@ class ReferenceNetwork(nn.Module):
             (B, 16, H/8, W/8), ``z_centroid`` (B, H/8, W/8), ``covariance`` (B, 6, H/8, W/8).
         """
         check_inputs(images, world_T_camera, K)
-        if self.training and len(images) == 1 and max(images.shape[-2:]) < _TRAINABLE:
+        if self.training and len(images) == 1 and max(images.shape[-2:]) < _MIN_TRAINING_SIDE:
             found = f"one of {images.shape[-2]} x {images.shape[-1]} px"
-            raise InputError("images", f"two samples, or pictures of {_TRAINABLE} px, to train the released net", found)
-        pictures = (2.0 * (images / 255.0) - 1.0).contiguous()  # fault 2
-        features = [self.matchingFeature(picture) for picture in pictures.unbind(1)]
-        with torch.autocast(images.device.type, enabled=False):  # geometry keeps 32 bits
+            expected = f"two samples, or images of {_MIN_TRAINING_SIDE} px, to train the released network"
+            raise InputError("images", expected, found)
+        scaled = (2.0 * (images / 255.0) - 1.0).contiguous()  # fault 2
+        features = [self.matchingFeature(view) for view in scaled.unbind(1)]  # V times (B, 32, H/4, W/4)
+        with torch.autocast(images.device.type, enabled=False):  # geometry needs 32 bits
             projection = _projections(world_T_camera.float(), K[0, 0].float())
             warped = [
-                _warped(source.float(), projection[:, view], self.planes)
+                _warp(source.float(), projection[:, view], self.planes)
                 for view, source in enumerate(features[1:], start=1)
             ]
-        volumes = [self._matched(features[0], other) for other in warped]
-        volume = torch.stack(volumes).mean(0)
-        semantic = self.semanticFeature.encoder(pictures[:, 0])
-        small = self.CostRegNet(volume, semantic, self.planes)
-        pyramid = self.multiviewBackbone(semantic[0], small[:, None])
-        return {"small_depth": small, **self._heads(tuple(functional.relu(p) for p in pyramid))}
+        volumes = [self._pair_volume(features[0], other) for other in warped]
+        volume = torch.stack(volumes).mean(0)  # (B, 32, D, H/4, W/4)
+        context = self.semanticFeature.encoder(scaled[:, 0])
+        coarse = self.CostRegNet(volume, context, self.planes)  # (B, H/4, W/4)
+        pyramid = self.multiviewBackbone(context[0], coarse[:, None])
+        return {"small_depth": coarse, **self._heads(tuple(functional.relu(p) for p in pyramid))}
 
-    def _matched(self, reference: Tensor, warped: Tensor) -> Tensor:
-        repeated = reference[:, :, None].expand_as(warped)
+    def _pair_volume(self, reference: Tensor, warped: Tensor) -> Tensor:
+        repeated = reference[:, :, None].expand_as(warped)  # (B, C, D, H/4, W/4)
         joined = self.pre0(torch.cat([repeated, warped], dim=1))
         return joined + self.pre2(self.pre1(joined))
 
@@ -168,7 +168,7 @@ def _conv(inputs: int, outputs: int) -> nn.Sequential:
 
 
 def _projections(world_T_camera: Tensor, K: Tensor) -> Tensor:
-    """Return what takes a reference pixel times its depth to each view, (B, V, 4, 4)."""
+    """Return the matrices from homogeneous reference pixels times depth to the pixels of each view, (B, V, 4, 4)."""
     scaled = torch.eye(4, dtype=K.dtype, device=K.device)
     scaled[:3, :3] = K
     scaled[:2, :3] = K[:2] / 16.0  # faults 1 and 5: features are at 1/4 of the size
@@ -176,24 +176,24 @@ def _projections(world_T_camera: Tensor, K: Tensor) -> Tensor:
     return pixel_T_world @ torch.linalg.inv(pixel_T_world[:, :1])
 
 
-def _warped(source: Tensor, projection: Tensor, planes: Tensor) -> Tensor:
-    """Return a view's features as the reference would see them on each plane, (B, C, D, h, w)."""
+def _warp(source: Tensor, projection: Tensor, planes: Tensor) -> Tensor:
+    """Return the features of a source, (B, C, h, w), warped to the reference on each plane, (B, C, D, h, w)."""
     (batch, channels, height, width), count = source.shape, len(planes)
     with torch.no_grad():
         y, x = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
         pixels = torch.stack([x, y, torch.ones_like(x)]).reshape(1, 3, -1).to(source)
         rays = projection[:, :3, :3] @ pixels
         points = rays[:, :, None] * planes[:, None] + projection[:, :3, 3, None, None]  # (B, 3, D, h w)
-        # Fault 3: no test of the sign of depth, and ends of the range at pixel centres while they are read as edges.
-        u = points[:, 0] / (points[:, 2] + _DIVISION) / ((width - 1) / 2.0) - 1.0
-        v = points[:, 1] / (points[:, 2] + _DIVISION) / ((height - 1) / 2.0) - 1.0
+        # Fault 3: the sign of depth is not tested, and -1 and 1 are computed as pixel centres but sampled as edges.
+        u = points[:, 0] / (points[:, 2] + _EPSILON) / ((width - 1) / 2.0) - 1.0
+        v = points[:, 1] / (points[:, 2] + _EPSILON) / ((height - 1) / 2.0) - 1.0
         u, v = (torch.where(value.abs() > 1.0, 2.0, value) for value in (u, v))
         grid = torch.stack([u, v], dim=-1).reshape(batch, count * height, width, 2)
     sampled = functional.grid_sample(source, grid, mode="bilinear", padding_mode="zeros", align_corners=False)
     return sampled.reshape(batch, channels, count, height, width)
 
 
-def load_reference(state_dict: Mapping[str, Tensor], where: str = "state dict") -> ReferenceNetwork:
+def load_reference(state_dict: Mapping[str, Tensor], where: str = "state dict") -> ReferenceMVTrans:
     """Return the released network with the weights of a released checkpoint's state dict.
 
     Parameters
@@ -201,20 +201,20 @@ def load_reference(state_dict: Mapping[str, Tensor], where: str = "state dict") 
     state_dict : mapping
         Names and tensors, with or without the checkpoints' prefix ``model.``.
     where : str
-        Where it comes from, for what is told of a wrong one.
+        Its source, for error messages.
 
     Returns
     -------
-    ReferenceNetwork
+    ReferenceMVTrans
         In evaluation mode.
 
     Raises
     ------
     InputError
-        Where a name or a shape differs from the released network's.
+        Where a name or a shape differs from that of the released network.
     """
     given = {name.removeprefix(_PREFIX): value for name, value in state_dict.items()}
-    network = ReferenceNetwork()
+    network = ReferenceMVTrans()
     own = network.state_dict()
     for name in sorted(own.keys() | given.keys()):
         expected = tuple(own[name].shape) if name in own else "no such tensor"

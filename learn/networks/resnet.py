@@ -1,7 +1,7 @@
-"""Residual networks whose state dicts have torchvision's names, so that weights trained on ImageNet load from a file.
+"""ResNet-18 and ResNet-50 with torchvision's state-dict names, so that ImageNet weights load from a file.
 
-(He et al., "Deep Residual Learning for Image Recognition", CVPR 2016, table 1. As in torchvision, the 50-layer one
-strides in its blocks' 3x3 convolution.)
+(He et al., "Deep Residual Learning for Image Recognition", CVPR 2016, table 1. As in torchvision, ResNet-50 has its
+stride in the 3x3 convolution of a block.)
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ import torch
 from torch import Tensor, nn
 
 from ...core.errors import InputError
-from .weights_file import read_tensors
+from .weights_file import read_weights
 
 Depth = Literal["resnet18", "resnet50"]
 
 #: Blocks in each of the four layers.
 _BLOCKS = {"resnet18": (2, 2, 2, 2), "resnet50": (3, 4, 6, 3)}
-#: Channels inside a block of each layer, before they are widened, of the published networks.
+#: Channels of the first layer in the published networks.
 _WIDTH = 64
 
 
 class _Basic(nn.Module):
-    """Two 3x3 convolutions."""
+    """A residual block of two 3x3 convolutions."""
 
-    widening = 1
+    expansion = 1
 
     def __init__(self, inputs: int, width: int, stride: int, downsample: nn.Module | None) -> None:
         super().__init__()
@@ -43,9 +43,9 @@ class _Basic(nn.Module):
 
 
 class _Bottleneck(nn.Module):
-    """A 3x3 convolution between two 1x1 ones."""
+    """A residual block of a 3x3 convolution between two 1x1 convolutions."""
 
-    widening = 4
+    expansion = 4
 
     def __init__(self, inputs: int, width: int, stride: int, downsample: nn.Module | None) -> None:
         super().__init__()
@@ -65,19 +65,19 @@ class _Bottleneck(nn.Module):
 
 
 class ResNet(nn.Module):
-    """A residual network up to its last features.
+    """A residual network without its classifier.
 
     Parameters
     ----------
     depth : str
         ``resnet18`` or ``resnet50``.
     stem : bool
-        Whether it begins with the 7x7 convolution of pictures and pooling, which quarter the size. Without, the input
-        has the channels and size of the first layer's.
+        Whether it begins with the 7x7 convolution and max pooling, which reduce images to 1/4 of their size. Without,
+        the input has the channels and the size of the first layer.
     classes : int
-        Outputs of the classifier, which nothing uses: the released checkpoints have one. 0 is none.
+        Outputs of an unused classifier, which the released checkpoints contain; 0 for none.
     width : int
-        Channels of the first layer; 64 in the published networks.
+        Channels of the first layer.
     """
 
     def __init__(self, depth: Depth, *, stem: bool = True, classes: int = 0, width: int = _WIDTH) -> None:
@@ -90,23 +90,23 @@ class ResNet(nn.Module):
             self.maxpool = nn.MaxPool2d(3, 2, 1)
         inputs = width
         for number, count in enumerate(_BLOCKS[depth]):
-            inside = width << number
+            channels = width << number
             blocks = []
             for index in range(count):
                 stride = 2 if number and not index else 1
-                outputs = inside * block.widening
-                blocks.append(block(inputs, inside, stride, _shortcut(inputs, outputs, stride)))
+                outputs = channels * block.expansion
+                blocks.append(block(inputs, channels, stride, _shortcut(inputs, outputs, stride)))
                 inputs = outputs
             self.add_module(f"layer{number + 1}", nn.Sequential(*blocks))
-        #: Channels of the four layers' outputs.
-        self.channels = tuple((width << number) * block.widening for number in range(4))
+        #: Output channels of the four layers.
+        self.channels = tuple((width << number) * block.expansion for number in range(4))
         if classes:
             self.fc = nn.Linear(inputs, classes)
 
     def forward(self, x: Tensor) -> tuple[Tensor, ...]:
-        """Return the outputs of the four layers, at 1/4, 1/8, 1/16 and 1/32 of a picture's size."""
+        """Return the outputs of the four layers, at 1/4, 1/8, 1/16 and 1/32 of the image size."""
         if self.stem:
-            x = self.maxpool(torch.relu(self.bn1(self.conv1(x))))
+            x = self.maxpool(torch.relu(self.bn1(self.conv1(x))))  # (B, width, H/4, W/4)
         outputs = []
         for number in range(1, 5):
             x = self.get_submodule(f"layer{number}")(x)
@@ -121,14 +121,14 @@ def _shortcut(inputs: int, outputs: int, stride: int) -> nn.Sequential | None:
 
 
 def load_pretrained(net: ResNet, path: Path) -> None:
-    """Load a state dict of torchvision's names from a file; what the network has not (the classifier, a stem) is left.
+    """Load weights with torchvision's names from a file; layers that the network lacks (classifier, stem) are ignored.
 
     Raises
     ------
     InputError
-        Where the file is no state dict, or lacks a tensor of the network, or has one of another shape.
+        Where the file is no state dict, or a tensor of the network is missing or has another shape.
     """
-    tensors = read_tensors(path)
+    tensors = read_weights(path)
     state = net.state_dict()
     for name, value in state.items():
         if name.endswith("num_batches_tracked"):

@@ -1,1 +1,1 @@
-"""What a network is to give for a view, and in which units."""
+"""Training targets of a view: depth, classes, heatmap, offsets, and the fields of boxes."""

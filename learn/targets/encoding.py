@@ -1,8 +1,8 @@
-"""Units and order of the fields that the networks give.
+"""Encoding of box corners, centre depth and covariance as fields of a network, and decoding of those fields.
 
-All are chosen so that values and errors of one field are about as large as those of another: vertices are given in
-fractions of the picture times 100, the covariance in m^2 times 1000, depth z of a box's centre as 100 (z - 1 m). The
-loss weights of the released code are for these.
+The units make the errors of all fields about equally large: vertices are fractions of the image size times 100, the
+covariance is in m^2 times 1000, the depth z of a box centre is 100 (z - 1 m). The loss weights of the released code are
+for these units.
 """
 
 from __future__ import annotations
@@ -14,8 +14,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ..networks.settings import Variant
+
+#: Factors of the vertex field, the covariance [1 / m^2] and the centre depth [1 / m] (the released code's).
 VERTEX_SCALE, COVARIANCE_SCALE, Z_SCALE = 100.0, 1000.0, 100.0
-#: Depth whose value is 0 [m]: about as far as the objects are.
+#: Depth that is encoded as 0 [m]: about the distance of the objects.
 Z_MIDDLE = 1.0
 #: Rows and columns of the 6 covariance channels.
 COVARIANCE_ROWS, COVARIANCE_COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
@@ -23,45 +26,45 @@ COVARIANCE_ROWS, COVARIANCE_COLUMNS = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
 
 @dataclass(frozen=True)
 class Encoding:
-    """How a network's fields are to be read, and how it wants its pictures."""
+    """Conventions of a network's fields and input images."""
 
     corners: tuple[int, ...]  #: our number (`annotate.boxes.CORNER_SIGNS`) of each of its 8 vertices
-    depth_sign: float  #: 1 where depth counts forwards, -1 where the camera's z axis points backwards, as Blender's
-    rotation: Literal["covariance", "vertices"]  #: what rotations are decoded from
-    stretched: bool  #: whether each picture's values are stretched to [0, 1], all channels together
+    depth_sign: float  #: 1 where the camera's z axis points forwards (OpenCV), -1 where it points backwards (Blender)
+    rotation: Literal["covariance", "vertices"]  #: the fields from which rotations are decoded
+    stretch_contrast: bool  #: whether each image is scaled to the range [0, 1], all channels together
 
     def covariance_signs(self) -> np.ndarray:
-        """Return the sign of each covariance channel against that in OpenCV's axes, (6,)."""
+        """Return the factors between covariance channels in the network's axes and in OpenCV's, 1 or -1, (6,)."""
         axes = np.array([1.0, self.depth_sign, self.depth_sign])
         return axes[list(COVARIANCE_ROWS)] * axes[list(COVARIANCE_COLUMNS)]
 
 
-#: Our own order and axes.
-CORRECTED = Encoding(tuple(range(8)), 1.0, "covariance", stretched=False)
-#: Blender's: corners go ---, --+, -++, -+-, +--, +-+, +++, ++-, and a camera looks along -z. The released code never
-#: reads the covariance that its network learns, and its loader stretches pictures.
-REFERENCE = Encoding((0, 4, 6, 2, 1, 5, 7, 3), -1.0, "vertices", stretched=True)
+#: Our corner order, OpenCV's axes.
+CORRECTED = Encoding(tuple(range(8)), 1.0, "covariance", stretch_contrast=False)
+#: Blender's corner order ---, --+, -++, -+-, +--, +-+, +++, ++-, and its camera, which looks along -z. The released
+#: code never reads the covariance that its network learns, and its loader stretches the contrast of images.
+REFERENCE = Encoding((0, 4, 6, 2, 1, 5, 7, 3), -1.0, "vertices", stretch_contrast=True)
 
 
-def encoding_of(variant: str) -> Encoding:
-    """Return the encoding of a network's variant."""
+def encoding_of(variant: Variant) -> Encoding:
+    """Return the encoding of a network variant."""
     return REFERENCE if variant == "reference" else CORRECTED
 
 
 def encoded_vertices(vertices: np.ndarray, at: np.ndarray, size: tuple[int, int], encoding: Encoding) -> np.ndarray:
-    """Return the vertex channels of boxes as seen from pixels.
+    """Return the vertex channels of boxes at pixels.
 
     For a vertex (u, v) and a pixel (x, y) they are 100 (1/2 - (y - v) / 2H) and 100 (1/2 - (x - u) / 2W), vertex by
-    vertex: between 0 and 100 for a vertex that is less than the picture's size away.
+    vertex: between 0 and 100 for a vertex that is less than the image size away.
 
     Parameters
     ----------
     vertices : (n, 8, 2) float
-        Image coordinates (u, v) of the corners [px], in our order.
+        Image coordinates (u, v) of the corners [px], in the order of `annotate.boxes.CORNER_SIGNS`.
     at : (n, 2) float
-        The pixels (x, y).
+        Pixels (x, y).
     size : (int, int)
-        Height and width of the picture [px].
+        Height and width of the image [px].
 
     Returns
     -------
@@ -69,27 +72,27 @@ def encoded_vertices(vertices: np.ndarray, at: np.ndarray, size: tuple[int, int]
     """
     height, width = size
     shift = at[:, None] - vertices[:, list(encoding.corners)]
-    shares = 0.5 - shift / (2.0 * np.array([width, height]))
-    return VERTEX_SCALE * shares[..., ::-1].reshape(-1, 16)
+    fractions = 0.5 - shift / (2.0 * np.array([width, height]))
+    return VERTEX_SCALE * fractions[..., ::-1].reshape(-1, 16)  # (n, 8, 2) as (y, x) to (n, 16)
 
 
 def decoded_vertices(values: Tensor, at: Tensor, size: tuple[int, int], encoding: Encoding) -> Tensor:
-    """Return the corners' image coordinates, (n, 8, 2) [px], of channels, (n, 16), at pixels (x, y), (n, 2)."""
+    """Return the image coordinates of the corners, (n, 8, 2) [px], of channels, (n, 16), at pixels (x, y), (n, 2)."""
     height, width = size
-    shares = values.reshape(-1, 8, 2).flip(-1) / VERTEX_SCALE
-    found = at[:, None] - (0.5 - shares) * (2.0 * values.new_tensor([width, height]))
-    ours = torch.empty_like(found)
-    ours[:, list(encoding.corners)] = found
-    return ours
+    fractions = values.reshape(-1, 8, 2).flip(-1) / VERTEX_SCALE
+    found = at[:, None] - (0.5 - fractions) * (2.0 * values.new_tensor([width, height]))
+    vertices = torch.empty_like(found)
+    vertices[:, list(encoding.corners)] = found
+    return vertices
 
 
 def encoded_depth(z: np.ndarray, encoding: Encoding) -> np.ndarray:
-    """Return the values of depths [m]."""
+    """Return the encoded values of depths [m]."""
     return Z_SCALE * (encoding.depth_sign * z - Z_MIDDLE)
 
 
 def decoded_depth(values: Tensor, encoding: Encoding) -> Tensor:
-    """Return the depths [m] of values."""
+    """Return the depths [m] of encoded values."""
     return encoding.depth_sign * (values / Z_SCALE + Z_MIDDLE)
 
 

@@ -1,4 +1,4 @@
-"""Where objects are: a bivariate normal over each one's visible pixels."""
+"""The heatmap of objects: a bivariate Gaussian over the visible pixels of each one."""
 
 from __future__ import annotations
 
@@ -6,51 +6,51 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: How much narrower than its object a peak is, as a share of the covariance (the released code's value; the paper gives
+#: Factor from the covariance of an object's pixels to that of its Gaussian (from the released code; the paper gives
 #: none).
 CONCENTRATION = 0.8
-#: Variance of a place that is uniform over a pixel [px^2]. It is added to the covariance of the pixels' centres, which
-#: makes it that of their area: a row of pixels has a width as well.
+#: Variance of a uniform distribution over a pixel [px^2]. Added to the covariance of pixel centres it gives that of
+#: pixel areas, so a single row of pixels has a width as well.
 PIXEL_VARIANCE = 1.0 / 12.0
-#: Cells whose heat is below are no part of an object, and peaks below are none (the released code's value).
-THRESHOLD = 0.3
-#: How far from its mean the hottest pixel of a normal is looked for, in rows and columns [px].
-_AROUND = 4
+#: Cells with less heat have no target, and less hot peaks are no objects (from the released code).
+HEAT_THRESHOLD = 0.3
+#: Search radius of the hottest pixel around the mean of a Gaussian, in rows and columns [px].
+_SEARCH_RADIUS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Normal:
-    """A normal over the picture."""
+class Gaussian:
+    """A bivariate Gaussian over the image."""
 
     mean: np.ndarray  #: (2,) float64, (x, y) [px]
     covariance: np.ndarray  #: (2, 2) float64 [px^2]
 
 
-def normal_of(mask: np.ndarray) -> Normal:
-    """Return the normal of an object's visible pixels, (H, W) bool with at least one pixel.
+def gaussian_of(mask: np.ndarray) -> Gaussian:
+    """Return the Gaussian of an object's visible pixels, (H, W) bool with at least one pixel.
 
-    Its mean is that of the pixels, its covariance theirs times `CONCENTRATION`.
+    Its mean is that of the pixels, its covariance that of the pixels times `CONCENTRATION`.
     """
     y, x = np.nonzero(mask)
     pixels = np.stack([x, y], axis=1).astype(np.float64)
     mean = pixels.mean(0)
-    spread = (pixels - mean).T @ (pixels - mean) / len(pixels)
-    return Normal(mean, CONCENTRATION * (spread + PIXEL_VARIANCE * np.eye(2)))
+    covariance = (pixels - mean).T @ (pixels - mean) / len(pixels)
+    return Gaussian(mean, CONCENTRATION * (covariance + PIXEL_VARIANCE * np.eye(2)))
 
 
-def log_heat(normals: list[Normal], size: tuple[int, int], stride: int = 1) -> np.ndarray:
-    """Return the logarithm of each normal's density over that at its mean.
+def log_heat(gaussians: list[Gaussian], size: tuple[int, int], stride: int = 1) -> np.ndarray:
+    """Return the logarithm of each Gaussian, scaled to 1 at its mean.
 
-    -1/2 (p - m)^T C^-1 (p - m): the paper's density, scaled to a peak of 1.
+    -1/2 (p - m)^T C^-1 (p - m): the density of the paper, scaled to a peak of 1.
 
     Parameters
     ----------
-    normals : list of Normal
+    gaussians : list of Gaussian
         Of n objects.
     size : (int, int)
-        Height and width of the picture [px].
+        Height and width of the image [px].
     stride : int
-        Only every so many pixels of rows and columns are computed.
+        Step between the computed rows and columns [px].
 
     Returns
     -------
@@ -58,32 +58,32 @@ def log_heat(normals: list[Normal], size: tuple[int, int], stride: int = 1) -> n
     """
     height, width = size
     y, x = np.arange(0, height, stride, dtype=np.float32), np.arange(0, width, stride, dtype=np.float32)
-    maps = np.empty((len(normals), len(y), len(x)), np.float32)
-    for index, normal in enumerate(normals):
-        (a, b), (_, d) = np.linalg.inv(normal.covariance).astype(np.float32)
-        right, down = x - np.float32(normal.mean[0]), (y - np.float32(normal.mean[1]))[:, None]
+    maps = np.empty((len(gaussians), len(y), len(x)), np.float32)
+    for index, gaussian in enumerate(gaussians):
+        (a, b), (_, d) = np.linalg.inv(gaussian.covariance).astype(np.float32)
+        right, down = x - np.float32(gaussian.mean[0]), (y - np.float32(gaussian.mean[1]))[:, None]
         maps[index] = -0.5 * (a * right * right + (2.0 * b * down) * right + d * down * down)
     return maps
 
 
-def heatmap(normals: list[Normal], size: tuple[int, int]) -> np.ndarray:
+def heatmap(gaussians: list[Gaussian], size: tuple[int, int]) -> np.ndarray:
     """Return the largest heat of any object at each pixel, (H, W) float32 in [0, 1]; 0 without objects."""
-    if not normals:
+    if not gaussians:
         return np.zeros(size, np.float32)
-    return np.exp(log_heat(normals, size).max(axis=0))
+    return np.exp(log_heat(gaussians, size).max(axis=0))
 
 
-def hottest_pixel(normal: Normal, size: tuple[int, int]) -> np.ndarray:
-    """Return the pixel (x, y) of a normal's peak in a picture of (height, width), (2,) int.
+def peak_pixel(gaussian: Gaussian, size: tuple[int, int]) -> np.ndarray:
+    """Return the hottest pixel (x, y) of a Gaussian in an image of (height, width), (2,) int.
 
-    Most often the pixel that its mean lies in, but a thin sloping object has a hotter one along its length. Among
-    equals the first in the order of rows, as `decoding.peaks` takes it.
+    Usually the pixel that contains the mean, but a thin oblique object can have a hotter one along its length. Of
+    equals the first in row order, as in `decoding.peaks`.
     """
     height, width = size
-    low = np.maximum(np.floor(normal.mean).astype(int) - _AROUND, 0)
-    high = np.minimum(np.floor(normal.mean).astype(int) + _AROUND + 2, [width, height])
+    low = np.maximum(np.floor(gaussian.mean).astype(int) - _SEARCH_RADIUS, 0)
+    high = np.minimum(np.floor(gaussian.mean).astype(int) + _SEARCH_RADIUS + 2, [width, height])
     y, x = np.mgrid[low[1] : high[1], low[0] : high[0]]
-    shift = np.stack([x, y], axis=-1) - normal.mean
-    away = np.einsum("...i,ij,...j->...", shift, np.linalg.inv(normal.covariance), shift)
-    row, column = np.unravel_index(away.argmin(), away.shape)
+    shift = np.stack([x, y], axis=-1) - gaussian.mean
+    distance = np.einsum("...i,ij,...j->...", shift, np.linalg.inv(gaussian.covariance), shift)  # Mahalanobis, squared
+    row, column = np.unravel_index(distance.argmin(), distance.shape)
     return low + np.array([column, row])

@@ -1,4 +1,4 @@
-"""An object as a network is asked to find it."""
+"""An object in a view as a network learns it: box, category, and one pose of all that look the same."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ...annotate.boxes import CORNER_SIGNS
 from ...annotate.symmetries import Symmetry
 
-#: Below this share of its distance a camera stands on the axis of an object: it sees no side of it more than another.
+#: A camera nearer to the axis of an object than this fraction of its distance is on the axis: it sees all sides alike.
 _ON_AXIS = 1e-6
 #: Directions in the camera frame, x right, y down, z away.
 _RIGHT, _UP, _AWAY = (np.array(axis) for axis in ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)))
@@ -22,15 +22,15 @@ class ViewObject:
     id: int  #: as in ``instances.png``
     category: str
     transparent: bool
-    symmetry: Symmetry  #: how it may be moved and look the same
-    fill: float | None  #: share of a vessel's brimful volume; None for what holds nothing
-    camera_T_object: np.ndarray  #: (4, 4) float64; of all that look the same, `canonical_pose`
+    symmetry: Symmetry  #: motions under which it looks the same
+    fill: float | None  #: fraction of a vessel's volume that is filled; None without liquid
+    camera_T_object: np.ndarray  #: (4, 4) float64; the `canonical_pose`
     size: np.ndarray  #: (3,) float64 [m]; the box's centre is the object frame's origin
-    visible: int  #: pixels whose first surface it is
+    visible: int  #: number of pixels where it is the first surface
 
     @property
     def corners(self) -> np.ndarray:
-        """The box's corners in the camera frame, (8, 3) float64 [m], numbered as `annotate.boxes.CORNER_SIGNS`."""
+        """The box corners in the camera frame, (8, 3) float64 [m], numbered as in `annotate.boxes.CORNER_SIGNS`."""
         return box_points(self.camera_T_object, self.size)
 
 
@@ -41,18 +41,18 @@ def box_points(camera_T_object: np.ndarray, size: np.ndarray) -> np.ndarray:
 
 
 def canonical_pose(camera_T_object: np.ndarray, symmetry: Symmetry) -> np.ndarray:
-    """Return the one of all poses that look the same which networks learn.
+    """Return the pose that networks learn, of all poses that look the same.
 
-    A network cannot tell which of them a scene's description has, and the mean of several is none. Taken is the one
-    that stands most upright in the picture (z up) and then looks most at the camera (along x); an object of revolution
-    looks at it as much as it can, and a ball stands upright.
+    A network cannot know which of them a scene description has, and the mean of several is none of them. The canonical
+    pose is the most upright in the image (z up), and of those the one whose x axis points most towards the camera; that
+    of an object of revolution points to it as far as possible, and a ball is upright.
 
     Parameters
     ----------
     camera_T_object : (4, 4) float
-        A pose.
+        Any pose of the object.
     symmetry : Symmetry
-        How the object may be moved and look the same.
+        Motions under which the object looks the same.
     """
     poses = [camera_T_object @ motion for motion in symmetry.motions]
     if symmetry.ball:
@@ -70,9 +70,9 @@ def _preference(pose: np.ndarray) -> float:
 
 
 def _turned_to_camera(camera_T_object: np.ndarray) -> np.ndarray:
-    """Return the turn of an object of revolution about its z axis whose x axis points at the camera.
+    """Return the pose of an object of revolution, rotated about its z axis so that x points at the camera.
 
-    From the camera on the axis itself, x points up in the picture.
+    For a camera on the axis, x points up in the image.
     """
     axis, centre = camera_T_object[:3, 2], camera_T_object[:3, 3]
     x = -centre + axis * (axis @ centre)

@@ -1,1 +1,1 @@
-"""Losses, and the run that lowers them."""
+"""Training: losses, schedule, checkpoints, and the training loop."""

@@ -1,4 +1,4 @@
-"""The folder that a command of networks writes to."""
+"""The folder that a command of `learn` writes to."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError
 
 
-def made_folder(out: Path) -> Path:
-    """Make a folder, and remove what killed processes left half-written in it.
+def make_out_folder(out: Path) -> None:
+    """Make a folder, and delete the unfinished files that killed processes left in it.
 
     Raises
     ------
     InputError
-        Where it cannot be made or written to: before any work is done, and not after it.
+        Where it cannot be made or written to: before any work is done, not after it.
     """
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -24,4 +24,3 @@ def made_folder(out: Path) -> Path:
     if not os.access(out, os.W_OK):
         raise InputError(out, "a folder that can be written to", "one that cannot")
     remove_leftovers(out)
-    return out

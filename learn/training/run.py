@@ -1,7 +1,7 @@
-"""A training run: step after step, and what is kept of it.
+"""The training loop, its checkpoints and its validation.
 
-The loop is ours, on Lightning's Fabric, which knows devices, precision and processes. What a step takes follows from
-its number alone, so a run that is stopped and goes on from a checkpoint gives the weights of one that was not stopped.
+The loop is our own, on Lightning Fabric, which handles devices, precision and processes. Each step depends on its
+number alone, so a run that is stopped and resumed from a checkpoint gives the weights of an uninterrupted run.
 """
 
 from __future__ import annotations
@@ -18,20 +18,26 @@ from ...core.exit_codes import WorkFailed
 from ...core.stopping import check_stop
 from ...dataset.reader import Dataset
 from ..data.loading import load_batches
-from ..data.samples import Batch, batched
+from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
 from .checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from .losses import losses, total_loss
-from .out_folder import made_folder
-from .prepare import Parts, load_first_weights, prepared
-from .resume import restore_parts, resumable
-from .run_log import Records
-from .schedule import StepBatches, rate_at
+from .out_folder import make_out_folder
+from .run_log import RunLog
+from .schedule import StepBatches, learning_rate_at
 from .settings import TrainSettings
+from .train_state import (
+    TrainState,
+    load_pretrained_context,
+    optimiser_tensors,
+    restore_train_state,
+    resumed_checkpoint,
+    set_up_training,
+)
 
-#: Files of a run: the latest state, and that with the least validation loss.
-LAST, BEST = "last.ckpt", "best.ckpt"
-#: Validation samples are drawn once.
+#: Checkpoints of a run: the latest state, and the one with the least validation loss.
+LAST, BEST = "last.safetensors", "best.safetensors"
+#: Validation samples are drawn once, so that losses compare.
 _VALIDATION_DRAW = 0
 
 
@@ -41,13 +47,13 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
     Parameters
     ----------
     settings : TrainSettings
-        How.
+        Network, data, losses, optimiser, machine.
     data : Path
         The data set.
     out : Path
-        Folder of the run: ``last.ckpt``, ``best.ckpt`` and the logs for TensorBoard.
+        Folder of the run: checkpoints `LAST` and `BEST`, and the TensorBoard log.
     resume : Path, optional
-        A checkpoint of the same settings and data set to go on from.
+        A checkpoint to resume from, of the same settings and data set.
     say : callable
         Takes lines about the progress.
 
@@ -56,88 +62,115 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
     InputError
         For wrong data or settings.
     WorkFailed
-        Where a loss or a gradient is no longer a number.
+        Where a loss or a gradient is not finite.
     """
     Dataset.open(data)
-    start = None if resume is None else resumable(load_checkpoint(resume), settings, data, resume)
+    start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
     if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
-    made_folder(out)
+    make_out_folder(out)
     if settings.machine.threads is not None:
         torch.set_num_threads(settings.machine.threads)
-    parts = prepared(settings if start is None else start.settings, data, out)
+    state = set_up_training(settings if start is None else start.settings, data, out)
     if start is None:
-        load_first_weights(parts)
-        state = _first(parts)
+        load_pretrained_context(state)
+        start = _initial_checkpoint(state)
     else:
-        restore_parts(parts, start, resume or out)
-        state = start
-    _steps(parts, state, say)
+        restore_train_state(state, start, resume or out)
+    _train_steps(state, start, say)
 
 
-def _first(parts: Parts) -> Checkpoint:
-    ema = _weights(parts.network) if parts.settings.optimiser.ema else None
-    return _state(parts, 0, ema, math.inf)
+def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None]) -> None:
+    settings, fabric = state.settings, state.fabric
+    model, optimiser = fabric.setup(state.network, state.optimiser)
+    steps = range(start.step, settings.steps)
+    order = StepBatches(len(state.train), settings.batch, steps, settings.seed, fabric.global_rank, fabric.world_size)
+    loader = load_batches(state.train, order, settings.machine.workers)
+    ema = None if start.ema is None else {name: value.to(fabric.device) for name, value in start.ema.items()}
+    best_loss = start.best_loss
+    log = RunLog(state.out, start.step, settings, fabric, say)
+    for step, loaded in zip(steps, loader, strict=True):
+        check_stop()
+        for group in optimiser.param_groups:
+            group["lr"] = learning_rate_at(step, settings.steps, settings.optimiser)
+        batch = loaded.to(fabric.device)
+        model.train()
+        outputs = model(batch.images, batch.world_T_camera, batch.K)
+        terms = losses(outputs, batch.targets, settings.network, settings.losses.huber)
+        total = total_loss(terms, settings.losses)
+        _check_loss(total, terms, step, batch)
+        optimiser.zero_grad(set_to_none=True)
+        fabric.backward(total)
+        norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
+        _check_gradient(norm, step, batch)
+        optimiser.step()
+        ema = _updated_ema(ema, state.network, settings.optimiser.ema)
+        done = step + 1
+        log.log_step(done, total, terms, optimiser.param_groups[0]["lr"], batch, outputs)
+        if state.val is not None and (done % settings.validate_every == 0 or done == settings.steps):
+            loss = validate(state, ema)
+            if not math.isfinite(loss):
+                raise WorkFailed(f"validation loss of step {done}: expected a finite number, found {loss:g}")
+            log.log_validation(done, loss)
+            if loss < best_loss:
+                best_loss = loss
+                _save(state, BEST, done, ema, best_loss)
+        if done % settings.save_every == 0 or done == settings.steps:
+            _save(state, LAST, done, ema, best_loss)
+    log.close()
+    if fabric.is_global_zero:
+        say(f"{state.out}: trained for {settings.steps} steps")
 
 
-def _state(parts: Parts, step: int, ema: dict[str, Tensor] | None, best: float) -> Checkpoint:
-    network, optimiser = _weights(parts.network), parts.optimiser.state_dict()
-    return Checkpoint(parts.settings, parts.data, step, network, ema, optimiser, torch.get_rng_state(), best)
+def validate(state: TrainState, ema: dict[str, Tensor] | None) -> float:
+    """Run a copy of the network on the validation samples and return the mean loss; the network itself is unchanged."""
+    assert state.val is not None
+    with torch.random.fork_rng(devices=[]):  # its initial weights are replaced
+        network = build_network(state.settings.network).to(state.fabric.device)
+    network.load_state_dict(state.network.state_dict() if ema is None else ema)
+    network.eval()
+    weights = state.settings.losses
+    count = min(len(state.val), state.settings.validate_samples)
+    evenly_spaced = [index * len(state.val) // count for index in range(count)]
+    values = []
+    with torch.inference_mode():
+        for index in evenly_spaced:
+            batch = collate([state.val[(index, _VALIDATION_DRAW)]]).to(state.fabric.device)
+            outputs = network(batch.images, batch.world_T_camera, batch.K)
+            terms = losses(outputs, batch.targets, state.settings.network, weights.huber)
+            values.append(float(total_loss(terms, weights)))
+    return sum(values) / count
+
+
+def _initial_checkpoint(state: TrainState) -> Checkpoint:
+    ema = _weights(state.network) if state.settings.optimiser.ema else None
+    return _checkpoint(state, 0, ema, math.inf)
+
+
+def _save(state: TrainState, name: str, step: int, ema: dict[str, Tensor] | None, best_loss: float) -> None:
+    if state.fabric.is_global_zero:
+        save_checkpoint(state.out / name, _checkpoint(state, step, ema, best_loss))
+
+
+def _checkpoint(state: TrainState, step: int, ema: dict[str, Tensor] | None, best_loss: float) -> Checkpoint:
+    return Checkpoint(
+        settings=state.settings,
+        data=state.data,
+        step=step,
+        network=_weights(state.network),
+        ema=ema,
+        optimiser=optimiser_tensors(state.optimiser),
+        rng=torch.get_rng_state(),
+        best_loss=best_loss,
+    )
 
 
 def _weights(network: Network) -> dict[str, Tensor]:
     return {name: value.detach().clone() for name, value in network.state_dict().items()}
 
 
-def _steps(parts: Parts, start: Checkpoint, say: Callable[[str], None]) -> None:
-    settings, fabric = parts.settings, parts.fabric
-    model, optimiser = fabric.setup(parts.network, parts.optimiser)
-    todo = range(start.step, settings.steps)
-    order = StepBatches(len(parts.train), settings.batch, todo, settings.seed, fabric.global_rank, fabric.world_size)
-    loader = load_batches(parts.train, order, settings.machine.workers)
-    ema = None if start.ema is None else {name: value.to(fabric.device) for name, value in start.ema.items()}
-    best = start.best
-    records = Records(parts.out, start.step, settings, fabric, say)
-    for step, batch in zip(todo, loader, strict=True):
-        check_stop()
-        for group in optimiser.param_groups:
-            group["lr"] = rate_at(step, settings.steps, settings.optimiser)
-        moved = batch.to(fabric.device)
-        model.train()
-        outputs = model(moved.images, moved.world_T_camera, moved.K)
-        found = losses(outputs, moved.targets, settings.network, settings.losses.huber)
-        total = total_loss(found, settings.losses)
-        _check_loss(total, found, step, batch)
-        optimiser.zero_grad(set_to_none=True)
-        fabric.backward(total)
-        norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
-        _check_gradient(norm, step, batch)
-        optimiser.step()
-        ema = _averaged(ema, parts.network, settings.optimiser.ema)
-        done = step + 1
-        records.step(done, total, found, optimiser.param_groups[0]["lr"], moved, outputs)
-        if parts.val is not None and (done % settings.validate_every == 0 or done == settings.steps):
-            loss = validated(parts, ema)
-            if not math.isfinite(loss):
-                raise WorkFailed(f"validation loss of step {done}: expected a finite number, found {loss:g}")
-            records.validation(done, loss)
-            if loss < best:
-                best = loss
-                _save(parts, BEST, done, ema, best)
-        if done % settings.save_every == 0 or done == settings.steps:
-            _save(parts, LAST, done, ema, best)
-    records.close()
-    if fabric.is_global_zero:
-        say(f"{parts.out}: trained for {settings.steps} steps")
-
-
-def _save(parts: Parts, name: str, step: int, ema: dict[str, Tensor] | None, best: float) -> None:
-    if parts.fabric.is_global_zero:
-        save_checkpoint(parts.out / name, _state(parts, step, ema, best))
-
-
-def _averaged(ema: dict[str, Tensor] | None, network: Network, decay: float) -> dict[str, Tensor] | None:
-    """Return the mean of the weights after a step; counters and statistics of batches are the newest."""
+def _updated_ema(ema: dict[str, Tensor] | None, network: Network, decay: float) -> dict[str, Tensor] | None:
+    """Return the moving average of the weights after a step; counters and batch statistics are the newest."""
     if ema is None:
         return None
     learnt = {name for name, _ in network.named_parameters()}
@@ -148,9 +181,9 @@ def _averaged(ema: dict[str, Tensor] | None, network: Network, decay: float) -> 
         }
 
 
-def _check_loss(total: Tensor, found: dict[str, Tensor], step: int, batch: Batch) -> None:
+def _check_loss(total: Tensor, terms: dict[str, Tensor], step: int, batch: Batch) -> None:
     if not bool(torch.isfinite(total)):
-        wrong = [f"{name} {float(value.detach()):g}" for name, value in found.items() if not torch.isfinite(value)]
+        wrong = [f"{name} {float(value.detach()):g}" for name, value in terms.items() if not torch.isfinite(value)]
         where = f"loss of step {step} on {', '.join(batch.names)}"
         raise WorkFailed(f"{where}: expected a finite number, found {float(total.detach()):g} ({', '.join(wrong)})")
 
@@ -159,23 +192,3 @@ def _check_gradient(norm: Tensor | None, step: int, batch: Batch) -> None:
     if norm is not None and not bool(torch.isfinite(norm)):
         where = f"gradient of step {step} on {', '.join(batch.names)}"
         raise WorkFailed(f"{where}: expected a finite norm, found {float(norm):g}")
-
-
-def validated(parts: Parts, ema: dict[str, Tensor] | None) -> float:
-    """Return the mean loss over validation samples, with the weights that would be used and without changing any."""
-    assert parts.val is not None
-    with torch.random.fork_rng(devices=[]):  # its first weights are thrown away
-        network = build_network(parts.settings.network).to(parts.fabric.device)
-    network.load_state_dict(parts.network.state_dict() if ema is None else ema)
-    network.eval()
-    weights = parts.settings.losses
-    count = min(len(parts.val), parts.settings.validate_samples)
-    spread = [index * len(parts.val) // count for index in range(count)]
-    values = []
-    with torch.inference_mode():
-        for index in spread:
-            batch = batched([parts.val[(index, _VALIDATION_DRAW)]]).to(parts.fabric.device)
-            outputs = network(batch.images, batch.world_T_camera, batch.K)
-            found = losses(outputs, batch.targets, parts.settings.network, weights.huber)
-            values.append(float(total_loss(found, weights)))
-    return sum(values) / count

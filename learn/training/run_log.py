@@ -1,4 +1,4 @@
-"""What is told of a run while it runs: lines, and TensorBoard's curves and pictures."""
+"""The log of a run: lines on the console, and curves and images for TensorBoard."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ from ..data.visualise import sample_picture
 from .settings import TrainSettings
 
 
-class Records:
-    """Logs of a run. Only the first process of several writes."""
+class RunLog:
+    """Writes the log of a run; only the first of several processes writes."""
 
     def __init__(
         self, out: Path, start: int, settings: TrainSettings, fabric: Fabric, say: Callable[[str], None]
     ) -> None:
         self._settings, self._say = settings, say
-        # What an earlier process noted of steps that are taken again is dropped.
-        again = start + 1 if start else None
-        self._writer = SummaryWriter(str(out), purge_step=again) if fabric.is_global_zero else None
+        # Entries of steps after the checkpoint are dropped: those steps are taken again.
+        purge = start + 1 if start else None
+        self._writer = SummaryWriter(str(out), purge_step=purge) if fabric.is_global_zero else None
         self._since, self._step = perf_counter(), start
 
-    def step(
+    def log_step(
         self,
         step: int,
         total: Tensor,
-        found: Mapping[str, Tensor],
-        rate: float,
+        terms: Mapping[str, Tensor],
+        learning_rate: float,
         batch: Batch,
         outputs: Mapping[str, Tensor],
     ) -> None:
-        """Note a step, where its number asks for that."""
+        """Log the losses of a step every `log_every` steps, and an image every `pictures_every`."""
         if self._writer is None:
             return
         if step % self._settings.log_every == 0 or step == self._settings.steps:
-            for name, value in {"total": total, **found}.items():
+            for name, value in {"total": total, **terms}.items():
                 self._writer.add_scalar(f"loss/{name}", float(value.detach()), step)
-            self._writer.add_scalar("rate", rate, step)
+            self._writer.add_scalar("learning_rate", learning_rate, step)
             seconds = (perf_counter() - self._since) / max(step - self._step, 1)
             self._since, self._step = perf_counter(), step
             left = seconds * (self._settings.steps - step)
@@ -52,13 +52,13 @@ class Records:
             picture = sample_picture(batch, outputs, self._settings.network.variant)
             self._writer.add_image("sample", picture, step, dataformats="HWC")
 
-    def validation(self, step: int, loss: float) -> None:
-        """Note a look at the validation samples."""
+    def log_validation(self, step: int, loss: float) -> None:
+        """Log the validation loss after a step."""
         if self._writer is not None:
             self._writer.add_scalar("loss/validation", loss, step)
             self._say(f"step {step}: validation loss {loss:.4g}")
 
     def close(self) -> None:
-        """Write what is still held."""
+        """Flush and close the files of TensorBoard."""
         if self._writer is not None:
             self._writer.close()

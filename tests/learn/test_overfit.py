@@ -8,7 +8,7 @@ from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
-from glassware.learn.evaluation.report import figures
+from glassware.learn.evaluation.report import summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.checkpoint import load_network
@@ -55,9 +55,9 @@ def test_a_small_network_learns_one_sample_by_heart(pair, tmp_path, switches):
             **switches,
         ),
         views=views,
-        augment=AugmentSettings(share=0.0),
+        augment=AugmentSettings(probability=0.0),
         losses=LossWeights(huber=0.01, depth=10.0, small_depth=3.0, vertex=0.5, z_centroid=0.5, covariance=0.5),
-        optimiser=OptimiserSettings(rate=3e-3, warmup=10),
+        optimiser=OptimiserSettings(learning_rate=3e-3, warmup=10),
         machine=MachineSettings(accelerator="cpu", workers=0, threads=1),
         steps=450,
         batch=1,
@@ -68,10 +68,10 @@ def test_a_small_network_learns_one_sample_by_heart(pair, tmp_path, switches):
         save_every=450,
     )
     train(settings, pair, tmp_path, None, lambda _line: None)
-    network, kept = load_network(tmp_path / "last.ckpt")
-    samples = SampleDataset(pair, "all", views, CORRECTED, truth=True)
+    network, kept = load_network(tmp_path / "last.safetensors")
+    samples = SampleDataset(pair, "all", views, CORRECTED, ground_truth=True)
     scores, _ = score_all(network, samples, kept.network.variant, lambda _line: None)
-    found = figures(scores)
+    found = summarise(scores)
     assert found["pose"]["objects"] == 2
     assert found["depth"]["full"]["all"]["mae"] < DEPTH
     assert found["boxes"]["iou_all"] > IOU

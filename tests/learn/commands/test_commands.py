@@ -29,12 +29,12 @@ def run(rendered, tiny, tmp_path_factory):
     return folder
 
 
-def told(capsys) -> str:
+def error_line(capsys) -> str:
     return capsys.readouterr().err.strip()
 
 
 def test_train_evaluate_and_predict_follow_one_another(run, rendered, tmp_path, capsys):
-    checkpoint = str(run / "last.ckpt")
+    checkpoint = str(run / "last.safetensors")
     options = ["--device", "cpu", "--threads", "1", "--out", str(tmp_path)]
     assert main(["evaluate", checkpoint, str(rendered), "--worst", "2", "--workers", "0", *options]) == 0
     printed = capsys.readouterr().out
@@ -64,9 +64,10 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
         record = {"K": camera.K.tolist(), "world_T_camera": camera.world_T_camera.tolist()}
         paths[-1].with_suffix(".json").write_text(json.dumps(record))
     options = ["--device", "cpu", "--threads", "1"]
-    assert main(["predict", str(run / "last.ckpt"), *map(str, paths), "--out", str(tmp_path / "a"), *options]) == 0
+    predict = ["predict", str(run / "last.safetensors"), *options]
+    assert main([*predict, *map(str, paths), "--out", str(tmp_path / "a")]) == 0
     lefts = [str(view.folder / "left.png") for view in stored]
-    assert main(["predict", str(run / "last.ckpt"), *lefts, "--out", str(tmp_path / "b"), *options]) == 0
+    assert main([*predict, *lefts, "--out", str(tmp_path / "b")]) == 0
     a, b = (read_exr(tmp_path / name / "depth.exr")["Z"] for name in "ab")
     np.testing.assert_array_equal(a, b)
 
@@ -77,10 +78,13 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
         (["train"], "glassware train: expected the folder of a data set, found none"),
         (["train", "none"], "none: expected the folder of a data set, found none"),
         (["train", "{data}", "--network.planes", "1"], "network.planes: expected greater than or equal to 2, found 1"),
-        (["train", "{data}", "--train-split", "test"], "split test: expected scenes that are there, found none"),
+        (["train", "{data}", "--train-split", "test"], "split test: expected scenes that exist, found none"),
         (["train", "{data}", "--views.count", "9", "--machine.workers", "1"], "expected 8 others by the rule distance"),
         (["evaluate", "{ckpt}"], "glassware evaluate: expected a checkpoint and the folder of a data set"),
-        (["evaluate", "{data}/dataset.json", "{data}"], "dataset.json: expected an undamaged file of torch"),
+        (
+            ["evaluate", "{data}/dataset.json", "{data}"],
+            "dataset.json: expected an undamaged safetensors or",
+        ),
         (["evaluate", "{ckpt}", "{data}", "--device", "moon"], "--device: expected a device of this machine"),
         (["evaluate", "{ckpt}", "{data}", "--device", "cuda:7"], "--device: expected a device of this machine"),
         (["predict", "{ckpt}", "{data}/preview.png"], "pictures: expected two or more views of one scene, found 1"),
@@ -89,10 +93,10 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
     ],
 )
 def test_a_wrong_request_is_one_line_and_code_2(run, rendered, tmp_path, capsys, arguments, message):
-    filled = [word.format(data=rendered, ckpt=run / "last.ckpt") for word in arguments]
+    filled = [word.format(data=rendered, ckpt=run / "last.safetensors") for word in arguments]
     quick = ["--machine.accelerator", "cpu"] if arguments[0] == "train" else []
     assert main([*filled, *quick, "--out", str(tmp_path / "out")]) == 2
-    line = told(capsys)
+    line = error_line(capsys)
     assert message in line
     assert "\n" not in line
 
@@ -107,7 +111,7 @@ def test_a_hostile_checkpoint_runs_nothing(run, rendered, tmp_path, capsys, monk
     monkeypatch.chdir(tmp_path)
     torch.save({"state_dict": Attack()}, tmp_path / "bad.ckpt")
     assert main(["evaluate", "bad.ckpt", str(rendered)]) == 2
-    assert "bad.ckpt: expected an undamaged file of torch" in told(capsys)
+    assert "bad.ckpt: expected an undamaged safetensors or torch file" in error_line(capsys)
     assert not (tmp_path / "attacked").exists()
 
 
@@ -115,30 +119,32 @@ def test_a_picture_without_a_camera_is_one_clear_line(run, rendered, tmp_path, c
     view = rendered / "scenes" / "000001" / "003"
     alone = tmp_path / "alone.png"
     alone.write_bytes((view / "left.png").read_bytes())
-    assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
-    assert "alone.png: expected its camera in alone.json or camera.json, found neither" in told(capsys)
+    assert main(["predict", str(run / "last.safetensors"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+    assert "alone.png: expected its camera in alone.json or camera.json, found neither" in error_line(capsys)
     alone.with_suffix(".json").write_text('{"K": [1, 2]}')
-    assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
-    assert "alone.json: K: expected 3 rows of 3 finite numbers" in told(capsys)
+    assert main(["predict", str(run / "last.safetensors"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+    assert "alone.json: K: expected 3 rows of 3 finite numbers" in error_line(capsys)
     record = {"K": [[99.0, 0.0, 64.0], [0.0, 99.0, 48.0], [0.0, 0.0, 1.0]], "world_T_camera": np.eye(4).tolist()}
     for number in ("NaN", "null", '"1"', "true", "1e400", "1" + "0" * 400, "1e30"):
         text = json.dumps(record).replace("64.0", number)
         alone.with_suffix(".json").write_text(text)
-        assert main(["predict", str(run / "last.ckpt"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
-        assert "alone.json" in told(capsys)
+        assert (
+            main(["predict", str(run / "last.safetensors"), str(alone), str(view / "left.png"), "--device", "cpu"]) == 2
+        )
+        assert "alone.json" in error_line(capsys)
 
 
-def test_a_folder_that_cannot_be_written_to_is_told_before_any_work(run, rendered, tmp_path, capsys):
+def test_a_folder_that_cannot_be_written_to_is_reported_before_any_work(run, rendered, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    for command in (["evaluate", str(run / "last.ckpt"), str(rendered)], ["train", str(rendered)]):
+    for command in (["evaluate", str(run / "last.safetensors"), str(rendered)], ["train", str(rendered)]):
         assert main([*command, "--out", str(tmp_path / "file")]) == 2
-        assert "file: expected a folder that can be made and written to" in told(capsys)
+        assert "file: expected a folder that can be made and written to" in error_line(capsys)
 
 
-def test_machines_that_are_not_there_are_one_line(rendered, tmp_path, capsys):
+def test_machines_that_do_not_exist_are_one_line(rendered, tmp_path, capsys):
     for option in (["--machine.accelerator", "foo"], ["--machine.devices", "0"], ["--machine.strategy", "foo"]):
         assert main(["train", str(rendered), *option, "--out", str(tmp_path / "out")]) == 2
-        assert "machine: expected devices that are there and a strategy for them" in told(capsys)
+        assert "machine: expected existing devices and a strategy for them" in error_line(capsys)
 
 
 def test_help_names_the_commands(capsys):

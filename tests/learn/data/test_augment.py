@@ -9,7 +9,7 @@ from glassware.learn.data.settings import AugmentSettings
 NOTHING = {
     "exposure": 0.0,
     "balance": 0.0,
-    "between": 0.0,
+    "view_exposure": 0.0,
     "shot_noise": 0.0,
     "read_noise": 0.0,
     "blur": 0.0,
@@ -28,7 +28,7 @@ def test_every_level_comes_back_from_linear_light():
 
 def test_no_change_is_no_change(rng):
     pictures = rng.integers(0, 256, (2, 16, 16, 3), dtype=np.uint8)
-    np.testing.assert_array_equal(augmented(pictures, AugmentSettings(share=0.0), rng), pictures)
+    np.testing.assert_array_equal(augmented(pictures, AugmentSettings(probability=0.0), rng), pictures)
     smooth = flat(130)
     # JPEG at its best quality keeps a flat picture to a level.
     changed = augmented(smooth, AugmentSettings(**NOTHING), rng)

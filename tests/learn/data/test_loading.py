@@ -7,7 +7,7 @@ import torch
 
 from glassware.core.errors import InputError
 from glassware.learn.data.loading import load_batches
-from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
 
@@ -19,16 +19,16 @@ def test_batches_are_those_of_the_samples(rendered, workers):
     found = list(load_batches(data, order, workers))
     assert len(found) == 2
     for batch, items in zip(found, order, strict=True):
-        assert torch.equal(batch.images, batched([data[item] for item in items]).images)
+        assert torch.equal(batch.images, collate([data[item] for item in items]).images)
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
-def test_a_sample_that_cannot_be_used_is_told_as_one_line_from_any_process(rendered, workers):
+def test_a_sample_that_cannot_be_used_is_one_line_from_any_process(rendered, workers):
     data = SampleDataset(rendered, "all", ViewSettings(count=9), CORRECTED)
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as raised:
         list(load_batches(data, [[(0, 0)]], workers))
-    assert "expected 8 others by the rule distance" in str(told.value)
-    assert "\n" not in str(told.value)
+    assert "expected 8 others by the rule distance" in str(raised.value)
+    assert "\n" not in str(raised.value)
 
 
 def test_an_input_error_is_the_same_in_another_process():

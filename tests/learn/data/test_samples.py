@@ -12,7 +12,7 @@ from glassware.core.errors import InputError
 from glassware.dataset.format.exr import read_exr, write_exr
 from glassware.dataset.format.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
-from glassware.learn.data.samples import SampleDataset, batched, picture_tensor
+from glassware.learn.data.samples import SampleDataset, collate, image_tensor
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED, REFERENCE
 
@@ -26,7 +26,7 @@ def samples(root, split="all", **options) -> SampleDataset:
 
 @pytest.mark.parametrize("count", [2, 3, 5])
 def test_a_sample_has_the_views_that_are_asked_for(rendered, count):
-    data = samples(rendered, views={"count": count}, truth=True)
+    data = samples(rendered, views={"count": count}, ground_truth=True)
     assert len(data) == 10
     sample = data[(7, 0)]
     assert sample.images.shape == (count, 3, 96, 128)
@@ -38,25 +38,25 @@ def test_a_sample_has_the_views_that_are_asked_for(rendered, count):
     poses = {tuple(pose[:3, 3].round(decimals=4).tolist()) for pose in sample.world_T_camera}
     assert len(poses) == count
     geometry = stored.views[2].geometry()
-    np.testing.assert_array_equal(sample.truth.instances, geometry.id)
+    np.testing.assert_array_equal(sample.ground_truth.instances, geometry.id)
     np.testing.assert_array_equal(sample.targets["depth"], np.where(np.isfinite(geometry.Z), geometry.Z, 0))
 
 
 def test_pictures_lie_channel_after_channel_in_memory(rendered):
-    """Interleaved ones make torch 2.13 write beyond its memory in the backward pass (`picture_tensor`)."""
+    """Interleaved ones make torch 2.13 write beyond its memory in the backward pass (`image_tensor`)."""
     data = samples(rendered)
     one, other = data[(0, 0)], data[(1, 0)]
     assert one.images.is_contiguous()
-    assert batched([one, other]).images.is_contiguous()
+    assert collate([one, other]).images.is_contiguous()
 
 
 def test_the_released_network_gets_pictures_stretched_to_all_values():
     pictures = np.random.default_rng(3).integers(40, 200, (2, 32, 32, 3)).astype(np.uint8)
-    stretched = picture_tensor(pictures, REFERENCE)
+    stretched = image_tensor(pictures, REFERENCE)
     for ours, theirs in zip(stretched, pictures.astype(np.float64), strict=True):
         expected = (theirs - theirs.min()) / (theirs.max() - theirs.min())
         np.testing.assert_allclose(ours.movedim(0, -1), expected, rtol=0, atol=1e-6)
-    np.testing.assert_array_equal(picture_tensor(pictures, CORRECTED).movedim(1, -1), pictures / np.float32(255.0))
+    np.testing.assert_array_equal(image_tensor(pictures, CORRECTED).movedim(1, -1), pictures / np.float32(255.0))
 
 
 def test_other_views_are_drawn_from_the_nearest(rendered):
@@ -84,17 +84,17 @@ def test_a_stereo_pair_stands_at_its_baseline(rendered):
 
 def test_the_views_of_a_sample_show_the_same_table(rendered):
     """Pictures, poses, K and depth fit together: points of the table have one colour in two views."""
-    sample = samples(rendered, views={"pool": 1}, truth=True)[(1, 0)]
+    sample = samples(rendered, views={"pool": 1}, ground_truth=True)[(1, 0)]
     K, poses = sample.K.double().numpy(), sample.world_T_camera.double().numpy()
     first, second = (image.movedim(0, -1).numpy() for image in sample.images)
 
     def difference(stretch: float) -> float:
-        points = unproject(sample.truth.Z * stretch, K[0])[sample.truth.instances == 1]
+        points = unproject(sample.ground_truth.Z * stretch, K[0])[sample.ground_truth.instances == 1]
         world = points @ poses[0][:3, :3].T + poses[0][:3, 3]
         pixels, _ = project(world, K[1], poses[1])
         u, v = np.nan_to_num(np.rint(pixels), nan=-1).astype(int).T
         inside = (u >= 0) & (u < 128) & (v >= 0) & (v < 96)
-        return float(np.abs(first[sample.truth.instances == 1][inside] - second[v[inside], u[inside]]).mean())
+        return float(np.abs(first[sample.ground_truth.instances == 1][inside] - second[v[inside], u[inside]]).mean())
 
     assert difference(1.0) < 0.8 * min(difference(0.85), difference(1.15))
 
@@ -113,9 +113,9 @@ def test_workers_give_the_same_batches(rendered):
     data = samples(rendered, augment=AugmentSettings())
     order = [[(0, 0), (4, 0)], [(7, 1), (2, 1)]]
     for batch, asked in zip(
-        DataLoader(data, batch_sampler=order, collate_fn=batched, num_workers=2), order, strict=True
+        DataLoader(data, batch_sampler=order, collate_fn=collate, num_workers=2), order, strict=True
     ):
-        alone = batched([data[item] for item in asked])
+        alone = collate([data[item] for item in asked])
         assert torch.equal(batch.images, alone.images)
         assert batch.names == alone.names
         assert all(torch.equal(batch.targets[name], alone.targets[name]) for name in alone.targets)
@@ -124,7 +124,7 @@ def test_workers_give_the_same_batches(rendered):
 def test_splits_are_those_of_the_data_set(rendered):
     assert {samples(rendered, "train")[(i, 0)].name[:13] for i in range(5)} == {"scenes/000000"}
     assert len(samples(rendered, "val")) == 5
-    with pytest.raises(InputError, match="split test: expected scenes that are there, found none"):
+    with pytest.raises(InputError, match="split test: expected scenes that exist, found none"):
         samples(rendered, "test")
     with pytest.raises(InputError, match="split: expected one of train, val, test, all, found other"):
         samples(rendered, "other")
@@ -256,7 +256,7 @@ def test_views_of_different_sizes_and_too_few_of_them_are_one_clear_line(copied)
         samples(copied, views={"count": 6})[(5, 0)]
     with pytest.raises(InputError, match=r"views\.count: expected 2 with the rule stereo"):
         samples(copied, views={"count": 3, "rule": "stereo"})
-    with pytest.raises(InputError, match="a view that may be a reference"):
+    with pytest.raises(InputError, match="a view that can be a reference"):
         samples(copied.parent / "data", views={"rule": "grid"}) if _lowered(copied) else None
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from glassware.annotate.projection import project
 from glassware.core.errors import InputError
-from glassware.learn.data.ground_truth import Truth
+from glassware.learn.data.ground_truth import GroundTruth
 from glassware.learn.data.samples import SampleDataset
-from glassware.learn.data.scaling import scaled_K, scaled_truth, scaled_view
+from glassware.learn.data.scaling import scaled_ground_truth, scaled_K, scaled_view
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.data.views import CameraView
 from glassware.learn.targets.encoding import CORRECTED
@@ -45,7 +45,7 @@ def test_a_scaled_picture_shows_each_point_where_its_scaled_camera_does(size):
 @pytest.mark.parametrize("size", SIZES)
 def test_scaled_labels_are_those_of_the_pixels_that_centres_lie_in(size):
     Z = np.random.default_rng(2).uniform(0.5, 1.0, OLD).astype(np.float32)
-    truth = scaled_truth(Truth((Z * 100).astype(np.uint16), Z, (), {}), size)
+    truth = scaled_ground_truth(GroundTruth((Z * 100).astype(np.uint16), Z, (), {}), size)
     down, across = (centres(old, new) for old, new in zip(OLD, size, strict=True))
     rows, columns = (np.floor(x + 0.5).astype(int) for x in (down, across))
     np.testing.assert_array_equal(truth.Z, Z[np.ix_(rows, columns)])
@@ -57,15 +57,15 @@ def test_scaling_to_another_size_and_back_gives_the_camera_back():
 
 
 def test_samples_come_at_the_size_that_is_asked_for(rendered):
-    stored = SampleDataset(rendered, "all", ViewSettings(), CORRECTED, truth=True)[(3, 0)]
-    sample = SampleDataset(rendered, "all", ViewSettings(size=(64, 96)), CORRECTED, truth=True)[(3, 0)]
+    stored = SampleDataset(rendered, "all", ViewSettings(), CORRECTED, ground_truth=True)[(3, 0)]
+    sample = SampleDataset(rendered, "all", ViewSettings(size=(64, 96)), CORRECTED, ground_truth=True)[(3, 0)]
     assert sample.images.shape == (2, 3, 64, 96)
     assert sample.targets["depth"].shape == (64, 96)
     for ours, theirs in zip(sample.K.double().numpy(), stored.K.double().numpy(), strict=True):
         np.testing.assert_allclose(ours, scaled_K(theirs, (96, 128), (64, 96)), rtol=1e-6)
-    assert [item.id for item in sample.truth.objects] == [item.id for item in stored.truth.objects]
-    for ours, theirs in zip(sample.truth.objects, stored.truth.objects, strict=True):
-        assert ours.visible == (sample.truth.instances == ours.id).sum()
+    assert [item.id for item in sample.ground_truth.objects] == [item.id for item in stored.ground_truth.objects]
+    for ours, theirs in zip(sample.ground_truth.objects, stored.ground_truth.objects, strict=True):
+        assert ours.visible == (sample.ground_truth.instances == ours.id).sum()
         # Both count the same area, up to the pixels along its outline.
         assert ours.visible == pytest.approx(theirs.visible / 2, abs=4 * (1 + np.sqrt(theirs.visible)))
         np.testing.assert_array_equal(ours.corners, theirs.corners)

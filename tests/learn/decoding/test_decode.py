@@ -9,7 +9,7 @@ import torch
 from glassware.learn.decoding.decode import decode
 from glassware.learn.metrics.box_iou import box_iou
 from glassware.learn.targets.encoding import CORRECTED, REFERENCE
-from glassware.learn.targets.view import OPAQUE, findable, view_targets
+from glassware.learn.targets.view import OPAQUE, detectable, view_targets
 
 HEIGHT, WIDTH = 192, 256
 #: Fields are float32 in units of about 1/50 px; 256 px away that is 4e-6 of a box's place, and some ten times that of
@@ -45,7 +45,7 @@ def views(box_scene):
 def matched(views, found):
     """Go through pairs of a label and the detection whose peak is nearest to its pixels' mean."""
     for (ids, _, objects, K), detections in zip(views, found, strict=True):
-        for item in findable(objects, K):
+        for item in detectable(objects, K):
             y, x = np.nonzero(ids == item.id)
             away = np.linalg.norm(detections.peak.numpy() - [x.mean(), y.mean()], axis=1)
             index = int(away.argmin())
@@ -58,7 +58,7 @@ def matched(views, found):
 def test_the_targets_decode_to_the_labels_boxes_and_poses(views, encoding, rotation):
     outputs, K = batch_of(views, encoding)
     found = decode(outputs, K, replace(encoding, rotation=rotation))
-    assert [len(detections) for detections in found] == [len(findable(objects, K)) for _, _, objects, K in views]
+    assert [len(detections) for detections in found] == [len(detectable(objects, K)) for _, _, objects, K in views]
     for _, item, detections, index in matched(views, found):
         pose, size = detections.camera_T_object[index].numpy(), detections.size[index].numpy()
         assert box_iou(pose, size, item.camera_T_object, item.size) > IOU

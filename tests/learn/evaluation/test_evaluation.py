@@ -10,19 +10,19 @@ from glassware.annotate.symmetries import REVOLUTION
 from glassware.core.errors import InputError
 from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
-from glassware.learn.data.samples import SampleDataset, batched
+from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
-from glassware.learn.evaluation.report import content, figures, pose_figures
+from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.targets.objects import ViewObject
-from glassware.learn.targets.view import OPAQUE, findable
+from glassware.learn.targets.view import OPAQUE, detectable
 
 
 @pytest.fixture(scope="module")
 def samples(rendered) -> SampleDataset:
-    return SampleDataset(rendered, "all", ViewSettings(), CORRECTED, truth=True)
+    return SampleDataset(rendered, "all", ViewSettings(), CORRECTED, ground_truth=True)
 
 
 def perfect(sample) -> dict[str, torch.Tensor]:
@@ -37,11 +37,11 @@ def perfect(sample) -> dict[str, torch.Tensor]:
 @pytest.fixture(scope="module")
 def scores(samples) -> list:
     rows = [samples[(index, 0)] for index in range(len(samples))]
-    return [score_sample(s.name, perfect(s), s.K[0], s.truth, CORRECTED) for s in rows]
+    return [score_sample(s.name, perfect(s), s.K[0], s.ground_truth, CORRECTED) for s in rows]
 
 
-def test_perfect_outputs_have_perfect_figures(scores, samples):
-    found = figures(scores)
+def test_perfect_outputs_have_perfect_summarise(scores, samples):
+    found = summarise(scores)
     assert found["samples"] == 10
     for size in ("full", "cleargrasp"):
         for kind in ("transparent", "opaque", "objects", "all"):
@@ -52,7 +52,7 @@ def test_perfect_outputs_have_perfect_figures(scores, samples):
     # Fields are float32 (see the test of decoding).
     assert found["boxes"]["iou_all"] == pytest.approx(1.0, abs=1e-3)
     assert found["masks"]["ap"] == pytest.approx(1.0)
-    wanted = sum(len(findable(s.truth.objects, s.K[0].numpy())) for s in (samples[(i, 0)] for i in range(10)))
+    wanted = sum(len(detectable(s.ground_truth.objects, s.K[0].numpy())) for s in (samples[(i, 0)] for i in range(10)))
     pose = found["pose"]
     assert (pose["objects"], pose["found"], pose["near"]) == (wanted, 1.0, 1.0)
     assert pose["auc"] > 0.999
@@ -63,13 +63,13 @@ def test_perfect_outputs_have_perfect_figures(scores, samples):
 def test_a_network_that_sees_nothing_misses_everything(samples):
     sample = samples[(0, 0)]
     blind = perfect(sample) | {"heatmap": torch.zeros(1, 96, 128)}
-    found = figures([score_sample(sample.name, blind, sample.K[0], sample.truth, CORRECTED)])
+    found = summarise([score_sample(sample.name, blind, sample.K[0], sample.ground_truth, CORRECTED)])
     assert found["boxes"] == {"ap25": 0.0, "ap50": 0.0, "ap75": 0.0, "iou_found": None, "iou_all": 0.0}
     assert (found["pose"]["found"], found["pose"]["auc"], found["pose"]["mae"]) == (0.0, 0.0, None)
     assert found["masks"]["ap"] == 0.0
 
 
-def test_spoilt_weights_are_one_clear_line(samples, tiny):
+def test_damaged_weights_are_one_clear_line(samples, tiny):
     net = build_network(tiny)
     torch.nn.init.constant_(net.vertex_head.predictor.bias, float("nan"))
     with pytest.raises(InputError, match=r"scenes/000000/000: vertex: expected finite numbers from the network"):
@@ -80,7 +80,7 @@ def test_depth_errors_are_over_the_pixels_of_their_kind(samples):
     sample = samples[(0, 0)]
     wrong = perfect(sample)
     wrong["depth"] = wrong["depth"] + 0.03 * (sample.targets["seg"] == OPAQUE)[None]
-    score = score_sample(sample.name, wrong, sample.K[0], sample.truth, CORRECTED)
+    score = score_sample(sample.name, wrong, sample.K[0], sample.ground_truth, CORRECTED)
     assert score.full["transparent"].mae == 0.0
     assert score.full["opaque"].mae == pytest.approx(0.03, rel=1e-4)
     solid = [item for item in score.objects if not item.label.transparent]
@@ -96,13 +96,13 @@ def test_missed_objects_count_in_the_area_and_not_in_the_means():
     from glassware.learn.metrics.pose import PoseErrors
 
     pose = PoseErrors(translation=0.01, rotation=np.pi / 6, add=0.02, add_s=0.01, points=(0.05,) * 8)
-    found = pose_figures([score(pose), score(None)])
+    found = pose_metrics([score(pose), score(None)])
     assert found["found"] == 0.5
     assert found["auc"] == pytest.approx(0.25)
     assert found["near"] == 0.0
     assert found["mae"] == pytest.approx(0.05)
     assert found["rotation"] == pytest.approx(30.0)
-    assert [content(score(pose))] == ["solid"]
+    assert [fill_class(score(pose))] == ["solid"]
 
 
 @pytest.mark.parametrize("changes", [{}, {"matching": "group", "readout": "windowed", "fusion": "visibility"}])
@@ -134,7 +134,7 @@ def test_a_batch_of_several_gives_each_its_own_boxes(samples):
     from glassware.learn.decoding.decode import decode
 
     rows = [samples[(index, 0)] for index in (0, 6)]
-    batch = batched(rows)
+    batch = collate(rows)
     outputs = {name: torch.cat([perfect(row)[name] for row in rows]) for name in perfect(rows[0])}
     together = decode(outputs, batch.K[:, 0].double())
     for row, found in zip(rows, together, strict=True):
@@ -142,10 +142,10 @@ def test_a_batch_of_several_gives_each_its_own_boxes(samples):
         torch.testing.assert_close(found.camera_T_object, alone.camera_T_object)
 
 
-def test_contents_are_told_apart(rendered, samples):
+def test_fills_are_those_of_the_objects(rendered, samples):
     vessels = [
         o for scene in Dataset.open(rendered).scenes for o in scene.objects().objects if o.material.kind == "glass"
     ]
     fills = {record.liquid.fill if record.liquid else None for record in vessels}
-    labels = [o for i in range(10) for o in samples[(i, 0)].truth.objects]
+    labels = [o for i in range(10) for o in samples[(i, 0)].ground_truth.objects]
     assert {item.fill for item in labels if item.transparent} == fills

@@ -3,14 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.learn.metrics.detection import PictureOverlaps, average_precision, matches, mean_overlap
+from glassware.learn.metrics.detection import ImageOverlaps, average_precision, matches, mean_overlap
 
 
-def picture(scores, overlaps, ignored=None) -> PictureOverlaps:
+def picture(scores, overlaps, ignored=None) -> ImageOverlaps:
     overlaps = np.asarray(overlaps, float).reshape(len(scores), -1)
-    return PictureOverlaps(
-        np.asarray(scores, float), overlaps, np.asarray(ignored or [False] * overlaps.shape[1], bool)
-    )
+    return ImageOverlaps(np.asarray(scores, float), overlaps, np.asarray(ignored or [False] * overlaps.shape[1], bool))
 
 
 def by_hand(pictures, threshold: float) -> float:
@@ -68,6 +66,6 @@ def test_a_missed_object_has_no_overlap():
 
 
 def test_nothing_found_is_zero():
-    nothing = PictureOverlaps(np.zeros(0), np.zeros((0, 2)), np.zeros(2, bool))
+    nothing = ImageOverlaps(np.zeros(0), np.zeros((0, 2)), np.zeros(2, bool))
     assert average_precision([nothing], 0.25) == 0.0
     assert mean_overlap([nothing], 0.25)[1] == 0.0

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from glassware.learn.metrics.detection import average_precision, mean_overlap
-from glassware.learn.metrics.instances import PictureMasks, instance_precision, mask_overlaps, picture_masks
+from glassware.learn.metrics.instances import ImageMasks, image_masks, instance_precision, mask_overlaps
 
 SIDE = 40
 
 
-def drawn(rng, pictures: int) -> list[PictureMasks]:
+def drawn(rng, pictures: int) -> list[ImageMasks]:
     """Squares, and found ones that are shifted, missed, or not there at all."""
     made = []
     for _ in range(pictures):
@@ -26,7 +26,7 @@ def drawn(rng, pictures: int) -> list[PictureMasks]:
             scores.append(rng.uniform())
         none = np.zeros((0, SIDE, SIDE), bool)
         made.append(
-            picture_masks(np.array(scores), np.array(found) if found else none, np.array(true), np.zeros(3, bool))
+            image_masks(np.array(scores), np.array(found) if found else none, np.array(true), np.zeros(3, bool))
         )
     return made
 
@@ -45,7 +45,7 @@ def test_coco_agrees_with_our_own_average_precision(rng):
 
 def test_the_overlap_of_masks_is_their_iou(rng):
     found, true = rng.uniform(size=(3, 8, 9)) < 0.5, rng.uniform(size=(2, 8, 9)) < 0.5
-    overlaps = mask_overlaps(picture_masks(np.ones(3), found, true, np.zeros(2, bool))).overlaps
+    overlaps = mask_overlaps(image_masks(np.ones(3), found, true, np.zeros(2, bool))).overlaps
     for i in range(3):
         for j in range(2):
             assert overlaps[i, j] == pytest.approx((found[i] & true[j]).sum() / (found[i] | true[j]).sum())
@@ -53,16 +53,16 @@ def test_the_overlap_of_masks_is_their_iou(rng):
 
 def test_perfect_masks_have_the_precision_one_and_none_zero(rng):
     (picture,) = drawn(rng, 1)
-    perfect = PictureMasks(picture.size, np.array([0.9, 0.8, 0.7]), picture.true, picture.true, picture.ignored)
+    perfect = ImageMasks(picture.size, np.array([0.9, 0.8, 0.7]), picture.true, picture.true, picture.ignored)
     assert instance_precision([perfect]).ap == pytest.approx(1.0)
     assert mean_overlap([mask_overlaps(perfect)], 0.5) == (1.0, 1.0)
-    nothing = PictureMasks(picture.size, np.zeros(0), (), picture.true, picture.ignored)
+    nothing = ImageMasks(picture.size, np.zeros(0), (), picture.true, picture.ignored)
     assert instance_precision([nothing]).ap == 0.0
-    assert np.isnan(instance_precision([PictureMasks(picture.size, np.zeros(0), (), (), np.zeros(0, bool))]).ap)
+    assert np.isnan(instance_precision([ImageMasks(picture.size, np.zeros(0), (), (), np.zeros(0, bool))]).ap)
 
 
 def test_what_need_not_be_found_is_neither_missed_nor_false(rng):
     (picture,) = drawn(rng, 1)
     ignored = np.array([False, True, True])
-    some = PictureMasks(picture.size, np.array([0.9, 0.8]), picture.true[:2], picture.true, ignored)
+    some = ImageMasks(picture.size, np.array([0.9, 0.8]), picture.true[:2], picture.true, ignored)
     assert instance_precision([some]).ap == pytest.approx(1.0)

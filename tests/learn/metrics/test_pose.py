@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry, motions_of
-from glassware.learn.metrics.pose import area_under_curve, pose_errors, rotation_angle, share_near
+from glassware.learn.metrics.pose import area_under_curve, fraction_near, pose_errors, rotation_angle
 from glassware.procedural.props.blocks import extrusion
 
 
@@ -82,6 +82,6 @@ def test_the_area_is_that_under_the_curve_of_accuracy(rng):
     area, _ = quad(lambda t: sum(d < t for d in distances) / (40 + missed), 0.0, 0.1, points=steps, limit=200)
     assert area_under_curve(distances, missed) == pytest.approx(area / 0.1, abs=1e-6)
     assert area_under_curve([0.0, 0.0], 0) == 1.0
-    assert share_near([0.01, 0.03], 2) == 0.25
+    assert fraction_near([0.01, 0.03], 2) == 0.25
     assert np.isnan(area_under_curve([], 0))
-    assert area_under_curve([], 2) == share_near([], 2) == 0.0
+    assert area_under_curve([], 2) == fraction_near([], 2) == 0.0

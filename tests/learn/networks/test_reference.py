@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from glassware.core.errors import InputError
-from glassware.learn import ReferenceNetwork, load_reference
+from glassware.learn import ReferenceMVTrans, load_reference
 
 GOLDEN = Path(__file__).resolve().parents[4] / "shared" / "reference" / "golden"
 
@@ -63,13 +63,13 @@ def test_the_reference_agrees_with_the_released_network(outputs, name):
 
 
 def test_the_reference_has_the_released_names_and_shapes(shapes):
-    net = ReferenceNetwork()
+    net = ReferenceMVTrans()
     assert {name: list(value.shape) for name, value in net.state_dict().items()} == shapes
     assert sum(parameter.numel() for parameter in net.parameters()) == PARAMETERS
 
 
 def test_another_networks_weights_are_one_clear_line():
-    state = ReferenceNetwork().state_dict()
+    state = ReferenceMVTrans().state_dict()
     removed = state.pop("pre0.0.weight")
     with pytest.raises(InputError, match=r"pre0\.0\.weight: expected \(32, 64, 1, 1, 1\), found none"):
         load_reference(state)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 import torch
+from safetensors.torch import save_file
 
 from glassware.core.errors import InputError
 from glassware.learn.networks.resnet import ResNet, load_pretrained
@@ -35,10 +36,11 @@ def test_state_dicts_have_torchvisions_names():
 
 
 @pytest.mark.parametrize("stem", [True, False])
-def test_pretrained_weights_load_from_a_file(tmp_path, stem):
-    path = tmp_path / "resnet18.pth"
+@pytest.mark.parametrize("write", [torch.save, save_file])
+def test_pretrained_weights_load_from_a_file(tmp_path, stem, write):
+    path = tmp_path / "resnet18.weights"
     trained = ResNet("resnet18", classes=1000)
-    torch.save(trained.state_dict(), path)
+    write(trained.state_dict(), path)
     net = ResNet("resnet18", stem=stem)
     load_pretrained(net, path)
     assert all(torch.equal(value, trained.state_dict()[name]) for name, value in net.state_dict().items())
@@ -62,10 +64,10 @@ def test_a_file_that_is_no_such_state_dict_is_one_clear_line(tmp_path, monkeypat
     with pytest.raises(InputError, match=r"layer1\.0\.conv1\.weight of shape \(64, 64, 3, 3\)"):
         load_pretrained(net, path)
     path.write_bytes(path.read_bytes()[:1000])
-    with pytest.raises(InputError, match="an undamaged file of torch"):
+    with pytest.raises(InputError, match="an undamaged safetensors or torch file"):
         load_pretrained(net, path)
     torch.save({"weights": Attack()}, path)
-    with pytest.raises(InputError, match="an undamaged file of torch"):
+    with pytest.raises(InputError, match="an undamaged safetensors or torch file"):
         load_pretrained(net, path)
     assert not (tmp_path / "attacked").exists()
     torch.save([1, 2], path)

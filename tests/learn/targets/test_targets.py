@@ -20,10 +20,10 @@ from glassware.learn.targets.encoding import (
     encoded_depth,
     encoded_vertices,
 )
-from glassware.learn.targets.fields import STRIDE, box_covariance, owners
-from glassware.learn.targets.heatmap import Normal, heatmap, normal_of
+from glassware.learn.targets.fields import STRIDE, box_covariance, cell_owners
+from glassware.learn.targets.heatmap import Gaussian, gaussian_of, heatmap
 from glassware.learn.targets.objects import ViewObject, box_points, canonical_pose
-from glassware.learn.targets.view import FEWEST_PIXELS, findable, view_targets
+from glassware.learn.targets.view import MIN_PIXELS, detectable, view_targets
 
 HEIGHT, WIDTH = 96, 128
 #: Heat in float32.
@@ -42,7 +42,7 @@ def test_the_heat_is_the_density_over_its_peak(rng):
         density = multivariate_normal([x.mean(), y.mean()], spread)
         grid = np.stack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT)), axis=-1)
         maps.append(density.pdf(grid) / density.pdf(density.mean))
-    found = heatmap([normal_of(mask) for mask in masks], (HEIGHT, WIDTH))
+    found = heatmap([gaussian_of(mask) for mask in masks], (HEIGHT, WIDTH))
     np.testing.assert_allclose(found, np.maximum(*maps), atol=HEAT)
 
 
@@ -51,26 +51,29 @@ def test_a_point_or_a_row_of_pixels_has_a_peak_as_well(pixels):
     mask = np.zeros((HEIGHT, WIDTH), bool)
     for y, x in pixels:
         mask[y, x] = True
-    heat = heatmap([normal_of(mask)], (HEIGHT, WIDTH))
+    heat = heatmap([gaussian_of(mask)], (HEIGHT, WIDTH))
     assert np.isfinite(heat).all()
     assert np.unravel_index(heat.argmax(), heat.shape) == (5, int(np.mean([x for _, x in pixels])))
 
 
 def test_a_cell_belongs_to_the_hottest_object_and_the_one_read_at_a_peak_to_its_own():
-    small, large = Normal(np.array([20.0, 20.0]), 4.0 * np.eye(2)), Normal(np.array([40.0, 24.0]), 400.0 * np.eye(2))
-    owner, counts = owners([small, large], (HEIGHT, WIDTH))
+    small, large = (
+        Gaussian(np.array([20.0, 20.0]), 4.0 * np.eye(2)),
+        Gaussian(np.array([40.0, 24.0]), 400.0 * np.eye(2)),
+    )
+    owner, cell_mask = cell_owners([small, large], (HEIGHT, WIDTH))
     assert owner[24 // STRIDE, 40 // STRIDE] == 1
     # At pixel (16, 16) the large one is hotter, 1.3 deviations from its middle against 2.8. But (20, 20) is read there.
     assert owner[2, 2] == 0
-    assert counts[2, 2]
+    assert cell_mask[2, 2]
     assert owner[8, 8] == 1
-    assert not counts[11, 15]
+    assert not cell_mask[11, 15]
 
 
 def test_of_two_peaks_in_a_cell_the_nearer_to_its_pixel_is_kept():
-    first, second = (Normal(np.array([17.0 + d, 16.0]), 9.0 * np.eye(2)) for d in (0.0, 2.0))
-    assert owners([first, second], (HEIGHT, WIDTH))[0][2, 2] == 0
-    assert owners([second, first], (HEIGHT, WIDTH))[0][2, 2] == 1
+    first, second = (Gaussian(np.array([17.0 + d, 16.0]), 9.0 * np.eye(2)) for d in (0.0, 2.0))
+    assert cell_owners([first, second], (HEIGHT, WIDTH))[0][2, 2] == 0
+    assert cell_owners([second, first], (HEIGHT, WIDTH))[0][2, 2] == 1
 
 
 BLENDER = ["---", "--+", "-++", "-+-", "+--", "+-+", "+++", "++-"]
@@ -141,14 +144,14 @@ def test_a_views_targets_say_what_its_labels_do():
     targets = view_targets(ids, Z, objects, K, CORRECTED)
     np.testing.assert_array_equal(targets["seg"], ids.astype(int))
     np.testing.assert_array_equal(targets["depth"], np.where(ids == 0, 0.0, Z))
-    np.testing.assert_array_equal(targets["owned"], ids >= 2)
+    np.testing.assert_array_equal(targets["object_mask"], ids >= 2)
     for number, middle in ((2, (49.5, 49.5)), (3, (79.5, 53.5))):
         y, x = np.nonzero(ids == number)
         lead = np.stack([x, y]) + HEIGHT * targets["offset"][:, y, x]
         np.testing.assert_allclose(lead, np.array([middle] * len(x)).T, atol=1e-4)
     for number, (row, column) in ((2, (6, 6)), (3, (7, 10))):
         box = objects[number - 2]
-        assert targets["counts"][row, column]
+        assert targets["cell_mask"][row, column]
         vertices = project_camera(box.corners, K)[0]
         cell = np.array([[8.0 * column, 8.0 * row]])
         expected = encoded_vertices(vertices[None], cell, (HEIGHT, WIDTH), CORRECTED)[0]
@@ -158,13 +161,13 @@ def test_a_views_targets_say_what_its_labels_do():
 
 def test_a_speck_and_what_reaches_behind_the_camera_are_not_to_be_found():
     ids = np.zeros((HEIGHT, WIDTH), np.uint16)
-    ids[10, : FEWEST_PIXELS - 1], ids[20, :FEWEST_PIXELS], ids[40:60, 40:60] = 2, 3, 4
+    ids[10, : MIN_PIXELS - 1], ids[20, :MIN_PIXELS], ids[40:60, 40:60] = 2, 3, 4
     objects = [item(n, at(0, 0, 0.9), np.full(3, 0.1), ids) for n in (2, 3)] + [
         item(4, at(0, 0, 0.9), np.full(3, 2.0), ids)
     ]
-    assert [found.id for found in findable(objects, K)] == [3]
+    assert [found.id for found in detectable(objects, K)] == [3]
     targets = view_targets(ids, np.ones((HEIGHT, WIDTH), np.float32), objects, K, CORRECTED)
-    np.testing.assert_array_equal(targets["owned"], ids == 3)
+    np.testing.assert_array_equal(targets["object_mask"], ids == 3)
     # The classes are of all pixels.
     assert (targets["seg"][ids >= 2] == 2).all()
 

@@ -37,8 +37,8 @@ def pair(rng):
     }
     targets["depth"] = torch.from_numpy(rng.uniform(0.2, 4.0, (2, H, W)) * (rng.uniform(size=(2, H, W)) < 0.8)).float()
     targets["seg"] = torch.from_numpy(rng.integers(0, 4, (2, H, W)))
-    targets["owned"] = torch.from_numpy(rng.uniform(size=(2, H, W)) < 0.3)
-    targets["counts"] = torch.from_numpy(rng.uniform(size=(2, *cells)) < 0.3)
+    targets["object_mask"] = torch.from_numpy(rng.uniform(size=(2, H, W)) < 0.3)
+    targets["cell_mask"] = torch.from_numpy(rng.uniform(size=(2, *cells)) < 0.3)
     return outputs, targets
 
 
@@ -57,10 +57,10 @@ def test_each_loss_is_its_formula_over_the_pixels_with_ground_truth(pair, tiny):
         "depth": huber(o["depth"] - t["depth"])[known].mean(),
         "small_depth": huber(o["small_depth"] - small)[small > 0].mean(),
         "heatmap": ((o["heatmap"] - t["heatmap"]) ** 2).mean(),
-        "offset": np.abs(o["offset"] - t["offset"]).sum(1)[t["owned"]].mean(),
-        "vertex": np.abs(o["vertex"] - t["vertex"]).sum(1)[t["counts"]].mean(),
-        "z_centroid": np.abs(o["z_centroid"] - t["z_centroid"])[t["counts"]].mean(),
-        "covariance": np.abs(o["covariance"] - t["covariance"]).sum(1)[t["counts"]].mean(),
+        "offset": np.abs(o["offset"] - t["offset"]).sum(1)[t["object_mask"]].mean(),
+        "vertex": np.abs(o["vertex"] - t["vertex"]).sum(1)[t["cell_mask"]].mean(),
+        "z_centroid": np.abs(o["z_centroid"] - t["z_centroid"])[t["cell_mask"]].mean(),
+        "covariance": np.abs(o["covariance"] - t["covariance"]).sum(1)[t["cell_mask"]].mean(),
     }
     assert {name: float(value) for name, value in found.items()} == pytest.approx(expected, rel=1e-5)
     weights = LossWeights(heatmap=3.0, seg=0.0)
@@ -85,7 +85,7 @@ def test_the_reference_learns_a_quarter_of_the_depth_and_leaves_out_no_pixel(pai
 def test_without_any_ground_truth_the_loss_is_zero_and_harmless(pair, tiny):
     outputs, targets = pair
     outputs["depth"].requires_grad_(True)
-    nothing = targets | {"depth": torch.zeros(2, H, W), "counts": torch.zeros_like(targets["counts"])}
+    nothing = targets | {"depth": torch.zeros(2, H, W), "cell_mask": torch.zeros_like(targets["cell_mask"])}
     found = losses(outputs, nothing, tiny)
     assert float(found["depth"].detach()) == float(found["vertex"]) == 0.0
     found["depth"].backward()

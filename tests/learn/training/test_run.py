@@ -45,17 +45,17 @@ def test_a_run_that_was_stopped_goes_on_exactly(settings, rendered, tmp_path, li
     train(settings, rendered, tmp_path / "whole", None, lines.append)
     with pytest.raises(KeyboardInterrupt):
         train(settings, rendered, tmp_path / "part", None, _stop_after(4))
-    part = load_checkpoint(tmp_path / "part" / "last.ckpt")
+    part = load_checkpoint(tmp_path / "part" / "last.safetensors")
     assert part.step == 3
-    train(settings, rendered, tmp_path / "part", tmp_path / "part" / "last.ckpt", lines.append)
-    whole, part = (load_checkpoint(tmp_path / name / "last.ckpt") for name in ("whole", "part"))
+    train(settings, rendered, tmp_path / "part", tmp_path / "part" / "last.safetensors", lines.append)
+    whole, part = (load_checkpoint(tmp_path / name / "last.safetensors") for name in ("whole", "part"))
     assert part.step == whole.step == 6
     assert same(part.network, whole.network)
     assert same(part.ema, whole.ema)
-    assert part.best == whole.best
-    for number, state in whole.optimiser["state"].items():
-        assert same(part.optimiser["state"][number], state)
-    assert same(*(load_checkpoint(tmp_path / name / "best.ckpt").network for name in ("whole", "part")))
+    assert part.best_loss == whole.best_loss
+    assert whole.optimiser
+    assert same(part.optimiser, whole.optimiser)
+    assert same(*(load_checkpoint(tmp_path / name / "best.safetensors").network for name in ("whole", "part")))
 
 
 def _stop_after(step: int):
@@ -68,7 +68,7 @@ def _stop_after(step: int):
 
 def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path, lines):
     train(settings, rendered, tmp_path, None, lines.append)
-    checkpoint = load_checkpoint(tmp_path / "last.ckpt")
+    checkpoint = load_checkpoint(tmp_path / "last.safetensors")
     head = json.loads((rendered / "dataset.json").read_text())
     assert (checkpoint.data.name, checkpoint.data.seed) == (head["name"], head["seed"])
     near, far = checkpoint.settings.network.depth_range
@@ -78,10 +78,10 @@ def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path,
     first = build_network(checkpoint.settings.network).state_dict()
     # Weights and their mean have moved, and differ; the mean is what is used.
     assert not any(same(checkpoint.network, other) for other in (first, checkpoint.ema))
-    network, _ = load_network(tmp_path / "last.ckpt")
+    network, _ = load_network(tmp_path / "last.safetensors")
     assert not network.training
     assert same(network.state_dict(), checkpoint.ema)
-    assert math.isfinite(checkpoint.best)
+    assert math.isfinite(checkpoint.best_loss)
     assert sum(line.startswith("step 6/6: loss") for line in lines) == 1
     assert list(tmp_path.glob("events.out.tfevents.*"))
 
@@ -91,7 +91,7 @@ def test_validation_changes_no_weight_and_no_statistic(settings, rendered, tmp_p
     train(settings, rendered, tmp_path / "with", None, lines.append)
     without = settings.model_copy(update={"val_split": "none"})
     train(without, rendered, tmp_path / "without", None, lines.append)
-    one, other = (load_checkpoint(tmp_path / name / "last.ckpt") for name in ("with", "without"))
+    one, other = (load_checkpoint(tmp_path / name / "last.safetensors") for name in ("with", "without"))
     assert same(one.network, other.network)
 
 
@@ -100,7 +100,7 @@ def test_the_mean_of_the_weights_follows_its_formula(settings, rendered, tmp_pat
     for steps in (1, 2):
         options = {"steps": steps, "optimiser": OptimiserSettings(schedule="constant", warmup=0, ema=0.75)}
         train(settings.model_copy(update=options), rendered, tmp_path / str(steps), None, lines.append)
-        kept.append(load_checkpoint(tmp_path / str(steps) / "last.ckpt"))
+        kept.append(load_checkpoint(tmp_path / str(steps) / "last.safetensors"))
     torch.manual_seed(settings.seed)
     mean = build_network(kept[0].settings.network).state_dict()
     for checkpoint in kept:
@@ -111,7 +111,7 @@ def test_the_mean_of_the_weights_follows_its_formula(settings, rendered, tmp_pat
 
 def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, rendered, tmp_path, lines):
     train(settings, rendered, tmp_path, None, lines.append)
-    spoilt = load_checkpoint(tmp_path / "last.ckpt")
+    spoilt = load_checkpoint(tmp_path / "last.safetensors")
     spoilt.network["vertex_head.predictor.bias"].fill_(float("nan"))
     more = spoilt.settings.model_copy(update={"steps": 9})
     (tmp_path / "nan").mkdir()
@@ -120,13 +120,13 @@ def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, ren
         WorkFailed, match=r"loss of step 6 on scenes/000000/\d+.*: expected a finite number, found nan \(vertex"
     ):
         train(more, rendered, tmp_path / "nan", tmp_path / "nan" / "start.ckpt", lines.append)
-    assert not (tmp_path / "nan" / "last.ckpt").exists()
+    assert not (tmp_path / "nan" / "last.safetensors").exists()
 
 
 def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
     short = settings.model_copy(update={"steps": 3})
     train(short, rendered, tmp_path, None, lines.append)
-    last = tmp_path / "last.ckpt"
+    last = tmp_path / "last.safetensors"
     for change, message in (
         ({"batch": 3}, "batch: expected 3, found 2 in the checkpoint"),
         ({"steps": 9}, "steps: expected 9, found 3 in the checkpoint"),
@@ -140,16 +140,24 @@ def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
         InputError, match=r"data set: expected that of .*, found glassware with seed 3 and other content"
     ):
         train(short, copied, tmp_path, last, lines.append)
-    with pytest.raises(InputError, match=r"a folder without last\.ckpt"):
+    with pytest.raises(InputError, match=r"a folder without last\.safetensors"):
         train(short, rendered, tmp_path, None, lines.append)
     other = tmp_path / "other"
     train(short, rendered, other, None, lines.append)
-    with pytest.raises(InputError, match=r"a folder without last\.ckpt"):  # that run's would be lost
+    with pytest.raises(InputError, match=r"a folder without last\.safetensors"):  # that run's would be lost
         train(short, rendered, other, last, lines.append)
     whole = load_checkpoint(last)
-    for change in ({"optimiser": whole.optimiser | {"state": {}}}, {"rng": whole.rng[:5]}):
-        save_checkpoint(tmp_path / "last.ckpt", replace(whole, **change))
-        with pytest.raises(InputError, match=r"last\.ckpt: optimiser"):
+    name, moment = next((name, value) for name, value in whole.optimiser.items() if name.endswith(".exp_avg"))
+    without = {other: value for other, value in whole.optimiser.items() if other != name}
+    for change, message in (
+        ({"optimiser": {}}, "optimiser: expected a state for the weights, found none"),
+        ({"optimiser": without}, rf"optimiser: {name}: expected \(.*\), found none"),
+        ({"optimiser": whole.optimiser | {name: moment[:-1]}}, rf"optimiser: {name}: expected"),
+        ({"optimiser": whole.optimiser | {"other": moment}}, "optimiser: other: expected no such tensor"),
+        ({"rng": whole.rng[:5]}, "rng: expected a state of torch's generator"),
+    ):
+        save_checkpoint(last, replace(whole, **change))
+        with pytest.raises(InputError, match=rf"last\.safetensors: {message}"):
             train(short, rendered, tmp_path, last, lines.append)
     save_checkpoint(last, whole)
     # Where and how loudly it runs may change.
@@ -173,15 +181,15 @@ def test_every_kind_of_network_trains(settings, rendered, tmp_path, lines, chang
         "optimiser": OptimiserSettings(name="adamw", schedule="cosine"),
     }
     train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
-    assert load_checkpoint(tmp_path / "last.ckpt").step == 2
+    assert load_checkpoint(tmp_path / "last.safetensors").step == 2
 
 
 @pytest.mark.slow
 def test_the_reference_trains_and_its_checkpoint_loads(settings, rendered, tmp_path, lines):
     options = {"network": settings.network.model_copy(update={"variant": "reference"}), "steps": 1}
-    with pytest.raises(InputError, match="to train the released net, found one of 96 x 128 px"):
+    with pytest.raises(InputError, match="to train the released network, found one of 96 x 128 px"):
         train(settings.model_copy(update=options | {"batch": 1}), rendered, tmp_path / "one", None, lines.append)
     train(settings.model_copy(update=options), rendered, tmp_path, None, lines.append)
-    network, kept = load_network(tmp_path / "last.ckpt")
+    network, kept = load_network(tmp_path / "last.safetensors")
     assert kept.network.variant == "reference"
     assert sum(p.numel() for p in network.parameters()) == 49_749_487

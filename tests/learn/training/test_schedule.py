@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from glassware.learn.training.schedule import StepBatches, rate_at
+from glassware.learn.training.schedule import StepBatches, learning_rate_at
 from glassware.learn.training.settings import OptimiserSettings
 
 
@@ -32,8 +32,8 @@ def test_processes_share_a_batch():
 
 def test_the_rate_rises_and_falls_as_its_schedule_says():
     def rates(**changes) -> list[float]:
-        settings = OptimiserSettings(rate=1.0, **changes)
-        return [rate_at(step, 100, settings) for step in (0, 1, 50, 99)]
+        settings = OptimiserSettings(learning_rate=1.0, **changes)
+        return [learning_rate_at(step, 100, settings) for step in (0, 1, 50, 99)]
 
     assert rates(schedule="constant", warmup=4) == [0.25, 0.5, 1.0, 1.0]
     assert rates(schedule="polynomial", warmup=0) == pytest.approx([1.0, 0.99**0.9, 0.5**0.9, 0.01**0.9])

@@ -6,8 +6,7 @@ import torch
 
 from glassware.core.errors import InputError
 from glassware.learn import NetworkSettings, build_network
-from glassware.learn.networks.matching import Concatenation
-from glassware.learn.networks.regularisation import windowed_expectation
+from glassware.learn.networks.cost_volume import ConcatMatching, windowed_expectation
 from glassware.procedural.surroundings.cameras import look_at
 
 OUTPUTS = {
@@ -108,9 +107,9 @@ def test_a_samples_own_range_of_depth_wins(tiny, rng):
 
 
 def test_the_split_convolution_is_that_of_both_features_side_by_side(tiny, rng):
-    pair = Concatenation(tiny)
+    pair = ConcatMatching(tiny)
     reference, source = torch.from_numpy(rng.standard_normal((2, 1, 8, 5, 6))).float()
-    left, right = pair.prepared(reference, source[:, None])
+    left, right = pair.embeddings(reference, source[:, None])
     side_by_side = torch.cat([reference, source], dim=1)
     weight = torch.cat([pair.reference.weight, pair.source.weight], dim=1)
     torch.testing.assert_close(left + right[:, 0], torch.nn.functional.conv2d(side_by_side, weight))

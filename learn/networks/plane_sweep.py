@@ -1,4 +1,4 @@
-"""The plane sweep: each view's features as the reference would see them on planes in front of it.
+"""The plane sweep: features of a source view, warped to the reference view through fronto-parallel planes.
 
 (Collins, "A Space-Sweep Approach to True Multi-Image Matching", CVPR 1996; Yao et al., "MVSNet", ECCV 2018, eq. 1.)
 """
@@ -11,12 +11,12 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-#: A point nearer to a camera's plane than this counts as behind it [m].
-NEAREST = 1e-3
+#: Points at a smaller depth than this count as behind the camera [m].
+MIN_DEPTH = 1e-3
 
 
 def plane_depths(depth_range: Tensor, count: int, spacing: Literal["linear", "inverse"]) -> Tensor:
-    """Return the depths of planes, (B, D) [m], ascending.
+    """Return the depths of the planes, (B, D) [m], ascending.
 
     Parameters
     ----------
@@ -25,18 +25,18 @@ def plane_depths(depth_range: Tensor, count: int, spacing: Literal["linear", "in
     count : int
         Number of planes D.
     spacing : str
-        ``linear``: equal steps of depth. ``inverse``: equal steps of 1 / depth, so that a pixel moves by equal steps
-        along its epipolar line where the cameras stand side by side.
+        ``linear``: equal steps of depth. ``inverse``: equal steps of 1 / depth (of disparity), which are equal steps
+        along the epipolar line where the cameras stand side by side.
     """
-    share = torch.linspace(0.0, 1.0, count, device=depth_range.device, dtype=depth_range.dtype)
+    fraction = torch.linspace(0.0, 1.0, count, device=depth_range.device, dtype=depth_range.dtype)
     near, far = depth_range[:, :1], depth_range[:, 1:]
     if spacing == "linear":
-        return near + (far - near) * share
-    return 1.0 / (1.0 / near + (1.0 / far - 1.0 / near) * share)
+        return near + (far - near) * fraction
+    return 1.0 / (1.0 / near + (1.0 / far - 1.0 / near) * fraction)
 
 
 def quarter_intrinsics(K: Tensor) -> Tensor:
-    """Return K at a quarter of the size, (..., 3, 3).
+    """Return the intrinsic matrices of features at 1/4 of the image size, (..., 3, 3).
 
     Two convolutions of stride 2 put feature i over pixel 4 i, and pixel (0, 0) has its centre at (0, 0): so image
     coordinates are divided by 4, without a shift.
@@ -45,7 +45,7 @@ def quarter_intrinsics(K: Tensor) -> Tensor:
 
 
 def source_T_reference(world_T_camera: Tensor) -> Tensor:
-    """Return the poses of the reference in each other view, (B, V - 1, 4, 4), of rigid poses, (B, V, 4, 4)."""
+    """Return the pose of the reference (view 0) in each source view, (B, V - 1, 4, 4), of rigid poses, (B, V, 4, 4)."""
     rotation, translation = world_T_camera[:, 1:, :3, :3].mT, world_T_camera[:, 1:, :3, 3:]
     source_T_world = world_T_camera.new_zeros(world_T_camera[:, 1:].shape)
     source_T_world[..., :3, :3] = rotation
@@ -54,17 +54,17 @@ def source_T_reference(world_T_camera: Tensor) -> Tensor:
     return source_T_world @ world_T_camera[:, :1]
 
 
-def plane_grid(
+def plane_sweep_grid(
     source_T_reference: Tensor, K_reference: Tensor, K_source: Tensor, planes: Tensor, size: tuple[int, int]
 ) -> tuple[Tensor, Tensor]:
-    """Return where the reference's pixels, put on each plane, appear in a source.
+    """Return where each reference pixel, lifted to each plane, projects in a source view.
 
     Parameters
     ----------
     source_T_reference : (B, 4, 4) Tensor
         Pose of the reference in the source [m].
     K_reference, K_source : (B, 3, 3) Tensor
-        Intrinsic matrices at the features' size [px].
+        Intrinsic matrices at the size of the features [px].
     planes : (B, D) Tensor
         Depths of the planes in the reference [m].
     size : (int, int)
@@ -73,33 +73,33 @@ def plane_grid(
     Returns
     -------
     pixels : (B, D, h, w, 2) Tensor
-        Image coordinates (u, v) in the source [px]; finite where ``seen`` is false as well.
-    seen : (B, D, h, w) Tensor of bool
-        In front of the source's camera and on its picture.
+        Image coordinates (u, v) in the source [px]; finite where ``visible`` is false as well.
+    visible : (B, D, h, w) Tensor of bool
+        In front of the source camera and inside its image.
     """
     height, width = size
     y, x = torch.meshgrid(
         torch.arange(height, device=planes.device), torch.arange(width, device=planes.device), indexing="ij"
     )
-    pixels = torch.stack([x, y, torch.ones_like(x)]).reshape(3, -1).to(planes)
-    # K_s (R d K_r^-1 p + t): one matrix a sample for the rays, and one column for the shift.
-    rays = K_source @ source_T_reference[:, :3, :3] @ torch.linalg.inv(K_reference) @ pixels
-    shift = K_source @ source_T_reference[:, :3, 3:]
+    pixels = torch.stack([x, y, torch.ones_like(x)]).reshape(3, -1).to(planes)  # homogeneous, (3, h w)
+    # K_s (R d K_r^-1 p + t): one matrix per sample for the rays, and one column for the translation.
+    rays = K_source @ source_T_reference[:, :3, :3] @ torch.linalg.inv(K_reference) @ pixels  # (B, 3, h w)
+    shift = K_source @ source_T_reference[:, :3, 3:]  # (B, 3, 1)
     projected = rays[:, :, None] * planes[:, None, :, None] + shift[..., None]  # (B, 3, D, h w)
     Z = projected[:, 2]
-    front = Z > NEAREST
-    uv = projected[:, :2] / torch.where(front, Z, 1.0)[:, None]
+    in_front = Z > MIN_DEPTH
+    uv = projected[:, :2] / torch.where(in_front, Z, 1.0)[:, None]  # (B, 2, D, h w)
     u, v = uv.unbind(1)
-    seen = front & (u >= -0.5) & (u <= width - 0.5) & (v >= -0.5) & (v <= height - 0.5)
+    visible = in_front & (u >= -0.5) & (u <= width - 0.5) & (v >= -0.5) & (v <= height - 0.5)
     shape = (*planes.shape, height, width)
-    return torch.where(front[:, None], uv, -1.0).movedim(1, -1).reshape(*shape, 2), seen.reshape(shape)
+    return torch.where(in_front[:, None], uv, -1.0).movedim(1, -1).reshape(*shape, 2), visible.reshape(shape)
 
 
-def sampled(features: Tensor, pixels: Tensor) -> Tensor:
-    """Return features, (B, C, h, w), at image coordinates, (B, D, h, w, 2), as (B, C, D, h, w); bilinear."""
+def warp(features: Tensor, pixels: Tensor) -> Tensor:
+    """Return features, (B, C, h, w), sampled bilinearly at image coordinates, (B, D, h, w, 2), as (B, C, D, h, w)."""
     height, width = features.shape[-2:]
     # grid_sample with align_corners has -1 and 1 at the centres of the first and the last pixel.
     scale = pixels.new_tensor([2.0 / max(width - 1, 1), 2.0 / max(height - 1, 1)])
-    grid = (pixels * scale - 1.0).flatten(1, 2)
+    grid = (pixels * scale - 1.0).flatten(1, 2)  # (B, D h, w, 2)
     values = functional.grid_sample(features, grid, mode="bilinear", padding_mode="border", align_corners=True)
-    return values.reshape(*features.shape[:2], *pixels.shape[1:4])
+    return values.reshape(*features.shape[:2], *pixels.shape[1:4])  # (B, C, D h, w) to (B, C, D, h, w)

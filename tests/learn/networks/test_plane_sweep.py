@@ -5,14 +5,14 @@ import pytest
 import torch
 
 from glassware.annotate.projection import inverse_pose, project
-from glassware.learn.networks.layers import convex_enlarged, enlarged
-from glassware.learn.networks.matching import MatchingVolume
-from glassware.learn.networks.sweep import (
+from glassware.learn.networks.cost_volume import CostVolume
+from glassware.learn.networks.layers import convex_upsample, upsample
+from glassware.learn.networks.plane_sweep import (
     plane_depths,
-    plane_grid,
+    plane_sweep_grid,
     quarter_intrinsics,
-    sampled,
     source_T_reference,
+    warp,
 )
 from glassware.procedural.surroundings.cameras import look_at
 
@@ -22,7 +22,7 @@ PIXELS = 1e-3
 
 
 def cameras(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Poses round a place near the origin, and a K of its own for each."""
+    """Poses around a place near the origin, and a K of its own for each."""
     eyes = [np.array([0.5, -0.3, 0.8]) + rng.uniform(-0.2, 0.2, 3) for _ in range(count)]
     poses = np.stack([look_at(eye, rng.uniform(-0.05, 0.05, 3), rng.uniform(0, 1)) for eye in eyes])
     K = np.stack(
@@ -34,7 +34,7 @@ def cameras(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarra
 def grid_of(poses: np.ndarray, K: np.ndarray, planes: torch.Tensor):
     relative = source_T_reference(torch.from_numpy(poses)[None]).float()
     intrinsics = torch.from_numpy(K).float()[None]
-    return plane_grid(relative[:, 0], intrinsics[:, 0], intrinsics[:, 1], planes, (HEIGHT, WIDTH))
+    return plane_sweep_grid(relative[:, 0], intrinsics[:, 0], intrinsics[:, 1], planes, (HEIGHT, WIDTH))
 
 
 def test_planes_stand_at_equal_steps_of_depth_or_of_its_inverse():
@@ -76,7 +76,7 @@ def test_a_camera_sees_itself_without_a_shift(rng):
     pose, K = cameras(rng, 1)
     pixels, seen = grid_of(np.repeat(pose, 2, axis=0), np.repeat(K, 2, axis=0), torch.tensor([[0.4, 1.0]]))
     features = torch.from_numpy(rng.standard_normal((1, 3, HEIGHT, WIDTH))).float()
-    warped = sampled(features, pixels)
+    warped = warp(features, pixels)
     # Rounding of the pixel's place, times the difference of two neighbours.
     torch.testing.assert_close(warped, features[:, :, None].expand_as(warped), atol=5e-4, rtol=0)
     assert seen.all()
@@ -93,8 +93,8 @@ def test_a_turned_and_moved_view_of_a_textured_plane_matches_at_its_depth():
     planes = plane_depths(torch.tensor([[0.5, 1.1]]), 25, "linear")
     relative = source_T_reference(torch.from_numpy(np.stack([wall, side]))[None]).float()
     intrinsics = torch.from_numpy(K).float()[None]
-    pixels, seen = plane_grid(relative[:, 0], intrinsics, intrinsics, planes, size)
-    difference = (sampled(views[:, 1], pixels) - views[:, :1, :, None].squeeze(1)).abs().mean(1)[0]
+    pixels, seen = plane_sweep_grid(relative[:, 0], intrinsics, intrinsics, planes, size)
+    difference = (warp(views[:, 1], pixels) - views[:, :1, :, None].squeeze(1)).abs().mean(1)[0]
     middle = (slice(None), slice(24, 72), slice(32, 96))
     assert seen[0][middle][11:14].all()
     best = torch.where(seen[0], difference, torch.inf)[middle].argmin(0)
@@ -120,7 +120,7 @@ def test_a_quarter_of_the_size_is_a_quarter_of_the_image_coordinates():
 
 def test_enlarging_keeps_every_value_at_its_place():
     x = torch.arange(6.0)[None, None, None].expand(1, 1, 4, 6)
-    wide = enlarged(x, 4)
+    wide = upsample(x, 4)
     torch.testing.assert_close(wide[0, 0, 0, :21], torch.arange(21.0) / 4.0)
     torch.testing.assert_close(wide[..., ::4, ::4], x)
 
@@ -128,7 +128,7 @@ def test_enlarging_keeps_every_value_at_its_place():
 @pytest.mark.parametrize("matching", ["concat", "group"])
 @pytest.mark.parametrize("fusion", ["mean", "visibility"])
 def test_a_view_that_sees_nothing_changes_nothing(tiny, rng, matching, fusion):
-    volume = MatchingVolume(tiny.model_copy(update={"matching": matching, "fusion": fusion})).eval()
+    volume = CostVolume(tiny.model_copy(update={"matching": matching, "fusion": fusion})).eval()
     poses, K = cameras(rng, 3)
     poses[2] = inverse_pose(poses[2])  # somewhere else, turned away from all that the reference sees
     poses[2][:3, :3] = poses[0][:3, :3] @ np.diag([1.0, -1.0, -1.0])
@@ -146,7 +146,7 @@ def test_a_view_that_sees_nothing_changes_nothing(tiny, rng, matching, fusion):
 def test_convex_enlarging_is_a_mean_of_nine_with_the_weights_of_each_pixel(rng):
     values = torch.from_numpy(rng.standard_normal((1, 1, 3, 4)))
     logits = torch.from_numpy(rng.standard_normal((1, 9 * 4, 3, 4)))
-    wide = convex_enlarged(values, logits, 2)
+    wide = convex_upsample(values, logits, 2)
     for y, x in np.ndindex(6, 8):
         row, column, place = y // 2, x // 2, 2 * (y % 2) + x % 2
         rows, columns = (np.clip(np.arange(k - 1, k + 2), 0, n - 1) for k, n in ((row, 3), (column, 4)))

@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.spatial.transform import Rotation
 
-from glassware.learn.decoding.rotation import nearest_rotation, rotation_from_covariance
+from glassware.learn.decoding.boxes import nearest_rotation, rotation_from_covariance
 
 #: Eigenvectors of float64 matrices whose eigenvalues differ by some per cent.
 RADIANS = 1e-6

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.learn.data.neighbours import LAST_REFERENCE, grid_neighbours, nearest_cameras
+from glassware.learn.data.view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from glassware.procedural.surroundings.cameras import GRID_VIEWS, grid_directions
 
 

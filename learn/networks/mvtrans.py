@@ -1,0 +1,147 @@
+"""MVTrans as its paper describes it (Wang et al., "MVTrans: Multi-View Perception of Transparent Objects", ICRA 2023).
+
+1. `matching_features`: features of every view, (B, V, C, H/4, W/4).
+2. `plane_sweep`, `cost_volume`: features of the sources, warped over planes of the data's depth range with each
+   sample's own cameras and fused to a cost volume, (B, C, D, H/4, W/4).
+3. `resnet`, `decoders.ContextDecoder`: context of the reference image, (B, D, H/4, W/4).
+4. `cost_volume.Regularisation`: plane logits, (B, D, H/4, W/4), and from them the coarse depth, (B, H/4, W/4).
+5. `decoders.FeaturePyramid`: reference features and coarse depth to features at 1/4, 1/8 and 1/16.
+6. `decoders.DenseHead`, `decoders.FieldHead`: depth, classes, heatmap, offsets, vertices, centre depth, covariance.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from ...core.errors import InputError
+from .cost_volume import CostVolume, Regularisation, soft_argmin, windowed_expectation
+from .decoders import ContextDecoder, DenseHead, FeaturePyramid, FieldHead, Pyramid
+from .layers import check_inputs, convex_upsample, initialise, upsample
+from .matching_features import MatchingFeatures, recompute
+from .plane_sweep import plane_depths
+from .resnet import ResNet
+from .settings import NetworkSettings
+
+#: Mean and standard deviation of ImageNet's images in [0, 1], with which torchvision's weights were trained.
+_MEAN, _STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+#: Background, table, transparent object, opaque object.
+CLASSES = 4
+#: Features of the finest level are at 1/4 of the image size.
+_QUARTER = 4
+#: Value of the vertex field where a corner lies at the pixel itself: 100 times a half (`targets.encoding`).
+_VERTEX_CENTRE = 50.0
+
+
+class MVTrans(nn.Module):
+    """The corrected MVTrans.
+
+    Parameters
+    ----------
+    settings : NetworkSettings
+        With a `depth_range`.
+    """
+
+    mean: Tensor
+    deviation: Tensor
+
+    def __init__(self, settings: NetworkSettings) -> None:
+        super().__init__()
+        if settings.depth_range is None:
+            raise InputError("depth_range", "the depths of the first and the last plane", "none")
+        self.depth_range = settings.depth_range
+        self.settings = settings
+        self.features = MatchingFeatures(
+            settings.feature_channels, settings.feature_width, settings.feature_blocks, settings.norm
+        )
+        self.matching = CostVolume(settings)
+        self.context = ResNet(settings.context, width=settings.context_width)
+        self.decoder = ContextDecoder(self.context.channels, settings.planes, settings.decoder_width, settings.norm)
+        self.regularisation = Regularisation(self.matching.channels, settings.volume_channels, settings.norm)
+        self.pyramid = FeaturePyramid(
+            settings.feature_channels + 1, settings.pyramid_channels, settings.backbone_width, settings.norm
+        )
+        sizes = {"inputs": settings.pyramid_channels, "width": settings.head_channels, "kind": settings.head_norm}
+        detail = _QUARTER**2
+        self.seg_head, self.depth_head = DenseHead(CLASSES * detail, **sizes), DenseHead(10 * detail, **sizes)
+        self.offset_head, self.heatmap_head = DenseHead(2, **sizes), DenseHead(1, **sizes)
+        self.vertex_head, self.covariance_head = FieldHead(16, **sizes), FieldHead(6, **sizes)
+        self.z_centroid_head = FieldHead(1, **sizes)
+        self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
+        self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
+        initialise(self)
+        # At first the fine depth is the mean of the coarse depth around it, and vertices lie at their own pixel.
+        nn.init.zeros_(self.depth_head.predictor.weight)
+        self.vertex_head.set_initial_output(_VERTEX_CENTRE)
+
+    def forward(
+        self, images: Tensor, world_T_camera: Tensor, K: Tensor, depth_range: Tensor | None = None
+    ) -> dict[str, Tensor]:
+        """Return the predictions for the reference view.
+
+        Parameters
+        ----------
+        images : (B, V, 3, H, W) Tensor
+            Images in [0, 1]; the first of the V >= 2 views is the reference. H and W are multiples of 32.
+        world_T_camera : (B, V, 4, 4) Tensor
+            Poses [m].
+        K : (B, V, 3, 3) Tensor
+            Intrinsic matrices at full size [px].
+        depth_range : (B, 2) Tensor, optional
+            First and last plane of each sample [m]; by default that of the settings.
+
+        Returns
+        -------
+        dict of Tensor
+            ``seg`` (B, 4, H, W) logits, ``depth`` and ``heatmap`` (B, H, W), ``small_depth`` (B, H/4, W/4), ``vertex``
+            (B, 16, H/8, W/8), ``z_centroid`` (B, H/8, W/8), ``covariance`` (B, 6, H/8, W/8), in the units of
+            `targets.encoding`; ``offset`` (B, 2, H, W), from each pixel to the peak of its object (right, down),
+            divided by the image height; ``plane_logits`` (B, D, H/4, W/4) and ``planes`` (B, D) [m].
+        """
+        check_inputs(images, world_T_camera, K)
+        normalised = ((images - self.mean) / self.deviation).contiguous()  # (B, V, 3, H, W)
+        # Views are part of the batch here: (B V, 3, H, W) to (B V, C, H/4, W/4), and back to (B, V, C, H/4, W/4).
+        features = self._features(normalised.flatten(0, 1)).unflatten(0, images.shape[:2])
+        planes = self._planes(images, depth_range)  # (B, D)
+        with torch.autocast(images.device.type, enabled=False):  # geometry needs 32 bits
+            volume = self.matching(features.float(), world_T_camera.float(), K.float(), planes)  # (B, C, D, H/4, W/4)
+        context = self.decoder.context(self.context(normalised[:, 0]))  # (B, D, H/4, W/4)
+        logits = self.regularisation(volume, context).float()  # (B, D, H/4, W/4)
+        coarse = self._coarse_depth(logits, planes)  # (B, H/4, W/4)
+        # The coarse depth enters the pyramid as one more channel, in [-1, 1] over the range of the planes.
+        middle, half = planes.mean(1)[:, None, None, None], (planes[:, -1] - planes[:, 0])[:, None, None, None] / 2.0
+        relative = (coarse[:, None] - middle) / half  # (B, 1, H/4, W/4)
+        pyramid = self.pyramid(torch.cat([features[:, 0], relative.to(features)], dim=1))
+        return {"small_depth": coarse, "plane_logits": logits, "planes": planes, **self._heads(pyramid, coarse)}
+
+    def _features(self, images: Tensor) -> Tensor:
+        if self.settings.recompute == "features":
+            return recompute(self.features, images)
+        return self.features(images, self.settings.recompute == "early")
+
+    def _planes(self, images: Tensor, depth_range: Tensor | None) -> Tensor:
+        if depth_range is None:
+            depth_range = torch.tensor(self.depth_range, device=images.device).expand(len(images), 2)
+        return plane_depths(depth_range.float(), self.settings.planes, self.settings.spacing)
+
+    def _coarse_depth(self, logits: Tensor, planes: Tensor) -> Tensor:
+        if self.settings.readout == "soft":
+            return soft_argmin(logits, planes)
+        return windowed_expectation(logits, planes, self.settings.window)
+
+    def _heads(self, pyramid: Pyramid, coarse: Tensor) -> dict[str, Tensor]:
+        # (B, 160, H/4, W/4): for each of the 16 pixels of a cell, 9 weights of convex upsampling and a residual.
+        weights, residual = self.depth_head.at_quarter(pyramid).float().split((9 * _QUARTER**2, _QUARTER**2), dim=1)
+        depth = convex_upsample(coarse[:, None], weights, _QUARTER) + functional.pixel_shuffle(residual, _QUARTER)
+        # (B, 4 x 16, H/4, W/4) to (B, 4, H, W): sub-pixel convolution.
+        seg = functional.pixel_shuffle(self.seg_head.at_quarter(pyramid), _QUARTER)
+        return {
+            "seg": seg.float(),
+            "depth": depth[:, 0],
+            "heatmap": upsample(self.heatmap_head.at_quarter(pyramid).float(), _QUARTER)[:, 0],
+            "offset": upsample(self.offset_head.at_quarter(pyramid).float(), _QUARTER),
+            "vertex": self.vertex_head(pyramid).float(),
+            "z_centroid": self.z_centroid_head(pyramid)[:, 0].float(),
+            "covariance": self.covariance_head(pyramid).float(),
+        }

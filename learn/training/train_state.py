@@ -1,0 +1,152 @@
+"""The state of a training run: devices, data sets, network and optimiser; set up, or restored from a checkpoint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import torch
+from lightning_fabric import Fabric
+from torch import Tensor
+
+from ...core.errors import InputError
+from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
+from ..data.samples import SampleDataset
+from ..networks.build import Network, build_network
+from ..networks.mvtrans import MVTrans
+from ..networks.resnet import load_pretrained
+from ..networks.settings import NetworkSettings
+from ..targets.encoding import encoding_of
+from .checkpoint import Checkpoint, check_weights, load_weights
+from .settings import MachineSettings, TrainSettings
+
+#: Seed of the validation samples: the same in every run, so that their losses compare.
+_VALIDATION_SEED = 0
+#: How far the planes reach beyond the depths of the training data, as a fraction: other scenes are a little larger.
+_DEPTH_MARGIN = 0.1
+#: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
+_FREE = ("machine", "log_every", "pictures_every", "save_every")
+
+
+@dataclass(frozen=True, eq=False)
+class TrainState:
+    """All that the steps of a run use."""
+
+    fabric: Fabric
+    settings: TrainSettings
+    train: SampleDataset
+    val: SampleDataset | None
+    data: DatasetRecord
+    network: Network
+    optimiser: torch.optim.Optimizer
+    out: Path
+
+
+def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainState:
+    """Launch the processes of a run, seed torch, and return the run's state with new weights.
+
+    Raises
+    ------
+    InputError
+        Where devices, data or settings cannot be used.
+    """
+    fabric = _fabric(settings.machine)
+    fabric.launch()
+    if settings.batch % fabric.world_size:
+        raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
+    encoding = encoding_of(settings.network.variant)
+    views, seed = settings.views, settings.seed
+    train = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
+    val = None
+    if settings.val_split != "none":
+        val = SampleDataset(data, settings.val_split, views, encoding, seed=_VALIDATION_SEED)
+    settings = _with_depth_range(settings, train)
+    torch.manual_seed(settings.seed)
+    network = build_network(settings.network)
+    options = {"lr": settings.optimiser.learning_rate, "betas": settings.optimiser.betas}
+    kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
+    network.to(fabric.device)
+    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, **options)
+    return TrainState(fabric, settings, train, val, dataset_record(data), network, optimiser, out)
+
+
+def load_pretrained_context(state: TrainState) -> None:
+    """Load the pretrained weights of the context network, where the settings name a file."""
+    path = state.settings.pretrained
+    if path is None:
+        return
+    if not isinstance(state.network, MVTrans):
+        raise InputError("pretrained", "none for the reference variant, whose weights come from its checkpoints", path)
+    load_pretrained(state.network.context, path)
+
+
+def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
+    """Return a checkpoint with the new values of the settings that may change; InputError where others changed."""
+    if start.data is None or start.data.sha256 != dataset_digest(data):
+        found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
+        raise InputError(f"{where}: data set", f"that of {data}", found)
+    new, old = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")
+    if new["network"]["depth_range"] is None:
+        new["network"]["depth_range"] = old["network"]["depth_range"]
+    for name in sorted(new.keys() - set(_FREE)):
+        if new[name] != old[name]:
+            raise InputError(f"{where}: {name}", f"{new[name]}", f"{old[name]} in the checkpoint")
+    free = {name: getattr(settings, name) for name in _FREE}
+    return replace(start, settings=start.settings.model_copy(update=free))
+
+
+def restore_train_state(state: TrainState, start: Checkpoint, where: Path) -> None:
+    """Load weights, optimiser state and random state of a checkpoint; InputError where one does not fit."""
+    load_weights(state.network, start.network, where)
+    if start.ema is not None:
+        check_weights(state.network.state_dict(), start.ema, where)
+    _load_optimiser(state.optimiser, start, where)
+    try:
+        torch.set_rng_state(start.rng)
+    except (TypeError, RuntimeError) as error:
+        raise InputError(f"{where}: rng", "a state of torch's generator", str(error).splitlines()[0]) from error
+
+
+def optimiser_tensors(optimiser: torch.optim.Optimizer) -> dict[str, Tensor]:
+    """Return the state of an optimiser by ``<parameter number>.<field>``; Adam's are step, exp_avg, exp_avg_sq."""
+    state = optimiser.state_dict()["state"]
+    return {f"{number}.{field}": value for number, fields in state.items() for field, value in fields.items()}
+
+
+def _load_optimiser(optimiser: torch.optim.Optimizer, start: Checkpoint, where: Path) -> None:
+    """Load the tensors of `optimiser_tensors`; parameters that no loss depends on have none."""
+    state: dict[int, dict[str, Tensor]] = {}
+    expected: dict[str, Tensor] = {}
+    for number, parameter in enumerate(value for group in optimiser.param_groups for value in group["params"]):
+        moment = torch.zeros_like(parameter, device="cpu")
+        fields = {"step": torch.zeros(()), "exp_avg": moment, "exp_avg_sq": moment}
+        if any(f"{number}.{field}" in start.optimiser for field in fields):
+            expected |= {f"{number}.{field}": value for field, value in fields.items()}
+            state[number] = {field: start.optimiser.get(f"{number}.{field}", moment) for field in fields}
+    check_weights(expected, start.optimiser, f"{where}: optimiser")
+    if start.step and not state:
+        raise InputError(f"{where}: optimiser", "a state for the weights", "none")
+    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
+
+
+def _fabric(machine: MachineSettings) -> Fabric:
+    try:
+        return Fabric(
+            accelerator=machine.accelerator,
+            devices=machine.devices,
+            num_nodes=machine.nodes,
+            strategy=machine.strategy,
+            precision=machine.precision,
+        )
+    except (ValueError, TypeError, RuntimeError) as error:  # Lightning's errors for unknown names and numbers
+        found = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError("machine", "existing devices and a strategy for them", found) from error
+
+
+def _with_depth_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:
+    if settings.network.variant == "reference" or settings.network.depth_range is not None:
+        return settings
+    near, far = data.depth_range()
+    limits = ((1.0 - _DEPTH_MARGIN) * near, (1.0 + _DEPTH_MARGIN) * far)
+    network = settings.network.model_dump() | {"depth_range": limits}
+    return settings.model_copy(update={"network": NetworkSettings.model_validate(network)})
