@@ -93,17 +93,17 @@ def main() -> int:
 
 
 def _start(options: Options) -> list[Row]:
+    from glassware.dataset.builds.local_executor import LocalExecutor
     from glassware.dataset.builds.manifest import Manifest
-    from glassware.dataset.builds.messages import Order
-    from glassware.dataset.builds.pool import Pool
+    from glassware.dataset.builds.messages import WorkerConfig
     from glassware.procedural.scene.settings import SceneSettings
 
-    order = Order(root=Path.cwd(), seed=options.seed, settings=SceneSettings(), manifest=Manifest(), threads=1)
+    config = WorkerConfig(root=Path.cwd(), seed=options.seed, settings=SceneSettings(), manifest=Manifest(), threads=1)
     seconds = []
     for _ in range(5):
         start = perf_counter()
-        with Pool(order, workers=1, recycle=1, patience=60.0) as pool:
-            pool.machine()
+        with LocalExecutor(config, workers=1, max_tasks_per_child=1, timeout=60.0) as executor:
+            executor.worker_info()
             seconds.append(perf_counter() - start)
     return [_at_most("start of a worker, median of 5", median(seconds), "s", START, f"worst {max(seconds):.2f} s")]
 
