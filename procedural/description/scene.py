@@ -71,22 +71,32 @@ class GlassBody(Model):
 
     __str__ = __repr__
 
-    def with_media(self, glass: Medium | None = None, liquid: Medium | None = None) -> Self:
-        """Return a copy of another glass or another liquid; shapes stay, also that of the liquid's surface."""
+    def with_media(
+        self, glass: Medium | None = None, liquid: Medium | None = None, roughness: float | None = None
+    ) -> Self:
+        """Return a copy with another glass, liquid or roughness (GGX alpha) in all its fields; shapes stay the same.
+
+        Also the liquid's surface keeps its shape, whatever the capillary constants of the new liquid.
+        """
         glass = glass or self.glass
+        roughness = self.roughness if roughness is None else roughness
         content = self.liquid
         if liquid is not None:
             if content is None:
                 raise InputError(f"{self.name}, liquid", "a body that holds one", "an empty one")
             content = content.model_copy(update={"medium": liquid})
-        media = {"outside": (AIR, glass)}
+        media = {"outside": (AIR, glass, roughness)}
         if content is not None:
-            media |= {"wet_wall": (content.medium, glass), "liquid_surface": (AIR, content.medium)}
+            media |= {
+                "wet_wall": (content.medium, glass, roughness),
+                "liquid_surface": (AIR, content.medium, 0.0),
+            }
+        fields = ("front", "back", "roughness")
         interfaces = tuple(
-            part.model_copy(update=dict(zip(("front", "back"), media[part.part], strict=True)))
-            for part in self.interfaces
+            part.model_copy(update=dict(zip(fields, media[part.part], strict=True))) for part in self.interfaces
         )
-        return self.model_copy(update={"glass": glass, "liquid": content, "interfaces": interfaces})
+        changes = {"glass": glass, "liquid": content, "roughness": roughness, "interfaces": interfaces}
+        return self.model_copy(update=changes)
 
 
 class Vessel(GlassBody):

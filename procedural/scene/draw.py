@@ -118,9 +118,9 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(item, Vessel):
-        return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
-    return resting_pose(item.mesh, rng)
+    if isinstance(item, Prop):
+        return resting_pose(item.mesh, rng)
+    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
 
 
 def _body(item: SceneObject) -> Mesh:

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from glassware.procedural.description.scene import Interface, Scene, Vessel
+from glassware.procedural.description.scene import GlassBody, Scene
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
@@ -145,11 +145,8 @@ def _clear(scene: Scene, roughness: float) -> Scene:
     def medium(item: Medium) -> Medium:
         return item.model_copy(update={"sigma_a": (0.0, 0.0, 0.0), "absorbers": ()})
 
-    def surface(item: Interface) -> Interface:
-        rough = 0.0 if item.part == "liquid_surface" else roughness
-        return item.model_copy(update={"front": medium(item.front), "back": medium(item.back), "roughness": rough})
+    def body(item: GlassBody) -> GlassBody:
+        liquid = None if item.liquid is None else medium(item.liquid.medium)
+        return item.with_media(medium(item.glass), liquid, roughness)
 
-    def vessel(item: Vessel) -> Vessel:
-        return item.model_copy(update={"interfaces": tuple(surface(part) for part in item.interfaces)})
-
-    return scene.model_copy(update={"vessels": tuple(vessel(item) for item in scene.vessels)})
+    return scene.model_copy(update={"vessels": tuple(body(item) for item in scene.vessels)})

@@ -10,7 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 
@@ -83,10 +83,7 @@ def clear() -> Callable[[Scene], Scene]:
     def medium(item):
         return item.model_copy(update={"sigma_a": (0.0, 0.0, 0.0), "absorbers": ()})
 
-    def vessel(item: Vessel) -> Vessel:
-        interfaces = tuple(
-            part.model_copy(update={"front": medium(part.front), "back": medium(part.back)}) for part in item.interfaces
-        )
-        return item.model_copy(update={"interfaces": interfaces, "glass": medium(item.glass)})
+    def body(item):
+        return item.with_media(medium(item.glass), None if item.liquid is None else medium(item.liquid.medium))
 
-    return lambda scene: scene.model_copy(update={"vessels": tuple(vessel(item) for item in scene.vessels)})
+    return lambda scene: scene.model_copy(update={"vessels": tuple(body(item) for item in scene.vessels)})

@@ -264,7 +264,9 @@ def test_another_glass_or_roughness_without_its_interfaces_is_refused(scene):
     dyed = glass.model_copy(update={"sigma_a": (1.0, 2.0, 3.0)})
     assert _refused(_with(scene, glass=dyed)).endswith(f"found {glass.name} with other constants")
     assert _refused(_with(scene, part=1, roughness=0.3)).startswith("vessel-00, wet_wall, roughness: expected 0, as")
-    check_scene(scene.model_copy(update={"vessels": (scene.vessels[0].with_media(glass=other), *scene.vessels[1:])}))
+    changed = scene.vessels[0].with_media(glass=other, roughness=0.3)
+    assert [part.roughness for part in changed.interfaces] == [0.3, 0.3, 0.0]
+    check_scene(scene.model_copy(update={"vessels": (changed, *scene.vessels[1:])}))
 
 
 def test_another_liquid_without_its_interfaces_is_refused(scene):
