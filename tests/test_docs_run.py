@@ -58,7 +58,7 @@ NOT_RUN = {
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
 #: Commands that a page shows to be refused, and what the page says of them.
-REFUSED = {"render-scene --views 0": "render-scene: expected cameras.views greater than or equal to 1, found 0"}
+REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
 PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
 #: Python blocks that compile large kernels, by a line of theirs: run among the longer proofs alone.

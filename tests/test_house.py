@@ -385,6 +385,9 @@ def test_the_packages_in_pyproject_are_the_folders_on_disk() -> None:
     assert settings["package-dir"] == folders
     assert settings["packages"] == sorted(settings["packages"])
     assert not [short(path) for path in FILES if not path.with_name("__init__.py").is_file()]
+    # The links by which pyright finds the packages.
+    links = {link.name: link.resolve() for link in (REPOSITORY / ".ci" / "typeroot" / FRONT).iterdir()}
+    assert {name: path for name, path in links.items() if path.is_dir()} == {n: REPOSITORY / n for n in PACKAGES}
 
 
 def test_a_package_refuses_to_be_imported_under_its_bare_name() -> None:

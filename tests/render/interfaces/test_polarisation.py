@@ -44,7 +44,7 @@ def polarised(request, backend) -> Iterator[str]:
 def amplitudes(theta: np.ndarray, eta: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fresnel's sine and tangent laws (Hecht, Optics, eqs. 4.42 and 4.43), complex beyond the critical angle."""
     inside: np.ndarray = np.arcsin(np.sin(theta) / eta + 0j)
-    inside = np.where(inside.imag > 0.0, np.conj(inside), inside)  # the wave behind fades with exp(-i omega t)
+    inside = np.where(np.imag(inside) > 0.0, np.conj(inside), inside)  # the wave behind fades with exp(-i omega t)
     return -np.sin(theta - inside) / np.sin(theta + inside), np.tan(theta - inside) / np.tan(theta + inside)
 
 
