@@ -89,7 +89,7 @@ def _measured(settings: SceneSettings, seed: int) -> tuple[dict, dict, dict]:
     scene = draw_scene(settings, seed, 0)
     once["description"] = perf_counter() - start
     # Only here: these bring Mitsuba, whose variant must be set first.
-    from glassware.render.labels.sight import line_of_sight
+    from glassware.render.labels.geometry import line_of_sight
     from glassware.render.scene.loaded_scene import load
     from glassware.render.view import render_view
 

@@ -105,7 +105,7 @@ def light_scene(scene: Scene, watch: Watch) -> Lit:
 
     shared = is_shared(scene)
     with watch.timed("loading"):
-        kernel = load(scene, cut=shared)
+        kernel = load(scene, for_cache=shared)
     if not shared:
         return Lit(kernel, PATH_TRACER, None, None)
     with watch.timed("light"):
@@ -120,7 +120,7 @@ def light_scene(scene: Scene, watch: Watch) -> Lit:
 
 def make_view(lit: Lit, points: SceneKeypoints, number: int, watch: Watch) -> View:
     """Render and label one view."""
-    from ..render.labels.sight import line_of_sight
+    from ..render.labels.geometry import line_of_sight
     from ..render.view import render_view
 
     scene = lit.kernel.description

@@ -7,20 +7,20 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ..frame import SurfaceLight
 from ..scene.loaded_scene import LoadedScene
-from .irradiance_cache import StoredLight
+from .irradiance_cache import IrradianceCache
 
 
-def surface_light(kernel: LoadedScene, stored: StoredLight) -> SurfaceLight:
+def surface_light(kernel: LoadedScene, stored: IrradianceCache) -> SurfaceLight:
     """Return the light that arrives at each node of a scene, in the nodes' order.
 
     Parameters
     ----------
     kernel : LoadedScene
-        The scene, loaded with cut meshes.
-    stored : StoredLight
+        The scene, loaded for the cache.
+    stored : IrradianceCache
         Its light.
     """
-    nodes = stored.nodes
+    nodes = stored.points
     x, y = (axis.coordinate(np.arange(axis.lines)) for axis in nodes.axes)
     grid = np.stack([np.tile(x, len(y)), np.repeat(y, len(x)), np.zeros(nodes.grid_count)], axis=1)
     up = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (nodes.grid_count, 1))

@@ -14,10 +14,10 @@ from ..frame import LightCheck
 from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole
-from .cache_points import place_nodes
-from .fill_cache import gather_light
-from .irradiance_cache import StoredLight
-from .trace_cached import reading
+from .cache_points import cache_points_of
+from .fill_cache import fill_cache
+from .irradiance_cache import IrradianceCache
+from .trace_cached import cached_tracer
 
 #: Samples of all pictures of a scene from which on its light is stored, unless asked otherwise. Below, storing it costs
 #: more than it saves (docs/performance.md).
@@ -51,13 +51,13 @@ def _camera_samples(scene: Scene) -> float:
     return float(sum(2 * camera.width * camera.height for camera in scene.cameras)) * scene.picture.spp
 
 
-def shared_light(kernel: LoadedScene) -> tuple[Tracer, LightCheck, StoredLight]:
+def shared_light(kernel: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCache]:
     """Store a scene's light, and compare it with paths.
 
     Parameters
     ----------
     kernel : LoadedScene
-        The scene, loaded with cut meshes.
+        The scene, loaded for the cache.
 
     Returns
     -------
@@ -65,12 +65,12 @@ def shared_light(kernel: LoadedScene) -> tuple[Tracer, LightCheck, StoredLight]:
         What `trace_picture` is to be given: paths where the check failed.
     check : LightCheck
         What the comparison found.
-    stored : StoredLight
+    stored : IrradianceCache
         The light.
     """
     scene = kernel.description
     stored = stored_light(kernel)
-    tracer = reading(kernel, stored)
+    tracer = cached_tracer(kernel, stored)
     difference, error = compared(kernel, tracer)
     fine = abs(difference) <= BOUND + _DOUBT * error
     check = LightCheck(
@@ -80,17 +80,17 @@ def shared_light(kernel: LoadedScene) -> tuple[Tracer, LightCheck, StoredLight]:
         standard_error=error,
         bound=BOUND,
         pixels=_PIXELS,
-        nodes=stored.nodes.count,
+        nodes=stored.points.count,
         paths=int(stored.samples.sum()),
     )
     return (tracer if fine else PATH_TRACER), check, stored
 
 
-def stored_light(kernel: LoadedScene) -> StoredLight:
+def stored_light(kernel: LoadedScene) -> IrradianceCache:
     """Return the light at all nodes of the scene, by as many paths as its pictures make worth while."""
-    scene, nodes = kernel.description, place_nodes(kernel)
+    scene, nodes = kernel.description, cache_points_of(kernel)
     paths = int(np.clip(_SHARE * _camera_samples(scene) / nodes.count, _FEWEST, _MOST))
-    return gather_light(kernel, nodes, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
+    return fill_cache(kernel, nodes, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
 
 
 def compared(kernel: LoadedScene, tracer: Tracer) -> tuple[float, float]:

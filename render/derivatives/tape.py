@@ -1,4 +1,4 @@
-"""Where a replay of paths adds up derivatives: one slot a parameter, kept apart by colour and path."""
+"""Tape of a path replay: sums of derivatives by parameter (slot), colour and path."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import mitsuba as mi
 import numpy as np
 
 from ..scene.loaded_scene import LoadedScene
-from ..scene.surfaces import SurfaceTable
+from ..scene.surfaces import SurfaceMedia, SurfaceTable
 
 
 @dataclass(frozen=True, eq=False)
 class Slots:
-    """The parameters: media first, then rough surfaces, then emitters."""
+    """Slots of the differentiable parameters: media first, then rough surfaces, then emitters."""
 
     media: int
     rough: np.ndarray  #: rows of the surface table that are rough interfaces
@@ -35,26 +35,26 @@ class Slots:
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """What is known of each path before its replay, and what the replay finds."""
+    """The radiance of each path before its replay, and the sums of its derivatives."""
 
-    total: mi.Color3f  #: its radiance
-    #: A guess of its radiance that none of its walks had a part in. A score has mean 0, so scores may weigh what
-    #: differs from the guess instead of all: the mean stays, the variance falls.
-    guess: mi.Color3f
+    total: mi.Color3f  #: the path's radiance
+    #: Control variate: an estimate of the path's radiance that is independent of its random walks. Scores have mean 0,
+    #: so they may weight the difference from it instead of the radiance: the mean stays, the variance falls.
+    baseline: mi.Color3f
     #: For a medium d L / d sigma_a, the colours apart; for a rough surface d L / d alpha; for an emitter the radiance
     #: that comes from it. By slot, colour, path.
     sums: mi.Float
-    where: Slots
+    slots: Slots
     first_light: mi.UInt32
     lanes: mi.UInt32
     lane: mi.UInt32
 
 
-def slots(kernel: LoadedScene) -> Slots:
+def slots_of(loaded: LoadedScene) -> Slots:
     """Return the slots of a loaded scene."""
-    table = kernel.surfaces
+    table = loaded.surfaces
     rough = np.flatnonzero((np.array(table.alpha) > 0.0) & ~np.array(table.opaque))
-    media, emitters = len(table.media), kernel.mi_scene.emitters()
+    media, emitters = len(table.media), loaded.mi_scene.emitters()
     of_surface = np.zeros(dr.width(table.alpha), np.uint32)
     of_surface[rough] = media + np.arange(len(rough))
     ids = [int(dr.reinterpret_array(mi.UInt32, mi.EmitterPtr(emitter))[0]) for emitter in emitters]
@@ -66,46 +66,47 @@ def slots(kernel: LoadedScene) -> Slots:
     return found
 
 
-def tape(where: Slots, total: mi.Color3f, guess: mi.Color3f) -> Tape:
-    """Return an empty tape for paths of the given radiance, evaluated, and guesses of it."""
+def empty_tape(slots: Slots, total: mi.Color3f, baseline: mi.Color3f) -> Tape:
+    """Return an empty tape for paths of the given radiance, evaluated, and control variates for it."""
     lanes = dr.width(total)
-    sums = dr.zeros(mi.Float, 3 * where.count * lanes)
+    sums = dr.zeros(mi.Float, 3 * slots.count * lanes)
     dr.eval(sums)
-    first_light = dr.opaque(mi.UInt32, where.first_light)
-    return Tape(total, guess, sums, where, first_light, dr.opaque(mi.UInt32, lanes), dr.arange(mi.UInt32, lanes))
+    first_light = dr.opaque(mi.UInt32, slots.first_light)
+    return Tape(total, baseline, sums, slots, first_light, dr.opaque(mi.UInt32, lanes), dr.arange(mi.UInt32, lanes))
 
 
-def add_absorption(into: Tape, medium: mi.UInt32, length: mi.Float, L: mi.Color3f, active: mi.Bool) -> None:
-    """Add for a segment: all that is gathered after `L` has passed it, so changes by minus its length."""
-    _add(into, medium, -length * (into.total - L), active)
+def add_absorption(tape: Tape, medium: mi.UInt32, length: mi.Float, L: mi.Color3f, active: mi.Bool) -> None:
+    """Add the derivative of a segment's Beer-Lambert factor: minus its length times the radiance gathered after `L`."""
+    _add(tape, medium, -length * (tape.total - L), active)
 
 
 def add_roughness(
-    into: Tape, table: SurfaceTable, row: mi.UInt32, medium: mi.UInt32, score: mi.Float, L: mi.Color3f, beta: mi.Color3f
+    tape: Tape, table: SurfaceTable, surface: SurfaceMedia, score: mi.Float, L: mi.Color3f, beta: mi.Color3f
 ) -> None:
-    """Add for a walk on the interface `row`, met in `medium` with throughput `beta` after `L` was gathered.
+    """Add the derivative of a microsurface walk at throughput `beta`, after the radiance `L` was gathered.
 
-    Radiance in a medium of index n is n^2 of that outside (Veach 1997, eq. 5.2), and so is the guess: in a white
-    furnace it is what the path goes on to gather, and there is no variance.
+    Radiance in a medium of index n is n^2 times the radiance outside (Veach 1997, eq. 5.2), so the baseline is scaled
+    as well: in a white furnace it equals what the path gathers after the walk, and the variance is zero.
     """
-    guess = beta * dr.square(dr.gather(mi.Float, table.index, medium)) * into.guess
-    rough = dr.gather(mi.Float, table.alpha, row) > 0.0
-    _add(into, dr.gather(mi.UInt32, into.where.of_surface, row), score * (into.total - L - guess), rough)
+    baseline = beta * dr.square(dr.gather(mi.Float, table.eta_render, surface.before)) * tape.baseline
+    rough = dr.gather(mi.Float, table.alpha, surface.row) > 0.0
+    slot = dr.gather(mi.UInt32, tape.slots.of_surface, surface.row)
+    _add(tape, slot, score * (tape.total - L - baseline), rough)
 
 
-def add_emitter(into: Tape, emitter: mi.EmitterPtr, light: mi.Color3f, active: mi.Bool) -> None:
-    """Add light of the emitter that a path ran into; none where the pointer is null."""
+def add_emitter(tape: Tape, emitter: mi.EmitterPtr, radiance: mi.Color3f, active: mi.Bool) -> None:
+    """Add radiance of the emitter that a path hit; nothing where the pointer is null."""
     row = dr.reinterpret_array(mi.UInt32, emitter)
-    _add(into, dr.gather(mi.UInt32, into.where.of_emitter, row, active), light, active & (row > 0))
+    _add(tape, dr.gather(mi.UInt32, tape.slots.of_emitter, row, active), radiance, active & (row > 0))
 
 
-def add_chosen(into: Tape, chosen: mi.UInt32, light: mi.Color3f) -> None:
-    """Add light of the emitter that emitter sampling chose, by its place in the scene's list."""
-    _add(into, into.first_light + chosen, light, mi.Bool(True))
+def add_sampled_emitter(tape: Tape, index: mi.UInt32, radiance: mi.Color3f) -> None:
+    """Add radiance of the emitter that emitter sampling selected, by its position in the scene's list."""
+    _add(tape, tape.first_light + index, radiance, mi.Bool(True))
 
 
-def _add(into: Tape, slot: mi.UInt32, value: mi.Color3f, active: mi.Bool) -> None:
-    # Each path has places of its own, so nothing is added twice at a time and the order of threads does not matter.
+def _add(tape: Tape, slot: mi.UInt32, value: mi.Color3f, active: mi.Bool) -> None:
+    # Each path adds to separate elements, so there are no conflicts and the order of threads does not matter.
     for colour in range(3):
-        at = (3 * slot + colour) * into.lanes + into.lane
-        dr.scatter_add(into.sums, value[colour], at, active, mode=dr.ReduceMode.NoConflicts)
+        at = (3 * slot + colour) * tape.lanes + tape.lane
+        dr.scatter_add(tape.sums, value[colour], at, active, mode=dr.ReduceMode.NoConflicts)

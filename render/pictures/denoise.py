@@ -1,4 +1,4 @@
-"""Open Image Denoise: a noisy picture and its guides -> a clean picture."""
+"""Open Image Denoise: denoises a picture with albedo and normal guides, and runs the light-map filter."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pyoidn
 
 
 def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Return the picture without its noise.
+    """Return the denoised picture.
 
-    The guides must be free of noise (`guides.trace_guides`): they are trusted.
+    The guides (auxiliary images) must be free of noise (`guides.trace_guides`): the filter runs with ``cleanAux``.
 
     Parameters
     ----------
@@ -39,21 +39,21 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
 
 
 def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
-    """Run one of Open Image Denoise's filters; it writes into its output image.
+    """Run a filter of Open Image Denoise, which writes into the output image.
 
     Parameters
     ----------
     kind : str
         ``"RT"`` or ``"RTLightmap"``.
     images : dict
-        Input and output by the filter's names for them, (H, W, 3) float32 each, C-contiguous.
+        Input and output images by the filter's names for them, (H, W, 3) float32 each, C-contiguous.
     **flags : bool
-        What the filter is told.
+        Parameters of the filter.
 
     Raises
     ------
     RuntimeError
-        With what the filter has to complain of.
+        If the filter reports an error.
     """
     # (Not in a `with` block: the context manager of pyoidn 2.5 returns itself on leaving, which silences all errors.)
     task = pyoidn.Filter(device(), kind)
@@ -73,7 +73,7 @@ def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
 @cache
 def device() -> pyoidn.Device:
     """Return the device that filters run on."""
-    # The CPU device even where there is a GPU: one machine's pictures then equal another's.
+    # The CPU device even on machines with a GPU: pictures are then the same on all machines.
     device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
     device.commit()
     _check(device)
@@ -81,7 +81,7 @@ def device() -> pyoidn.Device:
 
 
 def _check(device: pyoidn.Device) -> None:
-    """Raise what the device has to complain of."""
+    """Raise RuntimeError if the device reports an error."""
     message = device.get_error()
     if message is not None:
         raise RuntimeError(f"Open Image Denoise: {message}")

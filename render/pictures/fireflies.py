@@ -1,9 +1,9 @@
-"""Fireflies: lone pixels that one lucky path made bright.
+"""Firefly filter: isolated pixels that a single path made bright are spread over their neighbourhood.
 
-Light that reaches a pixel by a rare path (a caustic seen in a mirror, a lamp seen through two glasses) comes in few and
-bright samples. The mean over all pixels is right, and cutting such samples would darken the picture for good. So the
-surplus is not cut but spread over the pixels round it, which the same rare paths reach as well: the mean stays, and the
-denoiser gets a picture that it can read. What is bright in every group of samples is real and is left alone.
+Light that reaches a pixel by rare paths (a caustic seen in a mirror, a lamp seen through two glasses) arrives in few
+bright samples. The mean over all pixels is right, and clamping such samples would darken the picture (bias). So the
+excess is not clamped but spread over the surrounding pixels, which the same rare paths reach as well: the mean stays,
+and the denoiser can handle the result. Pixels that are bright in every group of samples are not changed.
 """
 
 from __future__ import annotations
@@ -11,21 +11,22 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-#: A pixel is a firefly where its standard error is at least this share of its value. Where one group of samples carries
-#: everything it is 1, of however many; where 63 to 70 % of the light is in one group (of sixteen, of four) it is this.
-LONE = 0.6
-#: ... and where it is this many times brighter than the median of the pixels round it.
-STANDS_OUT = 3.0
+#: Smallest relative standard error of a firefly [1]. It is 1 where one group of samples carries all light, for any
+#: number of groups, and 0.6 where 63 to 70 % of the light is in one group (of sixteen, of four).
+MIN_RELATIVE_ERROR = 0.6
+#: Smallest ratio of a firefly to the median of its neighbourhood [1].
+MIN_CONTRAST = 3.0
 #: Side of the square that the median is taken over [px].
-NEAR = 5
-#: The surplus is spread over a square of this share of the picture's width. Wide enough that the denoiser takes it for
-#: light and not for a mark. Measured on `bench/quality.py --scenes hdri --spp 16`, 240 px wide: relMSE after denoising
-#: 0.036 with a square of 5 px, 0.013 with one of 33; unspread 0.013 too, but the denoiser lost 1.6 % of the light.
-SHARE = 1 / 8
+MEDIAN_SIDE = 5
+#: Side of the square that the excess is spread over, as a fraction of the picture's width [1]: so wide that the
+#: denoiser does not take it for a detail. Measured on `bench/quality.py --scenes hdri --spp 16`, 240 px wide: relMSE
+#: after denoising 0.036 with a square of 5 px, 0.013 with one of 33; without the filter 0.013 as well, but the denoiser
+#: lost 1.6 % of the light.
+SPREAD = 1 / 8
 
 
 def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Return the picture with the surplus of fireflies spread over their surroundings; its mean stays.
+    """Return the picture with the excess of fireflies spread over their neighbourhood; its mean stays.
 
     Parameters
     ----------
@@ -35,26 +36,26 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
         Estimated variance of each value.
     """
     level = radiance.mean(axis=2)
-    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), NEAR)
-    # The variance of the mean colour is at most that of fully correlated channels, which a firefly's are.
+    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), MEDIAN_SIDE)
+    # The variance of the mean colour is at most that of fully correlated channels, as those of a firefly are.
     error = np.sqrt(variance).mean(axis=2)
-    lone = (error >= LONE * level) & (level > STANDS_OUT * around)
-    kept = np.divide(around, level, out=np.ones_like(level), where=lone)[..., None]
-    surplus = (radiance * (1.0 - kept)).astype(np.float32)
-    return (radiance * kept + spread(surplus, SHARE * surplus.shape[1])).astype(np.float32)
+    is_firefly = (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around)
+    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[..., None]
+    excess = (radiance * (1.0 - kept)).astype(np.float32)
+    return (radiance * kept + box_filtered(excess, SPREAD * excess.shape[1])).astype(np.float32)
 
 
-def spread(surplus: np.ndarray, width: float) -> np.ndarray:
-    """Return a picture averaged over squares; its sum stays.
+def box_filtered(image: np.ndarray, width: float) -> np.ndarray:
+    """Return a picture filtered with a box whose weights are normalised inside the picture; its sum stays.
 
     Parameters
     ----------
-    surplus : (H, W, 3) float32
-        What is to be spread.
+    image : (H, W, 3) float32
+        The picture.
     width : float
-        Of the squares, about [px]. At the edge the share that would fall outside stays inside.
+        Side of the box [px], rounded to an odd number.
     """
     side = 2 * int(width / 2) + 1
-    ones = np.ones(surplus.shape[:2], np.float32)
+    ones = np.ones(image.shape[:2], np.float32)
     inside = cv2.boxFilter(ones, -1, (side, side), borderType=cv2.BORDER_CONSTANT)
-    return cv2.boxFilter(surplus / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
+    return cv2.boxFilter(image / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)

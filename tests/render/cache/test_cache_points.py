@@ -10,7 +10,7 @@ import pytest
 def cut(backend, drawn):
     from glassware.render.scene.loaded_scene import load
 
-    return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), cut=True)
+    return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), for_cache=True)
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ def polished(backend, drawn):
     scene = drawn(17, vessel_count=(1, 1), prop_count=(0, 0), cameras=camera, environment=room, lights={"max_count": 0})
     material = scene.table.material.model_copy(update={"roughness": 0.15})
     scene = scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
-    kernel = load(scene, cut=True)
+    kernel = load(scene, for_cache=True)
     return kernel, gather_light(kernel, place_nodes(kernel), 16, 1)
 
 

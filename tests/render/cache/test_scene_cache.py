@@ -86,7 +86,7 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
     from glassware.render.scene.loaded_scene import load
 
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
-    kernel = load(scene, cut=True)
+    kernel = load(scene, for_cache=True)
     nodes, camera = place_nodes(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
@@ -108,7 +108,7 @@ def furnace(backend, drawn, even_light):
     scene = drawn(
         2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
     )
-    return load(scene, cut=True)
+    return load(scene, for_cache=True)
 
 
 def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> None:

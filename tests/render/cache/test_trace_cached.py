@@ -20,7 +20,7 @@ def lit(backend, drawn):
     from glassware.render.scene.loaded_scene import load
 
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
-    kernel = load(scene, cut=True)
+    kernel = load(scene, for_cache=True)
     stored = gather_light(kernel, place_nodes(kernel), 16, 1)
     bright = bright_map(scene)
     return kernel, opaque_light(kernel, stored, bright), bright

@@ -21,7 +21,7 @@ SIZE = {"width": 160, "height": 120}
 def _labelled(kernel, number: int):
     """Labels and both eyes' geometry of a view."""
     from glassware.render.labels.geometry import trace_geometry
-    from glassware.render.labels.sight import line_of_sight
+    from glassware.render.labels.geometry import line_of_sight
 
     scene = kernel.description
     camera, points = scene.cameras[number], scene_keypoints(scene)

@@ -1,0 +1,142 @@
+"""Bodies of a scene: meshes with their poses, BSDFs and surface records, from the description to Mitsuba."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import mitsuba as mi
+import numpy as np
+
+from ...core.mesh import Mesh
+from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene, Vessel
+from ...procedural.materials.textures import bake
+from ...procedural.optics.medium import AIR
+from .surfaces import Surface
+
+#: Roughness up to which props count as polished [1]: lamps reflected in them are sharp (GGX alpha of 0.16) and noisy.
+#: Mostly metallic materials count at any roughness: all their light is reflected. Tables never count: the denoiser
+#: cleans reflections in their flat tops.
+POLISHED = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A mesh of the scene before it is loaded."""
+
+    mesh: Mesh
+    world_T_mesh: np.ndarray  #: (4, 4) float64 [m]
+    bsdf: mi.BSDF
+    surface: Surface
+
+    def with_mesh(self, mesh: Mesh) -> Body:
+        """Return the body with another mesh."""
+        return replace(self, mesh=mesh)
+
+
+def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
+    """Return the bodies of a scene: the table first, then the objects in their order.
+
+    The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it.
+    """
+    table = mi.load_dict(opaque_bsdf(scene.table.material))
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    bodies = [Body(with_repeats(scene.table.mesh, scene.table.material), np.eye(4), table, surface)]
+    glass = None if glass_for_mitsuba else table
+    for index, item in enumerate(scene.objects):
+        bodies += _vessel_bodies(item, index, glass) if isinstance(item, Vessel) else [_prop_body(item, index)]
+    return bodies
+
+
+def _vessel_bodies(vessel: Vessel, index: int, glass: mi.BSDF | None) -> list[Body]:
+    """Return one body for each interface, with the BSDF `glass` or, if that is None, a dielectric one of its own."""
+    bodies = []
+    for interface in vessel.interfaces:
+        media = interface.front, interface.back
+        surface = Surface(vessel.id, index, False, *media, interface.roughness, interface.part)
+        bodies.append(Body(interface.mesh, vessel.world_T_object, glass or _glass_bsdf(interface), surface))
+    return bodies
+
+
+def _glass_bsdf(interface: Interface) -> mi.BSDF:
+    bsdf = {"type": "roughdielectric", "alpha": interface.roughness, "distribution": "ggx"}
+    bsdf = bsdf if interface.roughness > 0 else {"type": "dielectric"}
+    return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
+
+
+def _prop_body(prop: Prop, index: int) -> Body:
+    surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(prop.material))
+    bsdf = mi.load_dict(opaque_bsdf(prop.material))
+    return Body(with_repeats(prop.mesh, prop.material), prop.world_T_object, bsdf, surface)
+
+
+def _is_polished(material: OpaqueMaterial) -> bool:
+    """Return whether pixels that show a prop of the material need more samples."""
+    return material.roughness <= POLISHED or material.metallic >= 0.5
+
+
+def opaque_bsdf(material: OpaqueMaterial) -> dict:
+    """Return the Mitsuba dictionary of a principled BSDF, one-sided; the ray loop flips the frame to the ray's side.
+
+    Every material has a bitmap texture, even a plain colour: all opaque surfaces then share one kernel, and a new scene
+    with other values compiles nothing. For the same reason the texture repeats are not in the bitmap's transform: see
+    `with_repeats`.
+    """
+    colour = {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(np.ascontiguousarray(bake(material.base_colour), dtype=np.float32)),
+        "raw": False,  # reflectance, for spectral variants too; a float bitmap counts as linear
+        "filter_type": "bilinear",
+        "wrap_mode": "repeat",
+    }
+    return {
+        "type": "principled",
+        "base_color": colour,
+        "roughness": material.roughness,
+        # As a texture: Mitsuba compiles another BSDF for the number 0 than for others.
+        "metallic": {"type": "uniform", "value": material.metallic},
+    }
+
+
+def with_repeats(mesh: Mesh, material: OpaqueMaterial) -> Mesh:
+    """Return the mesh with texture coordinates scaled by the material's number of repeats.
+
+    Mitsuba's own transform of texture coordinates would be compiled into the kernel as a literal.
+    """
+    return mesh if mesh.uv is None or material.repeats == 1.0 else replace(mesh, uv=mesh.uv * material.repeats)
+
+
+def mitsuba_mesh(body: Body) -> mi.Mesh:
+    """Return the mesh in the world frame. Equal positions in two meshes of one object stay equal to the last bit."""
+    mesh, world_T_mesh = body.mesh, body.world_T_mesh
+    properties = mi.Properties()
+    properties["mesh_bsdf"] = body.bsdf
+    properties["face_normals"] = mesh.normals is None
+    shape = mi.Mesh(
+        mesh.name,
+        len(mesh.vertices),
+        len(mesh.faces),
+        props=properties,
+        has_vertex_normals=mesh.normals is not None,
+        has_vertex_texcoords=mesh.uv is not None,
+    )
+    parameters = mi.traverse(shape)
+    # Flat arrays: converting Dr.Jit's vectors would compile a kernel for every mesh size.
+    parameters["vertex_positions"] = mi.Float(to_world(mesh.vertices, world_T_mesh).ravel())
+    parameters["faces"] = mi.UInt32(mesh.faces.astype(np.uint32).ravel())
+    if mesh.normals is not None:
+        rotated = (mesh.normals @ world_T_mesh[:3, :3].T).astype(np.float32)
+        parameters["vertex_normals"] = mi.Float(rotated.ravel())
+    if mesh.uv is not None:
+        parameters["vertex_texcoords"] = mi.Float(mesh.uv.astype(np.float32).ravel())
+    parameters.update()
+    return shape
+
+
+def to_world(points: np.ndarray, world_T_mesh: np.ndarray) -> np.ndarray:
+    """Return mesh points (n, 3) in the world frame, float32 [m]."""
+    # Element by element in float64: the same point gives the same bits in every mesh that contains it (a matrix product
+    # may round differently depending on a row's position in the array).
+    x, y, z = points.astype(np.float64).T
+    rows = [a * x + b * y + c * z + t for a, b, c, t in world_T_mesh[:3]]
+    return np.stack(rows, axis=1).astype(np.float32)
