@@ -68,7 +68,7 @@ class _ShadingPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class _Moments:
+class Moments:
     """Interpolated moments of the incident light."""
 
     E: mi.Color3f
@@ -113,23 +113,23 @@ def shade(
     frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
     point = _ShadingPoint(si, frame, frame.to_local(eye), material)
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
-    radiance = _diffuse(material, point.wi, eye, _interpolated(shader.moments, index, weight))
-    diffuse = dr.max(radiance)
-    radiance += _glossy_emitter(shader.scene, point, offset, u, _FAINT * diffuse)
+    radiance = diffuse(material, point.wi, eye, _interpolated(shader.moments, index, weight))
+    level = dr.max(radiance)
+    radiance += _glossy_emitter(shader.scene, point, offset, u, _FAINT * level)
 
     wo = sample_glossy(material, point.wi, u.u_bsdf)
     value, pdf = eval_glossy(material, point.wi, wo)
     factor = dr.select(pdf > 0.0, value / pdf, 0.0)
     direction = frame.to_world(wo)
     expected = emission_along(shader.emission, si.p, direction)
-    expected_radiance = dr.select(diffuse > 0.0, expected / diffuse, dr.inf)
+    expected_radiance = dr.select(level > 0.0, expected / level, dr.inf)
     survival = dr.clip(_SURVIVAL * dr.max(factor) * dr.maximum(expected_radiance, 1.0), _MIN_SURVIVAL, 1.0)
     factor = dr.select(u.u_lobe < survival, factor / survival, 0.0)
     radiance, factor = (dr.select(is_light, 0.0, x) for x in (radiance, factor))
     return Bounce(radiance, direction, factor, pdf, mi.Bool(False))
 
 
-def _interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> _Moments:
+def _interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> Moments:
     """Return the moments interpolated between cache points."""
     parts = [dr.zeros(mi.Vector4f) for _ in range(3)]
     for point, w in zip(index, weight, strict=True):
@@ -137,10 +137,10 @@ def _interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Flo
             parts[k] += w * dr.gather(mi.Vector4f, moments, 3 * point + k)
     a, b, c = parts
     E, E_f = mi.Color3f(a.x, a.y, a.z), mi.Color3f(a.w, b.x, b.y)
-    return _Moments(E, E_f, mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w))
+    return Moments(E, E_f, mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w))
 
 
-def _diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, moments: _Moments) -> mi.Color3f:
+def diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, moments: Moments) -> mi.Color3f:
     """Return the radiance of the diffuse lobe towards the eye.
 
     `wi` and `eye` are the same direction, in the frame of the shading normal and in that of the mean directions.

@@ -139,8 +139,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         # Along the whole ray: a sum over its segments would miss their offsets from the surfaces.
         distance = dr.dot(si.p - origin, direction)
 
-        if recorder is not None:
-            write_layer(recorder, table, count, RayHit(si, ray, distance), active)
+        write_layer(recorder, table, count, RayHit(si, ray, distance), active)
         count += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
         nearest = active & (first_id == 0)

@@ -67,8 +67,13 @@ def layer_recorder(loaded: LoadedScene, view: Pinhole, depth_per_distance: mi.Fl
     )
 
 
-def write_layer(recorder: LayerRecorder, table: SurfaceTable, layer: mi.UInt32, hit: RayHit, active: mi.Bool) -> None:
-    """Write the surface that each ray hits to the buffers of its `layer`, unless all layers are full."""
+def write_layer(
+    recorder: LayerRecorder | None, table: SurfaceTable, layer: mi.UInt32, hit: RayHit, active: mi.Bool
+) -> None:
+    """Write the surface that each ray hits to the buffers of its `layer`, unless all layers are full or None exist."""
+    # (The check is here because Dr.Jit would turn one in the ray loop into a symbolic branch.)
+    if recorder is None:
+        return
     si, ray = hit.si, hit.ray
     active = active & (layer < recorder.count)
     row = registry_id(si.shape)

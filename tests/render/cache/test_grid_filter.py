@@ -20,9 +20,9 @@ def noisy(backend, rng):
 
 
 def test_noise_goes_and_the_sum_of_the_light_stays(noisy) -> None:
-    from glassware.render.cache.grid_filter import smoothed
+    from glassware.render.cache.grid_filter import denoised_grid
 
-    found = smoothed(noisy, SHAPE)
+    found = denoised_grid(noisy, SHAPE)
     np.testing.assert_allclose(found[:, :6].sum(0, np.float64), noisy[:, :6].sum(0, np.float64), rtol=ROUNDING)
     far = found.reshape(*SHAPE, 12)[:, 100:, :6]
     # Two thirds at least: the denoiser leaves 0.0005 of 0.0057 where it was measured, a third of the deviation.
@@ -30,10 +30,10 @@ def test_noise_goes_and_the_sum_of_the_light_stays(noisy) -> None:
 
 
 def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
-    from glassware.render.cache.grid_filter import _SPREAD, smoothed
+    from glassware.render.cache.grid_filter import SPREAD, denoised_grid
 
-    found = smoothed(noisy, SHAPE).reshape(*SHAPE, 12)[..., :6]
-    reach = int(_SPREAD * SHAPE[1] / 2) + 16  # the square, and what the filter itself reaches
+    found = denoised_grid(noisy, SHAPE).reshape(*SHAPE, 12)[..., :6]
+    reach = int(SPREAD * SHAPE[1] / 2) + 16  # the square, and what the filter itself reaches
     near = found[40 - reach : 41 + reach, 50 - reach : 51 + reach].sum((0, 1), np.float64)
     size = (2 * reach + 1) ** 2
     # A standard deviation of the noise that went into the square is 0.1 per cell; four of them.
@@ -41,6 +41,6 @@ def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
 
 
 def test_no_light_is_negative(noisy) -> None:
-    from glassware.render.cache.grid_filter import smoothed
+    from glassware.render.cache.grid_filter import denoised_grid
 
-    assert (smoothed(noisy, SHAPE)[:, :6] >= 0.0).all()
+    assert (denoised_grid(noisy, SHAPE)[:, :6] >= 0.0).all()

@@ -79,18 +79,18 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
-    from glassware.render.cache.cache_points import place_nodes
-    from glassware.render.cache.fill_cache import gather_light
-    from glassware.render.cache.trace_cached import reading
+    from glassware.render.cache.cache_points import cache_points_of
+    from glassware.render.cache.fill_cache import fill_cache
+    from glassware.render.cache.trace_cached import cached_tracer
     from glassware.render.pictures.picture import PATH_TRACER, trace_picture
     from glassware.render.scene.loaded_scene import load
 
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
     kernel = load(scene, for_cache=True)
-    nodes, camera = place_nodes(kernel), scene.cameras[0]
+    nodes, camera = cache_points_of(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        tracer = reading(kernel, gather_light(kernel, nodes, PATHS, 100 + seed))
+        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATHS, 100 + seed))
         pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
@@ -112,11 +112,11 @@ def furnace(backend, drawn, even_light):
 
 
 def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> None:
-    from glassware.render.cache.cache_points import place_nodes
-    from glassware.render.cache.fill_cache import gather_light
+    from glassware.render.cache.cache_points import cache_points_of
+    from glassware.render.cache.fill_cache import fill_cache
 
-    nodes = place_nodes(furnace)
-    moments = gather_light(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
+    nodes = cache_points_of(furnace)
+    moments = fill_cache(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
     # Integrals over the hemisphere with c the cosine: of c, of c (1 - c)^5, and of c weighted with c or c (1 - c)^5.
     E, E_f = np.pi, np.pi / 21.0
     assert moments[:3] == pytest.approx(E, rel=2e-3)
