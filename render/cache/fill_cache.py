@@ -67,10 +67,10 @@ def fill_cache(loaded: LoadedScene, points: CachePoints, paths: int, seed: int) 
     seed : int
         32-bit seed.
     """
-    starts, groups = point_sampler(points), max(2.0, paths / GROUP)
-    pilot = _traced_groups(loaded, starts, np.full(points.count, _PILOT), _PILOT_INDEX, seed)
+    origins, groups = point_sampler(points), max(2.0, paths / GROUP)
+    pilot = _traced_groups(loaded, origins, np.full(points.count, _PILOT), _PILOT_INDEX, seed)
     counts = _group_counts(points, *_mean_and_variance(pilot), groups)
-    sums = _traced_groups(loaded, starts, counts, 0, seed)
+    sums = _traced_groups(loaded, origins, counts, 0, seed)
     total, odd = sums.moments, sums.odd_moments
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
@@ -83,7 +83,7 @@ def fill_cache(loaded: LoadedScene, points: CachePoints, paths: int, seed: int) 
     return IrradianceCache(points, moments, counts * GROUP)
 
 
-def _traced_groups(loaded: LoadedScene, starts: PointSampler, counts: np.ndarray, first: int, seed: int) -> _Sums:
+def _traced_groups(loaded: LoadedScene, origins: PointSampler, counts: np.ndarray, first: int, seed: int) -> _Sums:
     """Trace groups of paths of every cache point, from sample index `first` on."""
     total, odd, square = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
     point = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
@@ -91,7 +91,7 @@ def _traced_groups(loaded: LoadedScene, starts: PointSampler, counts: np.ndarray
     index, groups_per_pass = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
     for begin in range(0, len(point), groups_per_pass):
         part = slice(begin, begin + groups_per_pass)
-        sums, other = _trace_pass(loaded, starts, point[part], index[part], seed), rank[part] % 2 == 1
+        sums, other = _trace_pass(loaded, origins, point[part], index[part], seed), rank[part] % 2 == 1
         for k in range(MOMENTS):
             total[:, k] += np.bincount(point[part], sums[k], len(counts))
             odd[:, k] += np.bincount(point[part][other], sums[k][other], len(counts))
@@ -135,25 +135,25 @@ def _neighbour_mean(points: CachePoints, values: np.ndarray) -> np.ndarray:
 
 
 def _trace_pass(
-    loaded: LoadedScene, starts: PointSampler, point: np.ndarray, index: np.ndarray, seed: int
+    loaded: LoadedScene, origins: PointSampler, point: np.ndarray, index: np.ndarray, seed: int
 ) -> np.ndarray:
     """Return the sums of the moments over each group, (12, groups) float64."""
     lane = dr.arange(mi.UInt32, len(point) * GROUP)
     group = lane // GROUP
     at, first = (dr.gather(mi.UInt32, mi.UInt32(values), group) for values in (point, index))
     sampler = sobol_sampler(at, first + lane % GROUP, 1 << 14, seed)
-    values = _incident_moments(loaded, starts, at, sampler)
+    values = _incident_moments(loaded, origins, at, sampler)
     dr.eval(values)
     return np.stack([np.array(dr.block_sum(value, GROUP), np.float64) for value in values])
 
 
 def _incident_moments(
-    loaded: LoadedScene, starts: PointSampler, point: mi.UInt32, sampler: SobolSampler
+    loaded: LoadedScene, origins: PointSampler, point: mi.UInt32, sampler: SobolSampler
 ) -> list[mi.Float]:
     """Trace one path of each lane's point; return E, E weighted with f, and the directions of both by luminance."""
     scene, offset = loaded.mi_scene, dr.opaque(mi.Float, loaded.offset)
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(point))
-    start = sample_points(starts, point, sampler)
+    start = sample_points(origins, point, sampler)
     si.p, si.n, ns = start.p, start.n, start.ns
     si.wavelengths, weight = draw_wavelengths(mi.Float(0.5))
     a, b, c, d = sample_4d(sampler, mi.UInt32(1))

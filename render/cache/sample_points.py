@@ -68,18 +68,18 @@ def _corners_by_vertex(points: CachePoints) -> tuple[np.ndarray, np.ndarray]:
     return first, np.argsort(corners, kind="stable").astype(np.uint32)
 
 
-def sample_points(starts: PointSampler, index: mi.UInt32, sampler: SobolSampler) -> SurfacePoints:
+def sample_points(origins: PointSampler, index: mi.UInt32, sampler: SobolSampler) -> SurfacePoints:
     """Sample a point of the surface area that each cache point represents.
 
     On the grid that is the cell around it, half-way to the neighbouring lines; on a mesh the third of each of the
     vertex's triangles that is nearest to it.
     """
     a, b, c, _ = sample_4d(sampler, mi.UInt32(0))
-    grid = index < starts.grid_count
-    j = index // starts.lines_x
-    x, y = _near_line(starts.x, index - j * starts.lines_x, a, grid), _near_line(starts.y, j, b, grid)
-    vertex = dr.select(grid, 0, index - starts.grid_count)
-    on_mesh = _sample_mesh(starts, vertex, (a, b, c), ~grid)
+    grid = index < origins.grid_count
+    j = index // origins.lines_x
+    x, y = _near_line(origins.x, index - j * origins.lines_x, a, grid), _near_line(origins.y, j, b, grid)
+    vertex = dr.select(grid, 0, index - origins.grid_count)
+    on_mesh = _sample_mesh(origins, vertex, (a, b, c), ~grid)
     up = mi.Normal3f(0.0, 0.0, 1.0)
     return SurfacePoints(
         p=dr.select(grid, mi.Point3f(x, y, 0.0), on_mesh.p),
@@ -97,25 +97,25 @@ def _near_line(lines: mi.Float, k: mi.UInt32, sample: mi.Float, active: mi.Bool)
 
 
 def _sample_mesh(
-    starts: PointSampler, vertex: mi.UInt32, sample: tuple[mi.Float, mi.Float, mi.Float], active: mi.Bool
+    origins: PointSampler, vertex: mi.UInt32, sample: tuple[mi.Float, mi.Float, mi.Float], active: mi.Bool
 ) -> SurfacePoints:
-    to_back = dr.gather(mi.UInt32, starts.to_front, vertex, active)
-    first, end = (dr.gather(mi.UInt32, starts.first, vertex - to_back + k, active) for k in range(2))
+    to_back = dr.gather(mi.UInt32, origins.to_front, vertex, active)
+    first, end = (dr.gather(mi.UInt32, origins.first, vertex - to_back + k, active) for k in range(2))
     valid = active & (end > first)
     pick = dr.minimum(mi.UInt32(mi.Float(end - first) * sample[2]), dr.maximum(end - first, 1) - 1)
-    corner = dr.gather(mi.UInt32, starts.corners, first + pick, valid)
+    corner = dr.gather(mi.UInt32, origins.corners, first + pick, valid)
     triangle, k = corner // 3, corner % 3
-    ids = [dr.gather(mi.UInt32, starts.triangles, 3 * triangle + (k + m) % 3, valid) for m in range(3)]
+    ids = [dr.gather(mi.UInt32, origins.triangles, 3 * triangle + (k + m) % 3, valid) for m in range(3)]
     weights = _corner_weights(sample[0], sample[1])
-    P = [dr.gather(mi.Point3f, starts.positions, index, valid) for index in ids]
-    N = [dr.gather(mi.Normal3f, starts.normals, index + to_back, valid) for index in ids]
+    P = [dr.gather(mi.Point3f, origins.positions, index, valid) for index in ids]
+    N = [dr.gather(mi.Normal3f, origins.normals, index + to_back, valid) for index in ids]
     p = weights[0] * P[0] + weights[1] * P[1] + weights[2] * P[2]
     ns = weights[0] * N[0] + weights[1] * N[1] + weights[2] * N[2]
     across = dr.cross(P[1] - P[0], P[2] - P[0])
     valid &= (dr.squared_norm(across) > 0.0) & (dr.squared_norm(ns) > 0.0)
     up = mi.Normal3f(0.0, 0.0, 1.0)
     n, ns = (dr.select(valid, dr.normalize(mi.Normal3f(x)), up) for x in (across, ns))
-    sign = dr.select(dr.gather(mi.Bool, starts.back, vertex, active), mi.Float(-1.0), mi.Float(1.0))
+    sign = dr.select(dr.gather(mi.Bool, origins.back, vertex, active), mi.Float(-1.0), mi.Float(1.0))
     return SurfacePoints(p, sign * n, ns, valid)
 
 

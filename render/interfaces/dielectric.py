@@ -71,7 +71,7 @@ def scatter(hit: InterfaceHit, reflect_probability: ReflectProbability | None = 
         end = walk(frame.to_local(wi), alpha, eta, seed, u_facet)
         transmitted = end.transmitted
         direction = frame.to_world(end.direction)
-        # A shading normal may leave the walk on the wrong side of the geometric surface: the ray is mirrored back to
+        # A shading normal may leave the walk on the wrong side of the geometric surface: the ray is reflected back to
         # the side that the walk sampled, which keeps its light.
         wrong = (dr.dot(direction, n) < 0.0) != transmitted
         direction = dr.select(wrong, direction - 2.0 * dr.dot(direction, n) * n, direction)

@@ -56,7 +56,7 @@ def scatter_polarised(hit: InterfaceHit, analyser: mi.Vector4f) -> Scattered:
         end, last = walk_polarised(local.to_local(wi), first, alpha, eta, seed, analyser)
         transmitted, alive, M = end.transmitted, end.alive, last.M
         direction, axis = local.to_world(end.direction), local.to_world(last.axis)
-        # As in `dielectric.scatter`; the frame is mirrored with the ray.
+        # As in `dielectric.scatter`; the frame is reflected with the ray.
         wrong = (dr.dot(direction, n) < 0.0) != transmitted
         direction = dr.select(wrong, direction - 2.0 * dr.dot(direction, n) * n, direction)
         axis = dr.select(wrong, axis - 2.0 * dr.dot(axis, n) * n, axis)
@@ -103,7 +103,7 @@ def walk_polarised(
         u_normal = mi.Point2f(random.next_float32(), random.next_float32())
         u_lobe = random.next_float32()
         if dr.hint(walking, exclude=[analyser]):
-            # The event itself is not mirrored to the upper side: that would mirror the Stokes frames.
+            # The event itself is not reflected to the upper side: that would reflect the Stokes frames.
             facet = sign * visible_facet(-sign * direction, alpha, u_normal)
             ratio = dr.select(above, eta, dr.rcp(eta))
             frame = StokesFrame(M, axis)
