@@ -10,8 +10,7 @@ from ..core.randomness import stream_seed
 from .frame import EYES, Eye, Frame
 from .labels.geometry import trace_straight
 from .labels.refraction import trace_refraction
-from .pictures.denoise import denoise
-from .pictures.fireflies import spread_fireflies
+from .pictures.denoise import denoise, spread_fireflies
 from .pictures.picture import PATH_TRACER, NoisyImage, Tracer, trace_picture
 from .scene.loaded_scene import LoadedScene
 

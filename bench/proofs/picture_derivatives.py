@@ -11,8 +11,7 @@ from scipy import stats
 
 from glassware.procedural.optics.medium import Medium
 from glassware.render.derivatives.gradients import with_parameters
-from glassware.render.derivatives.replay import replay
-from glassware.render.derivatives.tape import Slots, empty_tape, slots_of
+from glassware.render.derivatives.replay import Slots, empty_tape, replay, slots_of
 from glassware.render.pictures.integrator import trace
 from glassware.render.pictures.sampler import sobol_sampler
 from glassware.render.scene.loaded_scene import LoadedScene

@@ -21,11 +21,10 @@ from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
+from .cache_filter import denoised_grid, denoised_meshes
 from .cache_points import CachePoints, vertex_areas
-from .grid_filter import denoised_grid
 from .irradiance_cache import MOMENTS, IrradianceCache
 from .lobes import schlick
-from .mesh_filter import denoised_meshes
 from .sample_points import PointSampler, point_sampler, sample_points
 
 #: Paths of one pass [1]. Each holds 48 bytes of results, so a pass stays near 100 MB.

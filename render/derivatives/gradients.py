@@ -24,8 +24,7 @@ from ..pictures.picture import camera_paths, check_media
 from ..pictures.sampler import SobolSampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole
-from .replay import replay
-from .tape import Slots, empty_tape, slots_of
+from .replay import Slots, empty_tape, replay, slots_of
 
 #: Maximum number of elements on the tape of one pass [1]: 256 MB.
 _TAPE = 1 << 26

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import mitsuba as mi
 import numpy as np
 
-from ...core.mesh import Mesh, as_trimesh
+from ...core.mesh import as_trimesh
 from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.optics.medium import AIR
-from .bodies import Body, mitsuba_mesh, scene_bodies, to_world
+from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
 from .lighting import area_light, envmap, make_literals_opaque
-from .refinement import refined, unwelded
 from .spectrum import check_variant
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
@@ -20,11 +19,6 @@ from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
 #: (Mitsuba's own offset of 1e-4 (1 + |p|) is 0.1 mm here, a tenth of a glass wall.)
 RAY_OFFSET = 2.0**-20
-#: Longest edge of opaque meshes whose vertices are cache points of the irradiance cache [m]: as fine as contact shadows
-#: of small objects. The table's sides may have longer ones [m]; its top has a grid of its own.
-MAX_EDGE, MAX_EDGE_OF_TABLE = 0.005, 0.05
-#: Meshes of more triangles are not refined further [1]: a bound on memory.
-MAX_FACES = 40_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +67,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     check_variant(scene.picture.dispersion)
     bodies = scene_bodies(scene, glass_for_mitsuba)
     if for_cache:
-        bodies = [body.with_mesh(_refined_for_cache(body.mesh, body.surface)) for body in bodies]
+        bodies = [refined_for_cache(body) for body in bodies]
     shapes = {f"body{i}": mitsuba_mesh(body) for i, body in enumerate(bodies)}
     lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
     contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
@@ -86,14 +80,6 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
     opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
     return LoadedScene(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach, opaque)
-
-
-def _refined_for_cache(mesh: Mesh, surface: Surface) -> Mesh:
-    """Return an opaque mesh with short edges; faces of a flat-shaded mesh get separate vertices first."""
-    if not surface.opaque:
-        return mesh
-    max_edge = MAX_EDGE_OF_TABLE if surface.instance == TABLE_ID else MAX_EDGE
-    return refined(mesh if mesh.normals is not None else unwelded(mesh), max_edge, MAX_FACES)
 
 
 def _opaque_bodies(scene: Scene, mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:

@@ -86,8 +86,7 @@ def _endless(kernel):
 def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     import mitsuba as mi
 
-    from glassware.render.derivatives.replay import replay
-    from glassware.render.derivatives.tape import empty_tape, slots_of
+    from glassware.render.derivatives.replay import empty_tape, replay, slots_of
     from glassware.render.pictures.integrator import trace
     from glassware.render.pictures.picture import camera_paths
     from glassware.render.scene.rays import pinhole

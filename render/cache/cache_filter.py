@@ -1,4 +1,7 @@
-"""Denoises the irradiance cache on meshes: Wiener filter of a graph wavelet transform.
+"""Denoises the irradiance cache: Open Image Denoise's light-map filter on the grid, a graph wavelet filter on meshes.
+
+The light-map filter needs no guides: irradiance has no texture. Measured on `filled` at 320x240 against 320 paths a
+cache point (docs/performance.md): the relative squared error of 64 paths a point falls from 0.0057 to 0.0005.
 
 Irradiance on a mesh is not an image that a denoiser can read. So it is decomposed into scales by diffusion over the
 surface (an undecimated wavelet transform: Hammond, Vandergheynst, Gribonval 2011, "Wavelets on graphs via spectral
@@ -13,12 +16,18 @@ that are too bright for that would still make a spot, and are spread over their 
 from __future__ import annotations
 
 import numpy as np
+import pyoidn
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from ...procedural.surroundings.colour import luminance
+from ..pictures.denoise import box_filtered, run_filter
 from .cache_points import CachePoints, to_front, vertex_areas
 
+#: Side of the box over which light removed or added by the filter is returned, over the grid's longer side [1]. The
+#: filter removes fireflies as noise: under an environment map with small bright lights the table lost 0.2 % of its
+#: light (`hdri`).
+SPREAD = 1 / 16
 #: Neighbours of a vertex in a diffusion step [1], their maximum distance [m] and maximum difference of normals [1]: as
 #: long as the edges of refined meshes, and less than across the edge of a box.
 _NEIGHBOURS, _REACH, _NORMAL_REACH = 12, 0.005, 0.4
@@ -32,6 +41,39 @@ _AVERAGING_STEPS, _NOISE_FACTOR = 3, 1.5
 _MIN_CONTRAST, _MIN_HALF_RATIO = 10.0, 4.0
 #: Weight of the mesh index in the neighbour search [1]: vertices of other meshes are beyond any reach.
 _MESH_DISTANCE = 1e6
+
+
+def denoised_grid(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return the denoised moments of a grid.
+
+    Parameters
+    ----------
+    moments : (rows * columns, 12) float32
+        As `irradiance_cache.IrradianceCache.moments`.
+    shape : (int, int)
+        Rows and columns of the grid.
+
+    Returns
+    -------
+    (rows * columns, 12) float32
+        The irradiance is >= 0, and its sum is the same except for clamped negative values.
+    """
+    result = np.empty_like(moments)
+    for first, directional in ((0, False), (3, False), (6, True), (9, True)):
+        image = moments[:, first : first + 3].reshape(*shape, 3)
+        filtered = _filtered(image, directional)
+        if not directional:
+            filtered = np.maximum(filtered + box_filtered(image - filtered, SPREAD * max(shape)), 0.0)
+        result[:, first : first + 3] = filtered.reshape(-1, 3)
+    return result
+
+
+def _filtered(image: np.ndarray, directional: bool) -> np.ndarray:
+    image = np.ascontiguousarray(image, np.float32)
+    result = np.zeros_like(image)
+    images = {pyoidn.OIDN_IMAGE_COLOR: image, pyoidn.OIDN_IMAGE_OUTPUT: result}
+    run_filter("RTLightmap", images, directional=directional)
+    return result
 
 
 def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
