@@ -78,26 +78,13 @@ def trace(
     picture: Picture,
     origin: PathOrigin | None = None,
 ) -> Radiance:
-    """Trace one path for every ray and return its radiance.
+    """Trace one path for every ray, which starts in air, and return its radiance.
 
     Emitter sampling and BSDF sampling are combined by the balance heuristic (Veach 1997, eq. 9.8). A segment is
-    attenuated by the medium on the near side of the surface at its end (Beer-Lambert). In polarised variants all
-    spectra are Mueller matrices (`mueller`), and emitters are unpolarised.
-
-    Parameters
-    ----------
-    loaded : LoadedScene
-        The scene.
-    ray : mi.Ray3f
-        First segments; they start in air.
-    weight : mi.Spectrum
-        Weight of the wavelengths, from `draw_wavelengths`.
-    sampler : SobolSampler
-        Sample points. Sets 0 and 1 belong to the camera, the others are consumed here (`path_dimensions`).
-    picture : Picture
-        Maximum depth, depth at which Russian roulette starts, and whether there is dispersion.
-    origin : PathOrigin, optional
-        Where the first segments start, if not at a camera: emitter hits on them are MIS-weighted.
+    attenuated by the medium on the near side of the surface at its end (Beer-Lambert). The wavelengths have a `weight`
+    (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others are consumed here
+    (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted as well. In polarised
+    variants all spectra are Mueller matrices (`mueller`), and emitters are unpolarised.
     """
     scene, table, carried = loaded.mi_scene, loaded.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
