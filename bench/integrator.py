@@ -94,16 +94,16 @@ def _traced(kernel: Any, spp: int) -> int:
     import mitsuba as mi
 
     from glassware.render.pictures.integrator import trace
-    from glassware.render.pictures.sampler import four, samples
+    from glassware.render.pictures.sampler import sample_4d, sobol_sampler
     from glassware.render.scene.rays import pinhole, pixel_rays
     from glassware.render.scene.spectrum import draw_wavelengths
 
     lane = dr.arange(mi.UInt32, WIDTH * HEIGHT * spp)
     pixel = lane // dr.opaque(mi.UInt32, spp)
-    points = samples(pixel, lane - pixel * dr.opaque(mi.UInt32, spp), spp, 1)
-    u, v, *_ = four(points, mi.UInt32(0))
+    points = sobol_sampler(pixel, lane - pixel * dr.opaque(mi.UInt32, spp), spp, 1)
+    u, v, *_ = sample_4d(points, mi.UInt32(0))
     ray, _ = pixel_rays(pinhole(kernel.description.cameras[0]), pixel, mi.Point2f(u, v) - 0.5)
-    ray.wavelengths, weight = draw_wavelengths(four(points, mi.UInt32(1))[0])
+    ray.wavelengths, weight = draw_wavelengths(sample_4d(points, mi.UInt32(1))[0])
     result = trace(kernel, ray, weight, points, kernel.description.picture)
     dr.eval(result)
     return int(np.array(result.segments).sum(dtype=np.int64))

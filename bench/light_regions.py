@@ -6,7 +6,7 @@ import numpy as np
 
 from glassware.procedural.description.scene import TABLE_ID
 from glassware.procedural.description.surroundings import Camera
-from glassware.render.cache.irradiance_cache import StoredLight
+from glassware.render.cache.irradiance_cache import IrradianceCache
 from glassware.render.labels.geometry import trace_straight
 from glassware.render.pictures.guides import trace_guides
 from glassware.render.scene.loaded_scene import LoadedScene
@@ -17,7 +17,7 @@ CAUSTIC, SHADOW = 1.4, 0.5
 FEWEST = 100
 
 
-def regions(kernel: LoadedScene, stored: StoredLight) -> dict[str, np.ndarray]:
+def regions(kernel: LoadedScene, stored: IrradianceCache) -> dict[str, np.ndarray]:
     """Return which pixels of the first camera's left eye are in each region, (H, W) bool."""
     camera = kernel.description.cameras[0]
     geometry = trace_straight(kernel, camera, 0)[0]
@@ -47,7 +47,7 @@ def _points(camera: Camera, Z: np.ndarray) -> np.ndarray:
     return (local * np.where(np.isfinite(Z), Z, 0.0)[..., None]) @ pose[:3, :3].T + pose[:3, 3]
 
 
-def _arriving(stored: StoredLight, points: np.ndarray) -> np.ndarray:
+def _arriving(stored: IrradianceCache, points: np.ndarray) -> np.ndarray:
     """Return the irradiance of the grid's nearest node, mean of the colours."""
     x, y = stored.nodes.axes
     column = np.clip(np.rint(x.place(points[:, 0])), 0, x.lines - 1).astype(int)

@@ -17,7 +17,7 @@ from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.description.scene import Scene
 from glassware.render.backend.variant import activate
 from glassware.render.pictures.picture import PATH_TRACER, Tracer, trace_picture
-from glassware.render.scene import loaded_scene
+from glassware.render.scene import bodies
 from glassware.render.scene.loaded_scene import LoadedScene, load
 from glassware.render.view import clean as clean_picture
 
@@ -66,7 +66,7 @@ def loaded(scene: Scene, plain: bool = False, cut: bool = False) -> Ours:
     activate()
     start = perf_counter()
     with _plain_materials() if plain else nullcontext():
-        kernel = load(scene, cut=cut)
+        kernel = load(scene, for_cache=cut)
     load_seconds = perf_counter() - start
     ours = Ours(kernel, load_seconds, 0.0)
     start = perf_counter()
@@ -96,7 +96,7 @@ def our_reference(ours: Ours, folder: Path, spp: int, plain: bool) -> Reference:
 
 def _plain_materials() -> AbstractContextManager[object]:
     # The product has one opaque material, the principled one. This swaps it while a scene is loaded.
-    return patch.object(loaded_scene, "opaque_bsdf", _diffuse(loaded_scene.opaque_bsdf))
+    return patch.object(bodies, "opaque_bsdf", _diffuse(bodies.opaque_bsdf))
 
 
 def _diffuse(principled: Callable[[OpaqueMaterial], dict]) -> Callable[[OpaqueMaterial], dict]:

@@ -34,10 +34,10 @@ from scenes import ALL_NAMES, NAMES, bench_scene, digest
 from speed import Point, time_to
 from table import Row
 
-from glassware.render.cache.cache_points import place_nodes
-from glassware.render.cache.fill_cache import gather_light
-from glassware.render.cache.irradiance_cache import StoredLight
-from glassware.render.cache.trace_cached import reading
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.irradiance_cache import IrradianceCache
+from glassware.render.cache.trace_cached import cached_tracer
 from glassware.render.pictures.guides import trace_guides
 from glassware.render.pictures.picture import PATH_TRACER, Tracer
 
@@ -86,7 +86,7 @@ class _Lit:
 
     name: str
     ours: Ours
-    stored: StoredLight
+    stored: IrradianceCache
     tracer: Tracer
     seconds: float  #: that storing took
     kept: Reference
@@ -149,8 +149,8 @@ def _lit(name: str, options: Options) -> _Lit:
     ours = loaded(bench_scene(name, options.width, options.height), cut=True)
     kept = our_reference(ours, options.cache, options.reference_spp, plain=False)
     start = perf_counter()
-    stored = gather_light(ours.kernel, place_nodes(ours.kernel), options.paths, seed=1)
-    tracer = reading(ours.kernel, stored)
+    stored = fill_cache(ours.kernel, cache_points_of(ours.kernel), options.paths, seed=1)
+    tracer = cached_tracer(ours.kernel, stored)
     return _Lit(name, ours, stored, tracer, perf_counter() - start, kept)
 
 

@@ -1,4 +1,4 @@
-"""What light transport hands on: pictures and per-pixel geometry of one view, as NumPy arrays."""
+"""Results of rendering: pictures and per-pixel geometry of one view, as NumPy arrays."""
 
 from __future__ import annotations
 
@@ -15,63 +15,62 @@ Eye = Literal["left", "right"]
 #: Both eyes, in the order of a `Frame`'s pairs.
 EYES: tuple[Eye, Eye] = ("left", "right")
 
-#: What a surface is a part of, by its code in layers: an opaque body, or one of a vessel's interfaces.
+#: Part that a surface belongs to, by its code in layers: an opaque body, or one of a vessel's interfaces.
 PARTS = ("opaque", "outside", "wet_wall", "liquid_surface")
-#: How a refracted ray ended, by its code: it left the scene, met an opaque surface, or met too many interfaces.
+#: How a refracted ray ends, by its code: it leaves the scene, hits an opaque surface, or meets too many interfaces.
 SURROUNDINGS, HIT, LOST = 0, 1, 2
 
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """What straight camera rays through the exact pixel centres meet, for one camera (H x W pixels, n objects).
+    """What straight camera rays through the exact pixel centres hit, for one camera (H x W pixels, n objects).
 
     "First" is the first surface, glass included; "background" is the first opaque surface. Object ``i`` of the stacks
     is ``scene.objects[i]``.
     """
 
-    Z: np.ndarray  #: (H, W) float32, planar depth of the first surface [m]; +inf where there is none
-    normal: (
-        np.ndarray
-    )  #: (H, W, 3) float32, unit normal of the first surface, camera frame, facing the camera; 0 for none
+    Z: np.ndarray  #: (H, W) float32, planar depth of the first surface [m]; +inf for nothing
+    #: (H, W, 3) float32, unit normal of the first surface, camera frame, facing the camera; 0 for nothing
+    normal: np.ndarray
     id: np.ndarray  #: (H, W) uint16, instance id of the first surface
-    background_Z: np.ndarray  #: (H, W) float32, planar depth of the first opaque surface [m]; +inf where there is none
+    background_Z: np.ndarray  #: (H, W) float32, planar depth of the first opaque surface [m]; +inf for nothing
     background_id: np.ndarray  #: (H, W) uint16, instance id of the first opaque surface
     transmittance: np.ndarray  #: (H, W, 3) float32, Fresnel times absorption along the straight ray to the background
-    crossed: np.ndarray  #: (n, H, W) bool, the straight ray meets the object at all (its whole silhouette in the frame)
-    reached: np.ndarray  #: (n, H, W) bool, ... and meets no opaque surface of another object (or the table) before
+    crossed: np.ndarray  #: (n, H, W) bool, the straight ray crosses the object (its whole silhouette in the frame)
+    reached: np.ndarray  #: (n, H, W) bool, ... and no opaque surface of another object or the table before
 
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """All surfaces along the straight rays through the pixel centres, in order, as far as K of them.
+    """The first K surfaces along the straight rays through the pixel centres, in order.
 
-    A layer that a ray does not have is empty: Z +inf, everything else 0.
+    Layers beyond a ray's last surface are empty: Z +inf, everything else 0.
     """
 
     Z: np.ndarray  #: (K, H, W) float32, planar depth [m]
     normal: np.ndarray  #: (K, H, W, 3) float16, unit normal, camera frame, facing the camera
     id: np.ndarray  #: (K, H, W) uint16, instance id
     part: np.ndarray  #: (K, H, W) uint8, index into `PARTS`
-    material: np.ndarray  #: (K, H, W) uint16, what the ray goes on in: index into `materials_of(scene)`, 0 is air
-    entering: np.ndarray  #: (K, H, W) bool, against the surface's own normal: into glass, into liquid from air, ...
-    count: np.ndarray  #: (H, W) uint16, surfaces that the ray really meets, those beyond K as well
+    material: np.ndarray  #: (K, H, W) uint16, material behind the surface: index into `materials_of(scene)`, 0 is air
+    entering: np.ndarray  #: (K, H, W) bool, whether the ray enters the body, against the surface's normal
+    count: np.ndarray  #: (H, W) uint16, number of surfaces along the ray, including those beyond K
 
 
 @dataclass(frozen=True, eq=False)
 class Refraction:
-    """Where the rays through the pixel centres really go: refracted at every interface, to the first opaque surface."""
+    """Where refracted rays through the pixel centres end: at the first opaque surface, or outside the scene."""
 
     state: np.ndarray  #: (H, W) uint8, `SURROUNDINGS`, `HIT` or `LOST`
     hit: np.ndarray  #: (H, W, 3) float32, world: the point [m], for `SURROUNDINGS` the unit direction to it; 0 for lost
-    Z: np.ndarray  #: (H, W) float32, planar depth of the point in the camera frame [m]; +inf where there is none
-    id: np.ndarray  #: (H, W) uint16, instance id of the opaque surface; 0 where there is none
-    flow: np.ndarray  #: (H, W, 2) float32, where the point appears without glass, less the pixel [px]; NaN: nowhere
+    Z: np.ndarray  #: (H, W) float32, planar depth of the point in the camera frame [m]; +inf for nothing
+    id: np.ndarray  #: (H, W) uint16, instance id of the opaque surface; 0 for nothing
+    flow: np.ndarray  #: (H, W, 2) float32, projection of the point without glass minus the pixel [px]; NaN: none
     bounces: np.ndarray  #: (H, W) uint16, interfaces met
-    transmittance: np.ndarray  #: (H, W, 3) float16, share of light by Fresnel and absorption along the ray
+    transmittance: np.ndarray  #: (H, W, 3) float16, Fresnel times absorption along the ray
 
 
 class PictureNoise(Model):
-    """How far one eye's picture was taken before the denoiser."""
+    """Samples and noise of one eye's picture before the denoiser."""
 
     spp: int = Field(description="Samples per pixel")
     noise: float | None = Field(
@@ -89,42 +88,40 @@ class LineOfSight:
 
 @dataclass(frozen=True)
 class LightCheck:
-    """How pictures from a scene's stored light compare with path-traced ones, in random pixels of its views."""
+    """Comparison of pictures from a scene's irradiance cache with path-traced ones, in random pixels of its views."""
 
     scene_id: int
-    mode: str  #: what the pictures were made with: "shared", or "path" where the check failed
-    difference: float  #: how much brighter they are from stored light, as a share of the mean light
-    standard_error: float  #: of the difference
-    bound: float  #: most that the difference may be, beyond three standard errors
+    mode: str  #: how the pictures are rendered: "shared" (from the cache), or "path" if the check failed
+    difference: float  #: mean difference of the cached pictures, over the mean radiance [1]
+    standard_error: float  #: of the difference [1]
+    bound: float  #: maximum difference, in addition to three standard errors [1]
     pixels: int  #: pixels compared
-    nodes: int  #: places that light was stored at
-    paths: int  #: paths that found it
+    nodes: int  #: cache points
+    paths: int  #: paths that filled the cache
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceLight:
-    """The light that arrives at n places of a scene's opaque surfaces."""
+    """The irradiance cache of a scene, exported: n points on its opaque surfaces."""
 
-    id: np.ndarray  #: (n,) uint16, instance id of the surface's object; 0 for the back of a lamp
+    id: np.ndarray  #: (n,) uint16, instance id of the surface's object; 0 for the back of an area light
     position: np.ndarray  #: (n, 3) float32, world [m]
-    normal: np.ndarray  #: (n, 3) float32, world, on the side that the light arrives at
+    normal: np.ndarray  #: (n, 3) float32, world, on the side that receives the light
     irradiance: np.ndarray  #: (n, 3) float32, linear Rec.709 radiance times steradians
-    paths: np.ndarray  #: (n,) uint32, paths that each is the mean of
+    paths: np.ndarray  #: (n,) uint32, number of paths that each point is the mean of
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A rendered view: stereo pictures in linear Rec.709 radiance, and the left camera's geometry."""
+    """A rendered view: stereo pictures in linear Rec.709 radiance, and the geometry of the left camera."""
 
     view: int  #: number of the camera in ``scene.cameras``
     left: np.ndarray  #: (H, W, 3) float32
     right: np.ndarray  #: (H, W, 3) float32
-    left_noisy: np.ndarray | None  #: (H, W, 3) float32, before the denoiser; None where none ran
+    left_noisy: np.ndarray | None  #: (H, W, 3) float32, before the denoiser; None without denoising
     right_noisy: np.ndarray | None  #: (H, W, 3) float32
     geometry: Geometry
     seconds: dict[str, float]  #: time spent on "picture", "geometry", "refraction", "denoise" [s]
-    sampling: tuple[PictureNoise, PictureNoise] | None = (
-        None  #: of the left and the right picture; None where not rendered
-    )
-    layers: Layers | None = None  #: of the left camera; None where none were asked for
-    refraction: Refraction | None = None  #: of the left camera; None where it was not asked for
+    sampling: tuple[PictureNoise, PictureNoise] | None = None  #: of left and right; None without pictures
+    layers: Layers | None = None  #: of the left camera; None if not requested
+    refraction: Refraction | None = None  #: of the left camera; None if not requested

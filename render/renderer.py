@@ -72,17 +72,17 @@ class Renderer:
             self.variant = activate(variant, spectral=scene.picture.spectral, threads=threads)
             _check_colours(self.variant, scene.picture.spectral)
             # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
-            from .cache.scene_cache import fill_scene_cache, uses_cache
+            from .cache.scene_cache import make_tracer, uses_cache
             from .pictures.picture import PATH_TRACER
             from .scene.loaded_scene import load
 
             cached = uses_cache(scene)
             with stopwatch.stage("loading"):
-                self.loaded = load(scene, cut=cached)
+                self.loaded = load(scene, for_cache=cached)
             self._tracer, self._cache = PATH_TRACER, None
             if cached:
                 with stopwatch.stage("light"):
-                    self._tracer, self.light_check, self._cache = fill_scene_cache(self.loaded)
+                    self._tracer, self.light_check, self._cache = make_tracer(self.loaded)
         self.seconds = stopwatch.seconds
 
     def __repr__(self) -> str:
@@ -123,7 +123,7 @@ class Renderer:
         points : (n, 3) float
             Targets, world frame [m].
         """
-        from .labels.sight import line_of_sight
+        from .labels.geometry import line_of_sight
 
         origin = self.scene.cameras[view].world_T_camera[:3, 3]
         with self._active():
@@ -188,7 +188,6 @@ def _check_colours(variant: str, spectral: bool) -> None:
 
 def _denoised(noisy: NoisyImage) -> np.ndarray:
     """Return the picture without fireflies and noise, (H, W, 3) float32."""
-    from .pictures.denoise import denoise
-    from .pictures.fireflies import spread_fireflies
+    from .pictures.denoise import denoise, spread_fireflies
 
     return denoise(spread_fireflies(noisy.radiance, noisy.variance), np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)

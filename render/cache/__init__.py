@@ -1,1 +1,1 @@
-"""Light once per scene: what arrives at the opaque surfaces, stored, and read by every picture."""
+"""Irradiance cache: points on opaque surfaces, filled once per scene and read by the tracer of all pictures."""

@@ -1,162 +1,177 @@
-"""The light that arrives at every node, caustics included: paths that start at the surfaces.
+"""Fills the irradiance cache: paths from the surface around every cache point, caustics included.
 
-A path starts at a random point of the surface that its node stands for, looks at one lamp, and goes on along one
-direction drawn by the cosine, as the path tracer does it. A few paths of every node tell where the light is uncertain;
-they are then thrown away (means of samples that decided their own number would be too low), and the others go there.
+A path starts at a random point of the surface area of its cache point, samples one emitter (next-event estimation), and
+continues in a cosine-distributed direction as the path tracer does. A few pilot paths of every point estimate its
+variance. They are discarded (means of samples that decided their own number would be biased), and the other paths are
+distributed by the estimate.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Start, trace, unshadowed
-from ..pictures.sampler import Samples, four, samples
+from ..pictures.integrator import PathOrigin, trace, visible
+from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
-from .cache_points import Nodes, vertex_areas
-from .grid_filter import smoothed
-from .irradiance_cache import MOMENTS, StoredLight
+from .cache_filter import denoised_grid, denoised_meshes
+from .cache_points import CachePoints, vertex_areas
+from .irradiance_cache import MOMENTS, IrradianceCache
 from .lobes import schlick
-from .mesh_filter import smoothed_meshes
-from .sample_points import Starts, start_points, starts_of
+from .sample_points import PointSampler, point_sampler, sample_points
 
-#: Paths traced at a time. Each holds 48 bytes of results, so a pass stays near 100 MB.
+#: Paths of one pass [1]. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
-#: Paths of a group. The spread of a node's groups tells its variance.
+#: Paths of a group [1]. The variance between a point's groups gives that of its mean.
 GROUP = 4
-#: Groups of the pilot; fewest and most groups of a node, over the average.
-_PILOT, _LEAST, _MOST = 2, 0.25, 8.0
-#: Error counts relative to a node's light plus this share of the mean light, so that the dark does not get it all.
+#: Groups of the pilot [1]; minimum and maximum number of groups of a point over the mean number [1].
+_PILOT, _MIN_WEIGHT, _MAX_WEIGHT = 2, 0.25, 8.0
+#: Errors count relative to a point's irradiance plus this fraction of the mean irradiance [1], so that dark points do
+#: not get all paths.
 _FLOOR = 0.1
-#: Side of the square that the pilot's estimates are averaged over on the grid: two groups alone know little.
-_SMOOTH = 9
-#: First sample numbers of the pilot's paths, which the others never reach.
+#: Side of the square that the pilot's estimates are averaged over on the grid [cells]: two groups are few.
+_PILOT_BLUR = 9
+#: First sample index of the pilot's paths, which the other paths never reach.
 _PILOT_INDEX = 1 << 20
 
 
-def gather_light(kernel: LoadedScene, nodes: Nodes, paths: int, seed: int) -> StoredLight:
-    """Return the light that arrives at the nodes.
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums over the paths of every cache point."""
+
+    counts: np.ndarray  #: (points,) groups
+    moments: np.ndarray  #: (points, 12) over all groups
+    odd_moments: np.ndarray  #: (points, 12) over every second group
+    squares: np.ndarray  #: (points,) of the squared irradiance of groups
+
+
+def fill_cache(loaded: LoadedScene, points: CachePoints, paths: int, seed: int) -> IrradianceCache:
+    """Return the irradiance at the cache points.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The scene, loaded with cut meshes.
-    nodes : Nodes
-        Where it is wanted.
+    loaded : LoadedScene
+        The scene, loaded for the cache.
+    points : CachePoints
+        The cache points.
     paths : int
-        Paths of a node, on the average; at least two groups are taken of every one.
+        Mean number of paths of a point; at least two groups of every point are traced.
     seed : int
         32-bit seed.
     """
-    starts, groups = starts_of(nodes), max(2.0, paths / GROUP)
-    *pilot, _ = _gathered(kernel, starts, np.full(nodes.count, _PILOT), _PILOT_INDEX, seed)
-    counts = _shared_out(nodes, *_level_and_variance(*pilot), groups)
-    total, _, _, odd = _gathered(kernel, starts, counts, 0, seed)
-    grid, half = nodes.grid_count, (0.5 * counts * GROUP)[:, None]
+    origins, groups = point_sampler(points), max(2.0, paths / GROUP)
+    pilot = _traced_groups(loaded, origins, np.full(points.count, _PILOT), _PILOT_INDEX, seed)
+    counts = _group_counts(points, *_mean_and_variance(pilot), groups)
+    sums = _traced_groups(loaded, origins, counts, 0, seed)
+    total, odd = sums.moments, sums.odd_moments
+    grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
-    moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), smoothed_meshes(nodes, halves)])
+    moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), denoised_meshes(points, halves)])
     for colour, vector in ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12))):  # sums become mean directions
-        weight, sums = luminance(moments[:, colour])[:, None], moments[:, vector]
-        moments[:, vector] = np.divide(sums, weight, out=np.zeros_like(sums), where=weight > 0.0)
+        weight, weighted = luminance(moments[:, colour])[:, None], moments[:, vector]
+        moments[:, vector] = np.divide(weighted, weight, out=np.zeros_like(weighted), where=weight > 0.0)
     moments = moments.astype(np.float32)
-    moments[:grid] = smoothed(moments[:grid], (nodes.axes[1].lines, nodes.axes[0].lines))
-    return StoredLight(nodes, moments, counts * GROUP)
+    moments[:grid] = denoised_grid(moments[:grid], (points.axes[1].lines, points.axes[0].lines))
+    return IrradianceCache(points, moments, counts * GROUP)
 
 
-def _gathered(
-    kernel: LoadedScene, starts: Starts, counts: np.ndarray, first: int, seed: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Trace groups of every node.
-
-    Returns sums of moments, squared sums of the groups' light, the counts, and sums of moments of every other group.
-    """
+def _traced_groups(loaded: LoadedScene, origins: PointSampler, counts: np.ndarray, first: int, seed: int) -> _Sums:
+    """Trace groups of paths of every cache point, from sample index `first` on."""
     total, odd, square = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
-    node = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
-    rank = np.arange(len(node)) - np.repeat(np.cumsum(counts) - counts, counts)
-    index, share = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
-    for begin in range(0, len(node), share):
-        some = slice(begin, begin + share)
-        sums, other = _one_pass(kernel, starts, node[some], index[some], seed), rank[some] % 2 == 1
+    point = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
+    rank = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
+    index, groups_per_pass = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
+    for begin in range(0, len(point), groups_per_pass):
+        part = slice(begin, begin + groups_per_pass)
+        sums, other = _trace_pass(loaded, origins, point[part], index[part], seed), rank[part] % 2 == 1
         for k in range(MOMENTS):
-            total[:, k] += np.bincount(node[some], sums[k], len(counts))
-            odd[:, k] += np.bincount(node[some][other], sums[k][other], len(counts))
-        square += np.bincount(node[some], sums[:3].mean(0) ** 2, len(counts))
-    return total, square, counts, odd
+            total[:, k] += np.bincount(point[part], sums[k], len(counts))
+            odd[:, k] += np.bincount(point[part][other], sums[k][other], len(counts))
+        square += np.bincount(point[part], sums[:3].mean(0) ** 2, len(counts))
+    return _Sums(counts, total, odd, square)
 
 
-def _level_and_variance(total: np.ndarray, square: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean of E's channels and the variance of that mean, estimated."""
-    level = total[:, :3].mean(1) / (counts * GROUP)
-    spread = np.maximum(square / (counts * GROUP**2) - level**2, 0.0)
-    return level, spread / np.maximum(counts - 1, 1)
+def _mean_and_variance(sums: _Sums) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean irradiance over the channels and the estimated variance of that mean, (points,) each."""
+    counts = sums.counts
+    mean = sums.moments[:, :3].mean(1) / (counts * GROUP)
+    between = np.maximum(sums.squares / (counts * GROUP**2) - mean**2, 0.0)
+    return mean, between / np.maximum(counts - 1, 1)
 
 
-def _shared_out(nodes: Nodes, level: np.ndarray, variance: np.ndarray, groups: float) -> np.ndarray:
-    """Return how many groups each node gets, an even number: in proportion to its relative error, within bounds."""
-    shape, grid = (nodes.axes[1].lines, nodes.axes[0].lines), nodes.grid_count
-    level, variance = level.copy(), variance.copy()
-    for values in (level, variance):
-        values[:grid] = cv2.blur(values[:grid].reshape(shape), (_SMOOTH, _SMOOTH)).ravel()
-        values[grid:] = _over_neighbours(nodes, values[grid:])
-    # (The filter's running sums leave rounding below zero.)
-    error = np.sqrt(np.maximum(variance, 0.0)) / (level + _FLOOR * level.mean()) * _size(nodes)
-    share = np.clip(error / max(error.mean(), 1e-12), _LEAST, _MOST)
-    return 2 * np.maximum(np.rint(0.5 * share / share.mean() * groups), 1).astype(np.int64)
+def _group_counts(points: CachePoints, mean: np.ndarray, variance: np.ndarray, groups: float) -> np.ndarray:
+    """Return the number of groups of each cache point, even: proportional to its relative error, within bounds."""
+    shape, grid = (points.axes[1].lines, points.axes[0].lines), points.grid_count
+    mean, variance = mean.copy(), variance.copy()
+    for values in (mean, variance):
+        values[:grid] = cv2.blur(values[:grid].reshape(shape), (_PILOT_BLUR, _PILOT_BLUR)).ravel()
+        values[grid:] = _neighbour_mean(points, values[grid:])
+    # (The filter's running sums have rounding errors below zero.)
+    error = np.sqrt(np.maximum(variance, 0.0)) / (mean + _FLOOR * mean.mean()) * _relative_area(points)
+    weight = np.clip(error / max(error.mean(), 1e-12), _MIN_WEIGHT, _MAX_WEIGHT)
+    return 2 * np.maximum(np.rint(0.5 * weight / weight.mean() * groups), 1).astype(np.int64)
 
 
-def _size(nodes: Nodes) -> np.ndarray:
-    """Return the surface that each node stands for, at most 1, in fine cells: where many share a pixel, few will do."""
-    each = vertex_areas(nodes) / nodes.fine**2
-    return np.concatenate([np.ones(nodes.grid_count), np.clip(each, 0.0, 1.0)])
+def _relative_area(points: CachePoints) -> np.ndarray:
+    """Return the area of each cache point in fine cells, at most 1: where many share a pixel, each needs few paths."""
+    each = vertex_areas(points) / points.fine**2
+    return np.concatenate([np.ones(points.grid_count), np.clip(each, 0.0, 1.0)])
 
 
-def _over_neighbours(nodes: Nodes, values: np.ndarray) -> np.ndarray:
-    """Return means over the triangles round each vertex; vertices of no triangle, backs among them, keep theirs."""
-    corners = nodes.triangles.ravel()
-    mean = np.repeat(values[nodes.triangles].mean(1), 3)
-    met = np.bincount(corners, minlength=len(values))
-    return np.where(met > 0, np.bincount(corners, mean, len(values)) / np.maximum(met, 1), values)
+def _neighbour_mean(points: CachePoints, values: np.ndarray) -> np.ndarray:
+    """Return means over the triangles of each vertex; vertices without triangles, such as back sides, keep theirs."""
+    corners = points.triangles.ravel()
+    mean = np.repeat(values[points.triangles].mean(1), 3)
+    count = np.bincount(corners, minlength=len(values))
+    return np.where(count > 0, np.bincount(corners, mean, len(values)) / np.maximum(count, 1), values)
 
 
-def _one_pass(kernel: LoadedScene, starts: Starts, node: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
+def _trace_pass(
+    loaded: LoadedScene, origins: PointSampler, point: np.ndarray, index: np.ndarray, seed: int
+) -> np.ndarray:
     """Return the sums of the moments over each group, (12, groups) float64."""
-    lane = dr.arange(mi.UInt32, len(node) * GROUP)
+    lane = dr.arange(mi.UInt32, len(point) * GROUP)
     group = lane // GROUP
-    at, first = (dr.gather(mi.UInt32, mi.UInt32(values), group) for values in (node, index))
-    points = samples(at, first + lane % GROUP, 1 << 14, seed)
-    values = _arriving(kernel, starts, at, points)
+    at, first = (dr.gather(mi.UInt32, mi.UInt32(values), group) for values in (point, index))
+    sampler = sobol_sampler(at, first + lane % GROUP, 1 << 14, seed)
+    values = _incident_moments(loaded, origins, at, sampler)
     dr.eval(values)
     return np.stack([np.array(dr.block_sum(value, GROUP), np.float64) for value in values])
 
 
-def _arriving(kernel: LoadedScene, starts: Starts, node: mi.UInt32, points: Samples) -> list[mi.Float]:
-    """Return the moments that each path finds: E, E weighted with f, and the directions by luminance of both."""
-    scene, offset = kernel.mi_scene, dr.opaque(mi.Float, kernel.offset)
-    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(node))
-    si.p, si.n, ns, known = start_points(starts, node, points)
+def _incident_moments(
+    loaded: LoadedScene, origins: PointSampler, point: mi.UInt32, sampler: SobolSampler
+) -> list[mi.Float]:
+    """Trace one path of each lane's point; return E, E weighted with f, and the directions of both by luminance."""
+    scene, offset = loaded.mi_scene, dr.opaque(mi.Float, loaded.offset)
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(point))
+    start = sample_points(origins, point, sampler)
+    si.p, si.n, ns = start.p, start.n, start.ns
     si.wavelengths, weight = draw_wavelengths(mi.Float(0.5))
-    a, b, c, d = four(points, mi.UInt32(1))
+    a, b, c, d = sample_4d(sampler, mi.UInt32(1))
 
-    ds, lamp = scene.sample_emitter_direction(si, mi.Point2f(a, b), False)
+    ds, emitted = scene.sample_emitter_direction(si, mi.Point2f(a, b), False)
     cos = dr.dot(ns, ds.d)
-    lit = known & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(lamp > 0.0)
-    lit = unshadowed(scene, si, ds, offset, lit)
-    share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + cos * dr.inv_pi))
-    near = dr.select(lit, share * cos * lamp, 0.0)
+    lit = start.valid & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(emitted > 0.0)
+    lit = visible(scene, si, ds, offset, lit)
+    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + cos * dr.inv_pi))
+    direct = dr.select(lit, mis_weight * cos * emitted, 0.0)
 
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(c, d))
     direction = mi.Frame3f(ns).to_world(local)
-    # A direction along the surface itself would have no density, and its share of a lamp's light would be 0 / 0.
-    start = Start(si, dr.maximum(local.z, 1e-6) * dr.inv_pi)
-    found = trace(kernel, leave(si, direction, offset), weight, points, kernel.description.picture, start=start)
-    # Where the shading normal leans out of the surface, half the directions lead into it.
-    far = dr.select(known & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
+    # A direction along the surface would have the density 0, and the MIS weight of an emitter would be 0 / 0.
+    origin = PathOrigin(si, dr.maximum(local.z, 1e-6) * dr.inv_pi, mi.Bool(False))
+    found = trace(loaded, leave(si, direction, offset), weight, sampler, loaded.description.picture, origin)
+    # Where the shading normal is tilted, some directions lead into the surface.
+    indirect = dr.select(start.valid & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
 
-    f_near, f_far = schlick(cos), schlick(local.z)
-    by_near, by_far = mi.luminance(near) * ds.d, mi.luminance(far) * direction
-    towards, towards_f = by_near + by_far, f_near * by_near + f_far * by_far
-    return [*(near + far), *(f_near * near + f_far * far), *towards, *towards_f]
+    f_direct, f_indirect = schlick(cos), schlick(local.z)
+    by_direct, by_indirect = mi.luminance(direct) * ds.d, mi.luminance(indirect) * direction
+    mean, mean_f = by_direct + by_indirect, f_direct * by_direct + f_indirect * by_indirect
+    return [*(direct + indirect), *(f_direct * direct + f_indirect * indirect), *mean, *mean_f]

@@ -1,142 +1,168 @@
-"""The stored light, and what opaque surfaces make of it: a diffuse part that is read, a glossy part that is sampled.
+"""The irradiance cache, and shading from it: the diffuse lobe is read from the cache, the glossy lobe is sampled.
 
-What a diffuse surface sends out depends a little on the eye's direction v. With f = (1 - cos)^5 for the light and F for
-the eye, roughness r, and n, l the normal and the direction of light, Burley's diffuse lobe (2012, section 5.3) is
+The diffuse lobe depends weakly on the eye's direction v. With f = (1 - cos)^5 for the light and F for the eye,
+roughness r, and n, l the normal and the direction of light, Burley's diffuse lobe (2012, section 5.3) is
 
     (1 - f/2)(1 - F/2) + R (F + f + F f (R - 1)),    R = 2 r cos^2(half angle) = r (1 + l v),
 
-a polynomial in v. So it follows from moments of the arriving light: E (weight 1), its part weighted with f, and the
-mean directions of both. The one square, in the term with F f, is taken at the mean direction.
+a polynomial in v. So it follows from moments of the incident light: the irradiance E (weight 1), its part weighted with
+f, and the mean directions of both. The one square, in the term with F f, is evaluated at the mean direction.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...procedural.description.scene import TABLE_ID
 from .._mitsuba import dr, mi
-from ..pictures.integrator import numbers_of, unshadowed
-from ..pictures.sampler import Samples
+from ..pictures.integrator import Bounce, PathDimensions, visible
 from ..scene.loaded_scene import LoadedScene
-from ..scene.surfaces import registry_id
-from .cache_points import Nodes, lookup_of, nodes_round
-from .guiding import Bright, light_along
-from .lobes import Gloss, glossy, sampled_gloss, schlick
+from ..scene.surfaces import SurfaceTable, registry_id
+from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of
+from .guiding import EmissionMap, emission_along
+from .lobes import OpaqueParameters, eval_glossy, sample_glossy, schlick
 
-#: Moments of a node: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
+#: Moments of a cache point [1]: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
 MOMENTS = 12
-#: Roulette follows a glossy bounce with this many times its weight, times what it is likely to find over the diffuse
-#: part where that is more than 1, and never with less than `_FOLLOWED`. The mean stays.
-_FOLLOW, _FOLLOWED = 3.0, 0.2
-#: Lamps in the gloss that add less than this share of the diffuse part are looked at by roulette.
+#: Survival of Russian roulette for glossy bounces [1]: this many times their weight, times the expected radiance over
+#: the diffuse radiance where that is more than 1, and at least `_MIN_SURVIVAL`.
+_SURVIVAL, _MIN_SURVIVAL = 3.0, 0.2
+#: Radiance of a sampled emitter in the glossy lobe over the diffuse radiance below which Russian roulette decides
+#: whether a shadow ray is traced [1].
 _FAINT = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class StoredLight:
-    """The light that arrives at a scene's opaque surfaces."""
+class IrradianceCache:
+    """The light that arrives at a scene's opaque surfaces, by cache point."""
 
-    nodes: Nodes
+    points: CachePoints
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
-    samples: np.ndarray  #: (count,) paths that each node is the mean of
+    samples: np.ndarray  #: (count,) paths that each point is the mean of
 
 
-def opaque_light(kernel: LoadedScene, stored: StoredLight, bright: Bright) -> Callable[..., tuple]:
-    """Return what opaque surfaces do: the radiance towards the eye, and a glossy bounce with its weight and density.
+@dataclass(frozen=True, eq=False)
+class CachedShader:
+    """The irradiance cache and the materials as Dr.Jit arrays, for shading."""
 
-    Bounces towards what is bright are seldom left out: a window that a polished table mirrors is most of its noise.
+    scene: mi.Scene
+    table: SurfaceTable
+    lookup: Lookup
+    moments: mi.Float
+    roughness: mi.Float  #: by registry id
+    metallic: mi.Float  #: by registry id
+    emission: EmissionMap
+
+
+@dataclass(frozen=True, eq=False)
+class _ShadingPoint:
+    """A point on an opaque surface, seen from the eye."""
+
+    si: mi.SurfaceInteraction3f
+    frame: mi.Frame3f  #: of the shading normal on the eye's side
+    wi: mi.Vector3f  #: towards the eye, in `frame`
+    material: OpaqueParameters
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Interpolated moments of the incident light."""
+
+    E: mi.Color3f
+    E_f: mi.Color3f
+    mean: mi.Vector3f
+    mean_f: mi.Vector3f
+
+
+def cached_shader(loaded: LoadedScene, cache: IrradianceCache, emission: EmissionMap) -> CachedShader:
+    """Return the shader of a scene's opaque surfaces."""
+    table, lookup = loaded.surfaces, lookup_of(cache.points)
+    moments = mi.Float(np.ascontiguousarray(cache.moments, np.float32).ravel())
+    parameters = np.zeros((dr.width(table.instance), 2), np.float32)
+    for body in loaded.opaque_bodies:
+        parameters[body.row] = body.roughness, body.metallic
+    roughness, metallic = mi.Float(parameters[:, 0].copy()), mi.Float(parameters[:, 1].copy())
+    dr.make_opaque(moments, roughness, metallic)
+    return CachedShader(loaded.mi_scene, table, lookup, moments, roughness, metallic, emission)
+
+
+def shade(
+    shader: CachedShader,
+    si: mi.SurfaceInteraction3f,
+    barycentric: mi.Point2f,
+    ray: mi.Ray3f,
+    offset: mi.Float,
+    u: PathDimensions,
+) -> Bounce:
+    """Return the radiance of opaque surfaces towards the eye, and a glossy bounce by BSDF sampling.
+
+    Russian roulette decides about the bounce. Bounces towards bright emitters survive more often: a window reflected in
+    a polished table is most of its noise.
     """
-    table, lookup = kernel.surfaces, lookup_of(stored.nodes)
-    values = mi.Float(np.ascontiguousarray(stored.moments, np.float32).ravel())
-    look = np.zeros((dr.width(table.instance), 2), np.float32)
-    for body in kernel.opaque_bodies:
-        look[body.row] = body.roughness, body.metallic
-    roughness, metallic = mi.Float(look[:, 0].copy()), mi.Float(look[:, 1].copy())
-    dr.make_opaque(values, roughness, metallic)
+    table, row, eye = shader.table, registry_id(si.shape), -ray.d
+    instance = dr.gather(mi.UInt32, table.instance, row)
+    on_table, is_light = instance == TABLE_ID, instance == 0  # area lights emit and are black
+    material = OpaqueParameters(
+        mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
+        dr.gather(mi.Float, shader.roughness, row),
+        dr.gather(mi.Float, shader.metallic, row),
+    )
+    frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
+    point = _ShadingPoint(si, frame, frame.to_local(eye), material)
+    index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
+    radiance = diffuse(material, point.wi, eye, _interpolated(shader.moments, index, weight))
+    level = dr.max(radiance)
+    radiance += _glossy_emitter(shader.scene, point, offset, u, _FAINT * level)
 
-    def event(
-        scene: mi.Scene,
-        si: mi.SurfaceInteraction3f,
-        corner: mi.Point2f,
-        ray: mi.Ray3f,
-        offset: mi.Float,
-        points: Samples,
-        depth: mi.UInt32,
-    ) -> tuple[mi.Color3f, mi.Vector3f, mi.Color3f, mi.Float]:
-        light, bounce, lobe, gamble = numbers_of(points, depth)
-        row, eye = registry_id(si.shape), -ray.d
-        instance = dr.gather(mi.UInt32, table.instance, row)
-        on_table, lamp = instance == TABLE_ID, instance == 0  # a lamp shines and is black
-        gloss = Gloss(
-            mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
-            dr.gather(mi.Float, roughness, row),
-            dr.gather(mi.Float, metallic, row),
-        )
-        frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
-        wi = frame.to_local(eye)
-        index, weight = nodes_round(lookup, si, corner, eye, on_table)
-        radiance = diffuse(gloss, wi, eye, _moments(values, index, weight))
-        plain = dr.max(radiance)
-        radiance += _lamp_in_gloss(scene, si, frame, gloss, wi, offset, light, gamble, _FAINT * plain)
-
-        wo = sampled_gloss(gloss, wi, bounce)
-        value, pdf = glossy(gloss, wi, wo)
-        factor = dr.select(pdf > 0.0, value / pdf, 0.0)
-        direction = frame.to_world(wo)
-        hope = dr.select(plain > 0.0, light_along(bright, si.p, direction) / plain, dr.inf)
-        follow = dr.clip(_FOLLOW * dr.max(factor) * dr.maximum(hope, 1.0), _FOLLOWED, 1.0)
-        factor = dr.select(lobe < follow, factor / follow, 0.0)
-        radiance, factor = (dr.select(lamp, 0.0, x) for x in (radiance, factor))
-        return radiance, direction, factor, pdf
-
-    return event
+    wo = sample_glossy(material, point.wi, u.u_bsdf)
+    value, pdf = eval_glossy(material, point.wi, wo)
+    factor = dr.select(pdf > 0.0, value / pdf, 0.0)
+    direction = frame.to_world(wo)
+    expected = emission_along(shader.emission, si.p, direction)
+    expected_radiance = dr.select(level > 0.0, expected / level, dr.inf)
+    survival = dr.clip(_SURVIVAL * dr.max(factor) * dr.maximum(expected_radiance, 1.0), _MIN_SURVIVAL, 1.0)
+    factor = dr.select(u.u_lobe < survival, factor / survival, 0.0)
+    radiance, factor = (dr.select(is_light, 0.0, x) for x in (radiance, factor))
+    return Bounce(radiance, direction, factor, pdf, mi.Bool(False))
 
 
-def _moments(values: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> tuple:
-    """Return E, E weighted with f, and their mean directions, interpolated."""
+def _interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> Moments:
+    """Return the moments interpolated between cache points."""
     parts = [dr.zeros(mi.Vector4f) for _ in range(3)]
-    for node, share in zip(index, weight, strict=True):
+    for point, w in zip(index, weight, strict=True):
         for k in range(3):
-            parts[k] += share * dr.gather(mi.Vector4f, values, 3 * node + k)
+            parts[k] += w * dr.gather(mi.Vector4f, moments, 3 * point + k)
     a, b, c = parts
-    return mi.Color3f(a.x, a.y, a.z), mi.Color3f(a.w, b.x, b.y), mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w)
+    E, E_f = mi.Color3f(a.x, a.y, a.z), mi.Color3f(a.w, b.x, b.y)
+    return Moments(E, E_f, mi.Vector3f(b.z, b.w, c.x), mi.Vector3f(c.y, c.z, c.w))
 
 
-def diffuse(gloss: Gloss, wi: mi.Vector3f, eye: mi.Vector3f, moments: tuple) -> mi.Color3f:
-    """Return what the diffuse part sends to the eye.
+def diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, moments: Moments) -> mi.Color3f:
+    """Return the radiance of the diffuse lobe towards the eye.
 
     `wi` and `eye` are the same direction, in the frame of the shading normal and in that of the mean directions.
     """
-    E, E_f, towards, towards_f = moments
-    F, r = schlick(wi.z), gloss.roughness
-    R, R_f = r * (1.0 + dr.dot(towards, eye)), r * (1.0 + dr.dot(towards_f, eye))
-    seen = (E - 0.5 * E_f) * (1.0 - 0.5 * F) + R * F * E + R_f * E_f + R_f * (R_f - 1.0) * F * E_f
-    return dr.maximum((1.0 - gloss.metallic) * dr.inv_pi * gloss.colour * seen, 0.0) & (wi.z > 0.0)
+    E, E_f = moments.E, moments.E_f
+    F, r = schlick(wi.z), material.roughness
+    R, R_f = r * (1.0 + dr.dot(moments.mean, eye)), r * (1.0 + dr.dot(moments.mean_f, eye))
+    reflected = (E - 0.5 * E_f) * (1.0 - 0.5 * F) + R * F * E + R_f * E_f + R_f * (R_f - 1.0) * F * E_f
+    return dr.maximum((1.0 - material.metallic) * dr.inv_pi * material.colour * reflected, 0.0) & (wi.z > 0.0)
 
 
-def _lamp_in_gloss(
-    scene: mi.Scene,
-    si: mi.SurfaceInteraction3f,
-    frame: mi.Frame3f,
-    gloss: Gloss,
-    wi: mi.Vector3f,
-    offset: mi.Float,
-    sample: mi.Point2f,
-    gamble: mi.Float,
-    faint: mi.Float,
+def _glossy_emitter(
+    scene: mi.Scene, point: _ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
 ) -> mi.Color3f:
-    """Return the light of a sampled lamp or piece of sky that the surface mirrors.
+    """Return the radiance of the glossy lobe by emitter sampling (next-event estimation), MIS-weighted.
 
-    Below the radiance `faint` roulette decides whether it is worth a shadow ray.
+    Below the radiance `faint`, Russian roulette decides whether a shadow ray is traced.
     """
-    ds, arriving = scene.sample_emitter_direction(si, sample, False)
-    value, pdf = glossy(gloss, wi, frame.to_local(ds.d))
-    share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
-    radiance = share * value * arriving
-    survive = dr.minimum(dr.max(radiance) / faint, 1.0)
-    lit = (ds.pdf > 0.0) & (gamble < survive)
-    lit = unshadowed(scene, si, ds, offset, lit)
-    return dr.select(lit, radiance / survive, 0.0)
+    ds, arriving = scene.sample_emitter_direction(point.si, u.u_emitter, False)
+    value, pdf = eval_glossy(point.material, point.wi, point.frame.to_local(ds.d))
+    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    radiance = mis_weight * value * arriving
+    survival = dr.minimum(dr.max(radiance) / faint, 1.0)
+    lit = (ds.pdf > 0.0) & (u.u_rr < survival)
+    lit = visible(scene, point.si, ds, offset, lit)
+    return dr.select(lit, radiance / survival, 0.0)

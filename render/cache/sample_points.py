@@ -1,4 +1,4 @@
-"""Where the paths start that find the light of a node: random points of the surface round it."""
+"""Sampling of the surface around cache points: where the paths start that estimate their irradiance."""
 
 from __future__ import annotations
 
@@ -7,116 +7,121 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._mitsuba import dr, mi
-from ..pictures.sampler import Samples, four
-from .cache_points import Nodes, to_front
+from ..pictures.sampler import SobolSampler, sample_4d
+from .cache_points import CachePoints, to_front
 
 
 @dataclass(frozen=True, eq=False)
-class Starts:
-    """The nodes as opaque Dr.Jit arrays, with the triangles round every vertex."""
+class PointSampler:
+    """The cache points as opaque Dr.Jit arrays, with the triangles of every vertex."""
 
     lines_x: mi.UInt32
     grid_count: mi.UInt32
-    x: mi.Float  #: coordinates of the grid's lines [m], with the first and the last one twice
+    x: mi.Float  #: coordinates of the grid's lines [m]; the first and the last are repeated
     y: mi.Float
     positions: mi.Float
     normals: mi.Float
-    first: mi.UInt32  #: by vertex: where its corners begin
-    around: mi.UInt32  #: corners (3 * triangle + k), sorted by vertex
+    first: mi.UInt32  #: by vertex: its first entry in `corners`
+    corners: mi.UInt32  #: triangle corners (3 * triangle + k), sorted by vertex
     triangles: mi.UInt32
     back: mi.Bool  #: by vertex
-    to_front: mi.UInt32  #: by vertex: how far before it the same vertex of the front stands
+    to_front: mi.UInt32  #: by vertex: offset back to the same vertex of the front side
 
 
-def starts_of(nodes: Nodes) -> Starts:
-    """Return what `start_points` reads."""
-    x, y = (np.pad(a.coordinate(np.arange(a.lines)), 1, mode="edge").astype(np.float32) for a in nodes.axes)
-    first, around = _corners_round(nodes)
-    result = Starts(
-        lines_x=mi.UInt32(nodes.axes[0].lines),
-        grid_count=mi.UInt32(nodes.grid_count),
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """Random points on surfaces, world frame."""
+
+    p: mi.Point3f  #: [m]
+    n: mi.Normal3f  #: geometric normal on the side of the cache point
+    ns: mi.Normal3f  #: shading normal
+    valid: mi.Bool  #: False for vertices without triangles, which are never read, and on triangles without area
+
+
+def point_sampler(points: CachePoints) -> PointSampler:
+    """Return the arrays that `sample_points` reads."""
+    x, y = (np.pad(a.coordinate(np.arange(a.lines)), 1, mode="edge").astype(np.float32) for a in points.axes)
+    first, corners = _corners_by_vertex(points)
+    result = PointSampler(
+        lines_x=mi.UInt32(points.axes[0].lines),
+        grid_count=mi.UInt32(points.grid_count),
         x=mi.Float(x),
         y=mi.Float(y),
-        positions=mi.Float(nodes.positions.ravel()),
-        normals=mi.Float(nodes.normals.ravel()),
+        positions=mi.Float(points.positions.ravel()),
+        normals=mi.Float(points.normals.ravel()),
         first=mi.UInt32(first),
-        around=mi.UInt32(around),
-        triangles=mi.UInt32(nodes.triangles.ravel()),
-        back=mi.Bool(nodes.back),
-        to_front=mi.UInt32(to_front(nodes)),
+        corners=mi.UInt32(corners),
+        triangles=mi.UInt32(points.triangles.ravel()),
+        back=mi.Bool(points.back),
+        to_front=mi.UInt32(to_front(points)),
     )
-    for name in Starts.__dataclass_fields__:
+    for name in PointSampler.__dataclass_fields__:
         dr.make_opaque(getattr(result, name))
     return result
 
 
-def _corners_round(nodes: Nodes) -> tuple[np.ndarray, np.ndarray]:
-    corners = nodes.triangles.ravel()
-    counts = np.bincount(corners, minlength=len(nodes.positions))
+def _corners_by_vertex(points: CachePoints) -> tuple[np.ndarray, np.ndarray]:
+    corners = points.triangles.ravel()
+    counts = np.bincount(corners, minlength=len(points.positions))
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.uint32)
     return first, np.argsort(corners, kind="stable").astype(np.uint32)
 
 
-def start_points(
-    starts: Starts, node: mi.UInt32, points: Samples
-) -> tuple[mi.Point3f, mi.Normal3f, mi.Normal3f, mi.Bool]:
-    """Return a random point of the surface that each node stands for.
+def sample_points(origins: PointSampler, index: mi.UInt32, sampler: SobolSampler) -> SurfacePoints:
+    """Sample a point of the surface area that each cache point represents.
 
-    On the grid that is its cell, half-way to the neighbouring lines; on a mesh, of a triangle round the vertex the
-    third that lies nearest to it.
-
-    Returns
-    -------
-    p : mi.Point3f
-        The point, world [m].
-    n, ns : mi.Normal3f
-        Its geometric and its shading normal, on the side that the node's light is for.
-    known : mi.Bool
-        False for vertices of no triangle, which nothing ever reads, and on triangles without area.
+    On the grid that is the cell around it, half-way to the neighbouring lines; on a mesh the third of each of the
+    vertex's triangles that is nearest to it.
     """
-    a, b, c, _ = four(points, mi.UInt32(0))
-    grid = node < starts.grid_count
-    j = node // starts.lines_x
-    x, y = _near(starts.x, node - j * starts.lines_x, a, grid), _near(starts.y, j, b, grid)
-    vertex = dr.select(grid, 0, node - starts.grid_count)
-    p, n, ns, known = _on_mesh(starts, vertex, (a, b, c), ~grid)
+    a, b, c, _ = sample_4d(sampler, mi.UInt32(0))
+    grid = index < origins.grid_count
+    j = index // origins.lines_x
+    x, y = _near_line(origins.x, index - j * origins.lines_x, a, grid), _near_line(origins.y, j, b, grid)
+    vertex = dr.select(grid, 0, index - origins.grid_count)
+    on_mesh = _sample_mesh(origins, vertex, (a, b, c), ~grid)
     up = mi.Normal3f(0.0, 0.0, 1.0)
-    return dr.select(grid, mi.Point3f(x, y, 0.0), p), dr.select(grid, up, n), dr.select(grid, up, ns), grid | known
+    return SurfacePoints(
+        p=dr.select(grid, mi.Point3f(x, y, 0.0), on_mesh.p),
+        n=dr.select(grid, up, on_mesh.n),
+        ns=dr.select(grid, up, on_mesh.ns),
+        valid=grid | on_mesh.valid,
+    )
 
 
-def _near(lines: mi.Float, k: mi.UInt32, sample: mi.Float, active: mi.Bool) -> mi.Float:
+def _near_line(lines: mi.Float, k: mi.UInt32, sample: mi.Float, active: mi.Bool) -> mi.Float:
+    """Return a random coordinate between the middles of the cells on both sides of line k."""
     before, here, after = (dr.gather(mi.Float, lines, k + m, active) for m in range(3))
     t = sample - 0.5
     return here + dr.select(t < 0.0, t * (here - before), t * (after - here))
 
 
-def _on_mesh(
-    starts: Starts, vertex: mi.UInt32, sample: tuple[mi.Float, mi.Float, mi.Float], active: mi.Bool
-) -> tuple[mi.Point3f, mi.Normal3f, mi.Normal3f, mi.Bool]:
-    away = dr.gather(mi.UInt32, starts.to_front, vertex, active)
-    first, end = (dr.gather(mi.UInt32, starts.first, vertex - away + k, active) for k in range(2))
-    known = active & (end > first)
+def _sample_mesh(
+    origins: PointSampler, vertex: mi.UInt32, sample: tuple[mi.Float, mi.Float, mi.Float], active: mi.Bool
+) -> SurfacePoints:
+    to_back = dr.gather(mi.UInt32, origins.to_front, vertex, active)
+    first, end = (dr.gather(mi.UInt32, origins.first, vertex - to_back + k, active) for k in range(2))
+    valid = active & (end > first)
     pick = dr.minimum(mi.UInt32(mi.Float(end - first) * sample[2]), dr.maximum(end - first, 1) - 1)
-    corner = dr.gather(mi.UInt32, starts.around, first + pick, known)
+    corner = dr.gather(mi.UInt32, origins.corners, first + pick, valid)
     triangle, k = corner // 3, corner % 3
-    ids = [dr.gather(mi.UInt32, starts.triangles, 3 * triangle + (k + m) % 3, known) for m in range(3)]
+    ids = [dr.gather(mi.UInt32, origins.triangles, 3 * triangle + (k + m) % 3, valid) for m in range(3)]
     weights = _corner_weights(sample[0], sample[1])
-    P = [dr.gather(mi.Point3f, starts.positions, index, known) for index in ids]
-    N = [dr.gather(mi.Normal3f, starts.normals, index + away, known) for index in ids]
+    P = [dr.gather(mi.Point3f, origins.positions, index, valid) for index in ids]
+    N = [dr.gather(mi.Normal3f, origins.normals, index + to_back, valid) for index in ids]
     p = weights[0] * P[0] + weights[1] * P[1] + weights[2] * P[2]
     ns = weights[0] * N[0] + weights[1] * N[1] + weights[2] * N[2]
     across = dr.cross(P[1] - P[0], P[2] - P[0])
-    known &= (dr.squared_norm(across) > 0.0) & (dr.squared_norm(ns) > 0.0)
+    valid &= (dr.squared_norm(across) > 0.0) & (dr.squared_norm(ns) > 0.0)
     up = mi.Normal3f(0.0, 0.0, 1.0)
-    n, ns = (dr.select(known, dr.normalize(mi.Normal3f(x)), up) for x in (across, ns))
-    sign = dr.select(dr.gather(mi.Bool, starts.back, vertex, active), mi.Float(-1.0), mi.Float(1.0))
-    return p, sign * n, ns, known
+    n, ns = (dr.select(valid, dr.normalize(mi.Normal3f(x)), up) for x in (across, ns))
+    sign = dr.select(dr.gather(mi.Bool, origins.back, vertex, active), mi.Float(-1.0), mi.Float(1.0))
+    return SurfacePoints(p, sign * n, ns, valid)
 
 
 def _corner_weights(a: mi.Float, b: mi.Float) -> tuple[mi.Float, mi.Float, mi.Float]:
-    """Return barycentric weights of a uniform point of the third of a triangle that is nearest to its first corner.
+    """Return barycentric weights of a uniform point on the third of a triangle that is nearest to its first corner.
 
-    A uniform point of the whole triangle, turned so that its largest weight comes first, is uniform on that third.
+    A uniform point on the whole triangle, rotated so that its largest weight comes first, is uniform on that third.
     """
     root = dr.sqrt(a)
     x, y = 1.0 - root, root * (1.0 - b)

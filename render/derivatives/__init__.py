@@ -1,1 +1,1 @@
-"""Derivatives of path-traced pictures: paths walked a second time."""
+"""Derivatives of path-traced pictures by path replay and score functions."""

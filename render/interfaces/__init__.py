@@ -1,1 +1,1 @@
-"""What one interface does to a ray: smooth, rough and polarised."""
+"""Dielectric interfaces: Fresnel, rough microsurfaces and polarisation (BSDF sampling of glass)."""

@@ -1,9 +1,9 @@
-"""Polarised light at one facet: Fresnel's amplitudes as Mueller matrices, and the frames that Stokes vectors stand in.
+"""Mueller matrices of smooth dielectric facets from the Fresnel amplitudes, and the frames of Stokes vectors.
 
-A Stokes vector (s0, s1, s2, s3) is given in a right-handed frame (x, y, f), f the direction in which the light travels:
-s1 > 0 is light that swings along x, s2 > 0 half-way from x to y, s3 > 0 turns clockwise for who faces the light. Paths
-are traced against the light. The Mueller matrix of a path takes light that arrives at its end to what the camera gets
-of it: the next event is multiplied from the right.
+A Stokes vector (s0, s1, s2, s3) is given in a right-handed frame (x, y, f) with f the direction in which the light
+travels: s1 > 0 is linear polarisation along x, s2 > 0 along the diagonal from x to y, s3 > 0 circular polarisation that
+turns clockwise seen against the light. Paths are traced against the light. The Mueller matrix of a path maps light that
+arrives at its end to light at the camera: the next event is multiplied from the right.
 """
 
 from __future__ import annotations
@@ -12,30 +12,30 @@ from dataclasses import dataclass
 
 from .._mitsuba import dr, mi
 
-#: Square of the sine below which light counts as meeting a facet straight on [1]: float32 has no plane of incidence
-#: left there, and none is needed, for Fresnel's matrices then look the same from every side.
-_STRAIGHT = 1e-12
-#: Least probability that is divided by: an outcome so rare is never drawn, but float32 must not overflow.
-_LEAST = 1e-20
+#: Squared sine of the angle of incidence below which incidence counts as normal [1]: float32 cannot resolve the plane
+#: of incidence there, and the Fresnel matrices of normal incidence are rotationally symmetric.
+_NORMAL_INCIDENCE = 1e-12
+#: Smallest probability in a division: so rare an outcome is never sampled, but float32 must not overflow.
+_MIN_PROBABILITY = 1e-20
 
 
 @dataclass(frozen=True, eq=False)
-class Shares:
-    """What a smooth facet does to light: the matrix [[m, d, 0, 0], [d, m, 0, 0], [0, 0, c, -e], [0, 0, e, c]].
+class FacetMueller:
+    """Mueller matrix of reflection or transmission: [[m, d, 0, 0], [d, m, 0, 0], [0, 0, c, -e], [0, 0, e, c]].
 
-    m and d are half the sum and half the difference of the shares of both polarisations. The frame's x is perpendicular
-    to the plane of incidence on both sides.
+    m and d are half the sum and half the difference of `s` and `p`. The frame's x axis is perpendicular to the plane of
+    incidence on both sides.
     """
 
-    s: mi.Float  #: share of the power that swings perpendicular to the plane of incidence
-    p: mi.Float  #: share of the power that swings in it
-    c: mi.Float
-    e: mi.Float
+    s: mi.Float  #: reflectance or transmittance of s-polarised power (perpendicular to the plane of incidence)
+    p: mi.Float  #: the same of p-polarised power (in the plane of incidence)
+    c: mi.Float  #: real part of the product of the s amplitude and the conjugated p amplitude
+    e: mi.Float  #: its imaginary part
 
 
-@dataclass(eq=False)  # not frozen: Dr.Jit writes into what changes in a loop
+@dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
 class Mueller:
-    """A Mueller matrix of numbers that hold for all wavelengths, by its columns."""
+    """A Mueller matrix by its columns, one for all wavelengths."""
 
     of_s0: mi.Vector4f
     of_s1: mi.Vector4f
@@ -44,28 +44,28 @@ class Mueller:
 
 
 def identity() -> Mueller:
-    """Return the matrix that changes nothing."""
+    """Return the identity matrix."""
     return Mueller(*(mi.Vector4f(*(float(row == column) for row in range(4))) for column in range(4)))
 
 
 def as_matrix(M: Mueller) -> mi.Matrix4f:
-    """Return it as Mitsuba wants it."""
+    """Return the matrix as Mitsuba's type."""
     columns = (M.of_s0, M.of_s1, M.of_s2, M.of_s3)
     return mi.Matrix4f(*(columns[column][row] for row in range(4) for column in range(4)))
 
 
-def fresnel_shares(cos_i: mi.Float, cos_t: mi.Float, eta: mi.Float) -> tuple[Shares, Shares]:
-    """Return what an interface mirrors and what it lets through.
+def fresnel_mueller(cos_i: mi.Float, cos_t: mi.Float, eta: mi.Float) -> tuple[FacetMueller, FacetMueller]:
+    """Return the Mueller matrices of reflection and transmission at an interface.
 
-    Born and Wolf 1999, "Principles of Optics", section 1.5.2, eq. 20a and 21a (amplitudes), 14 and 15 (shares); beyond
-    the critical angle section 1.5.4, eq. 61 (the difference of the phases). Their vector p is turned round here in all
-    beams alike, which changes no matrix.
+    Born and Wolf 1999, "Principles of Optics", section 1.5.2, eq. 20a and 21a (amplitudes), 14 and 15 (reflectance
+    and transmittance); beyond the critical angle section 1.5.4, eq. 61 (phase difference). The vector p has the
+    opposite sign here in all beams, which changes no matrix.
 
     Parameters
     ----------
     cos_i, cos_t : mi.Float
-        Cosines of the angles to the normal before and behind the interface, >= 0; `cos_t` is 0 where reflection is
-        total.
+        Cosines of the angles to the normal before and behind the interface, >= 0; `cos_t` is 0 at total internal
+        reflection.
     eta : mi.Float
         Index behind the interface over the index before it.
     """
@@ -78,21 +78,21 @@ def fresnel_shares(cos_i: mi.Float, cos_t: mi.Float, eta: mi.Float) -> tuple[Sha
     total = cos_t == 0.0
     c = dr.select(total, (dr.square(sin2) - dr.square(lag)) * scale, r_s * r_p)
     e = dr.select(total, 2.0 * sin2 * lag * scale, 0.0)
-    mirrored = Shares(dr.square(r_s), dr.square(r_p), c, e)
+    reflection = FacetMueller(dr.square(r_s), dr.square(r_p), c, e)
     passed = 4.0 * a * cos_i
     crossed = eta * passed * by_s * by_p
-    return mirrored, Shares(passed * dr.square(by_s), eta2 * passed * dr.square(by_p), crossed, mi.Float(0.0))
+    return reflection, FacetMueller(passed * dr.square(by_s), eta2 * passed * dr.square(by_p), crossed, mi.Float(0.0))
 
 
-def across(facet: mi.Vector3f, towards: mi.Vector3f, axis: mi.Vector3f) -> mi.Vector3f:
-    """Return the unit vector perpendicular to the plane of incidence; `axis` where there is none."""
+def s_axis(facet: mi.Vector3f, towards: mi.Vector3f, axis: mi.Vector3f) -> mi.Vector3f:
+    """Return the unit vector perpendicular to the plane of incidence; `axis` at normal incidence."""
     normal = dr.cross(facet, towards)
     sin2 = dr.squared_norm(normal)
-    return dr.select(sin2 > _STRAIGHT, normal * dr.rsqrt(dr.maximum(sin2, _STRAIGHT)), axis)
+    return dr.select(sin2 > _NORMAL_INCIDENCE, normal * dr.rsqrt(dr.maximum(sin2, _NORMAL_INCIDENCE)), axis)
 
 
-def turned(M: Mueller, axis: mi.Vector3f, to: mi.Vector3f, forward: mi.Vector3f) -> Mueller:
-    """Return the matrix for light that is given in the frame with x along `to` instead of `axis`.
+def rotated_basis(M: Mueller, axis: mi.Vector3f, to: mi.Vector3f, forward: mi.Vector3f) -> Mueller:
+    """Return the matrix for incoming light in the frame with x along `to` instead of `axis`.
 
     Parameters
     ----------
@@ -104,13 +104,13 @@ def turned(M: Mueller, axis: mi.Vector3f, to: mi.Vector3f, forward: mi.Vector3f)
         Unit direction in which the light travels.
     """
     cos, sin = dr.dot(to, axis), dr.dot(dr.cross(to, axis), forward)
-    scale = dr.rcp(dr.square(cos) + dr.square(sin))  # rounding must not make light from nothing
+    scale = dr.rcp(dr.square(cos) + dr.square(sin))  # rounding must not add energy
     c2, s2 = (dr.square(cos) - dr.square(sin)) * scale, 2.0 * cos * sin * scale
     return Mueller(M.of_s0, M.of_s1 * c2 - M.of_s2 * s2, M.of_s1 * s2 + M.of_s2 * c2, M.of_s3)
 
 
-def then(M: Mueller, event: Shares, scale: mi.Float) -> Mueller:
-    """Return the matrix for light that has yet to meet the facet, whose matrix is multiplied by `scale`."""
+def multiplied(M: Mueller, event: FacetMueller, scale: mi.Float) -> Mueller:
+    """Return ``M @ event`` times `scale`."""
     m, d = 0.5 * scale * (event.s + event.p), 0.5 * scale * (event.s - event.p)
     c, e = scale * event.c, scale * event.e
     return Mueller(
@@ -118,30 +118,44 @@ def then(M: Mueller, event: Shares, scale: mi.Float) -> Mueller:
     )
 
 
-def drawn(
-    M: Mueller, analyser: mi.Vector4f, mirrored: Shares, passed: Shares, total: mi.Bool, coin: mi.Float
+def sampled_event(
+    M: Mueller,
+    analyser: mi.Vector4f,
+    reflection: FacetMueller,
+    transmission: FacetMueller,
+    total: mi.Bool,
+    u_lobe: mi.Float,
 ) -> tuple[Mueller, mi.Bool]:
-    """Draw one outcome of a facet; return the matrix with it, over its probability, and whether it mirrors.
+    """Sample reflection or transmission at a facet.
 
-    The probability of each outcome is the share of unpolarised light behind the facet that the outcome brings to the
-    camera. So the brightness of the path stays what it is, through any number of events: with the shares of unpolarised
-    light it would wander, ever more on long paths, for the camera's filter is polarised by the events in between.
+    The probability of each lobe is the fraction of unpolarised light beyond the facet that the lobe carries to the
+    camera. So the path's throughput of s0 stays constant over any number of events. With the Fresnel reflectance of
+    unpolarised light its variance would grow with the path's length, because the events between facet and camera act as
+    a polarising filter.
 
     Parameters
     ----------
     M : Mueller
-        What leads from the facet to the place of `analyser`.
+        Matrix from the facet to the point that `analyser` starts from.
     analyser : mi.Vector4f
-        Row of the matrix from there to the camera that makes the brightness, with 1 in its first place.
-    mirrored, passed : Shares
-        The facet's outcomes.
+        First row of the matrix from there to the camera (the row that gives s0), scaled to 1 in its first element.
+    reflection, transmission : FacetMueller
+        The facet's two lobes.
     total : mi.Bool
-        Whether it mirrors everything.
-    coin : mi.Float
+        Whether reflection is total.
+    u_lobe : mi.Float
         Uniform random number.
+
+    Returns
+    -------
+    M : Mueller
+        The matrix including the event, over the event's probability.
+    reflects : mi.Bool
+        Whether the event is a reflection.
     """
-    leaning = dr.clip(dr.dot(analyser, M.of_s1), -1.0, 1.0)
-    by_s, by_p = 0.5 * (1.0 + leaning), 0.5 * (1.0 - leaning)
-    mirrors = total | (coin < by_s * mirrored.s + by_p * mirrored.p)
-    event = dr.select(mirrors, mirrored, passed)
-    return then(M, event, dr.rcp(dr.maximum(by_s * event.s + by_p * event.p, _LEAST))), mirrors
+    polarisation = dr.clip(dr.dot(analyser, M.of_s1), -1.0, 1.0)
+    weight_s, weight_p = 0.5 * (1.0 + polarisation), 0.5 * (1.0 - polarisation)
+    reflects = total | (u_lobe < weight_s * reflection.s + weight_p * reflection.p)
+    event = dr.select(reflects, reflection, transmission)
+    probability = weight_s * event.s + weight_p * event.p
+    return multiplied(M, event, dr.rcp(dr.maximum(probability, _MIN_PROBABILITY))), reflects

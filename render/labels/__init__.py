@@ -1,1 +1,1 @@
-"""Per-pixel geometry without noise: straight and refracted rays through exact pixel centres."""
+"""Noise-free label images: straight and refracted rays through exact pixel centres."""

@@ -1,6 +1,6 @@
-"""The label pass: straight rays through exact pixel centres, everything that they meet, no filter.
+"""Label rays: straight rays through exact pixel centres and all surfaces along them, without filter or noise.
 
-One walk along each ray gives the first surface, the background, the silhouettes and, where asked for, K layers.
+One loop along each ray gives the first surface, the background, the silhouettes and, if requested, K layers.
 """
 
 from __future__ import annotations
@@ -11,21 +11,21 @@ import numpy as np
 
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
-from ..frame import Eye, Geometry, Layers
+from ..frame import Eye, Geometry, Layers, LineOfSight
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import clearance, leave, pinhole, pixel_rays
-from ..scene.surfaces import registry_id
-from .layers import Recorder, layers_of, record, recorder
+from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media, transmittance_rgb
+from .layers import LayerRecorder, RayHit, layer_recorder, recorded_layers, write_layer
 
-#: Most objects a scene can hold: the silhouettes are bits of one 64-bit number.
+#: Maximum number of objects of a scene [1]: the silhouettes are bits of a 64-bit integer.
 MAX_OBJECTS = 63
-#: Most surfaces a label ray passes; a ray that meets more is a fault of the scene (a prop has tens at the most).
+#: Maximum number of surfaces along a label ray [1]; more indicate a defect of the scene (a prop has tens at most).
 MAX_SURFACES = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Straight:
-    """What straight rays met, one entry a ray; distances are along the ray, inf for none."""
+class StraightHits:
+    """What straight rays hit, one entry a ray; distances are along the ray, +inf for nothing."""
 
     first: mi.Float
     first_id: mi.UInt32
@@ -35,67 +35,88 @@ class Straight:
     transmittance: mi.Color3f
     crossed: mi.UInt64
     reached: mi.UInt64
-    met: mi.UInt32  #: surfaces along the ray, lamps excepted
+    count: mi.UInt32  #: surfaces along the ray, area lights excluded
 
 
-def trace_geometry(kernel: LoadedScene, camera: Camera, eye: Eye = "left") -> Geometry:
-    """Return what the straight rays through the pixel centres of one eye meet (`trace_straight` without layers)."""
-    return trace_straight(kernel, camera, 0, eye)[0]
+def trace_geometry(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Geometry:
+    """Return what the straight rays through the pixel centres of one eye hit (`trace_straight` without layers)."""
+    return trace_straight(loaded, camera, 0, eye)[0]
 
 
-def trace_straight(kernel: LoadedScene, camera: Camera, layers: int, eye: Eye = "left") -> tuple[Geometry, Layers]:
-    """Return what the straight rays through the pixel centres of one eye meet, and the first surfaces in order.
+def trace_straight(loaded: LoadedScene, camera: Camera, layers: int, eye: Eye = "left") -> tuple[Geometry, Layers]:
+    """Return what the straight rays through the pixel centres of one eye hit, and the first surfaces in order.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The loaded scene.
+    loaded : LoadedScene
+        The scene.
     camera : Camera
         The stereo pair.
     layers : int
-        How many surfaces of each ray are recorded.
+        Number of surfaces of each ray that are recorded.
     eye : {"left", "right"}
         Which of the two.
     """
-    objects = len(kernel.description.objects)
+    objects = len(loaded.description.objects)
     if objects > MAX_OBJECTS:
-        raise ValueError(f"a scene of {objects} objects: the label pass holds {MAX_OBJECTS} at the most")
+        raise ValueError(f"a scene of {objects} objects: labels support at most {MAX_OBJECTS}")
     view = pinhole(camera, eye)
     ray, depth_per_distance = pixel_rays(view, dr.arange(mi.UInt32, camera.width * camera.height), mi.Point2f(0.0))
-    into = recorder(kernel, view, depth_per_distance, layers)
-    seen = straight(kernel, ray, into)
-    Z, background_Z = seen.first * depth_per_distance, seen.background * depth_per_distance
-    facing = dr.select(dr.dot(seen.normal, ray.d) > 0.0, -seen.normal, seen.normal)
+    recorder = layer_recorder(loaded, view, depth_per_distance, layers)
+    hits = straight_hits(loaded, ray, recorder)
+    Z, background_Z = hits.first * depth_per_distance, hits.background * depth_per_distance
+    facing = dr.select(dr.dot(hits.normal, ray.d) > 0.0, -hits.normal, hits.normal)
     normal = view.world_R_camera.T @ mi.Vector3f(facing)
-    dr.eval(Z, background_Z, normal, seen)
+    dr.eval(Z, background_Z, normal, hits)
 
     shape = (camera.height, camera.width)
     geometry = Geometry(
         Z=np.array(Z).reshape(shape),
         normal=np.array(normal).T.reshape(*shape, 3).copy(),
-        id=np.array(seen.first_id).astype(np.uint16).reshape(shape),
+        id=np.array(hits.first_id).astype(np.uint16).reshape(shape),
         background_Z=np.array(background_Z).reshape(shape),
-        background_id=np.array(seen.background_id).astype(np.uint16).reshape(shape),
-        transmittance=np.array(seen.transmittance).T.reshape(*shape, 3).copy(),
-        crossed=_bits(seen.crossed, objects, shape),
-        reached=_bits(seen.reached, objects, shape),
+        background_id=np.array(hits.background_id).astype(np.uint16).reshape(shape),
+        transmittance=np.array(hits.transmittance).T.reshape(*shape, 3).copy(),
+        crossed=_bits(hits.crossed, objects, shape),
+        reached=_bits(hits.reached, objects, shape),
     )
-    return geometry, layers_of(into, seen.met, shape)
+    return geometry, recorded_layers(recorder, hits.count, shape)
+
+
+def line_of_sight(loaded: LoadedScene, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
+    """Trace straight rays from `origin` towards each point.
+
+    Parameters
+    ----------
+    loaded : LoadedScene
+        The scene.
+    origin : (3,) float
+        The eye, world frame [m].
+    points : (n, 3) float
+        Targets, world frame [m].
+    """
+    if len(points) == 0:
+        return LineOfSight(np.zeros(0), np.zeros(0))
+    direction = dr.normalize(mi.Vector3f(np.ascontiguousarray((points - origin).T, dtype=np.float32)))
+    start = dr.opaque(mi.Float, 0.0) + mi.Point3f(np.asarray(origin, dtype=np.float32))
+    hits = straight_hits(loaded, mi.Ray3f(start, direction))
+    dr.eval(hits)
+    return LineOfSight(np.array(hits.first, np.float64), np.array(hits.background, np.float64))
 
 
 def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
-    numbers = np.array(word).reshape(shape)
-    return (
-        np.stack([(numbers >> np.uint64(i)) & np.uint64(1) for i in range(count)]).astype(bool)
-        if count
-        else (np.zeros((0, *shape), bool))
-    )
+    """Return the lowest `count` bits of each ray's integer, (count, H, W) bool."""
+    values = np.array(word).reshape(shape)
+    bits = np.zeros((count, *shape), bool)
+    for i in range(count):
+        bits[i] = (values >> np.uint64(i)) & np.uint64(1)
+    return bits
 
 
 @syntax
-def straight(kernel: LoadedScene, ray: mi.Ray3f, into: Recorder | None = None) -> Straight:
-    """Follow straight rays through everything that they meet; `into` takes their layers."""
-    scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
+def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | None = None) -> StraightHits:
+    """Follow straight rays through all surfaces along them; the recorder takes their layers."""
+    scene, table, offset = loaded.mi_scene, loaded.surfaces, mi.Float(loaded.offset)
     dr.make_opaque(offset)
     origin, direction, ray = mi.Point3f(ray.o), mi.Vector3f(ray.d), mi.Ray3f(ray)
     first, background = mi.Float(dr.inf), mi.Float(dr.inf)
@@ -103,58 +124,54 @@ def straight(kernel: LoadedScene, ray: mi.Ray3f, into: Recorder | None = None) -
     normal, transmittance = mi.Normal3f(0.0), mi.Color3f(1.0)
     crossed, reached = mi.UInt64(0), mi.UInt64(0)
     blocker = mi.Int32(-2)  # the first opaque object: -2 none yet, -1 the table
-    surfaces, met = mi.UInt32(0), mi.UInt32(0)
+    surfaces, count = mi.UInt32(0), mi.UInt32(0)
     active = mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, into]):
+    while dr.hint(active, exclude=[table, scene, recorder]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, surfaces == 0, active)
         row = registry_id(si.shape)
-        # A lamp is part of the surroundings: as empty as the sky behind it.
+        # An area light is part of the surroundings, as the sky behind it.
         active &= si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, si.is_valid()) > 0)
+        surface = surface_media(table, si, ray, active)
         instance = dr.gather(mi.UInt32, table.instance, row, active)
-        thing = dr.gather(mi.Int32, table.object, row, active)
-        opaque = dr.gather(mi.Bool, table.opaque, row, active)
-        # Along the whole ray: a sum over its segments would miss the little that each starts off its surface.
+        item = dr.gather(mi.Int32, table.object, row, active)
+        # Along the whole ray: a sum over its segments would miss their offsets from the surfaces.
         distance = dr.dot(si.p - origin, direction)
 
-        record(into, table, met, si, ray, distance, active)
-        met += dr.select(active, mi.UInt32(1), mi.UInt32(0))
+        write_layer(recorder, table, count, RayHit(si, ray, distance), active)
+        count += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
         nearest = active & (first_id == 0)
         first = dr.select(nearest, distance, first)
         first_id = dr.select(nearest, instance, first_id)
         normal = dr.select(nearest, si.sh_frame.n, normal)
 
-        before = active & (blocker == -2)
-        stops = before & opaque
+        unblocked = active & (blocker == -2)
+        stops = unblocked & surface.opaque
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
-        passed = _straight_transmittance(table, si, ray, row, before)
-        transmittance *= dr.select(before, passed, 1.0)
+        passed = _straight_transmittance(table, surface, ray, unblocked)
+        transmittance *= dr.select(unblocked, passed, 1.0)
 
-        bit = dr.select(active & (thing >= 0), mi.UInt64(1) << mi.UInt64(dr.maximum(thing, 0)), mi.UInt64(0))
+        bit = dr.select(active & (item >= 0), mi.UInt64(1) << mi.UInt64(dr.maximum(item, 0)), mi.UInt64(0))
         crossed |= bit
-        reached |= dr.select(before | (blocker == thing), bit, mi.UInt64(0))
-        blocker = dr.select(stops, thing, blocker)
+        reached |= dr.select(unblocked | (blocker == item), bit, mi.UInt64(0))
+        blocker = dr.select(stops, item, blocker)
 
         ray = leave(si, ray.d, clearance(si, ray, offset))
         surfaces += 1
         active &= surfaces < MAX_SURFACES
 
-    return Straight(first, first_id, normal, background, background_id, transmittance, crossed, reached, met)
+    return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 
 
-def _straight_transmittance(table, si, ray, row, active) -> mi.Color3f:
-    """Return Beer-Lambert along the segment that ends here times what Fresnel lets through the surface.
+def _straight_transmittance(table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, active: mi.Bool) -> mi.Color3f:
+    """Return the Beer-Lambert factor of the segment times the Fresnel transmittance of the surface at its end.
 
     A straight ray has no true angle inside glass. The angle is taken as the one on the side of the lower index, which
     is exact for plates with parallel faces, as most of a vessel's wall is.
     """
-    from_front = dr.dot(si.n, ray.d) < 0.0
-    front, back = dr.gather(mi.UInt32, table.front, row, active), dr.gather(mi.UInt32, table.back, row, active)
-    facing, beyond = dr.select(from_front, front, back), dr.select(from_front, back, front)
-    sigma_a = dr.gather(mi.Color3f, table.sigma_a, facing, active)
-    eta = dr.gather(mi.Float, table.eta, beyond, active) / dr.gather(mi.Float, table.eta, facing, active)
-    reflectance, *_ = mi.fresnel(dr.abs(dr.dot(si.sh_frame.n, ray.d)), dr.maximum(eta, dr.rcp(eta)))
-    opaque = dr.gather(mi.Bool, table.opaque, row, active)
-    return dr.exp(-sigma_a * si.t) * dr.select(opaque, 1.0, 1.0 - reflectance)
+    eta = relative_index_d(table.eta_d, surface, active)
+    reflectance, *_ = mi.fresnel(dr.abs(dr.dot(surface.ns, ray.d)), dr.maximum(eta, dr.rcp(eta)))
+    fresnel = dr.select(surface.opaque, 1.0, 1.0 - reflectance)
+    return transmittance_rgb(table.sigma_a_rgb, surface, active) * fresnel

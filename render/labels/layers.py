@@ -1,4 +1,4 @@
-"""K layers: the surfaces along straight rays, written down by the ray loop of `geometry.straight`."""
+"""K layers (depth peeling): the first surfaces along straight rays, recorded by `geometry.straight_hits`."""
 
 from __future__ import annotations
 
@@ -13,13 +13,22 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
 from ..scene.surfaces import SurfaceTable, registry_id
 
-# A layer's small numbers share one 32-bit word: 16 bits of id, 2 of part, 1 of entering, 13 of material.
-_PART_AT, _ENTERING_AT, _MATERIAL_AT = 16, 18, 19
+# A layer's small integers share one 32-bit word: 16 bits of id, 2 of part, 1 of entering, 13 of material.
+_PART_SHIFT, _ENTERING_SHIFT, _MATERIAL_SHIFT = 16, 18, 19
 
 
 @dataclass(frozen=True, eq=False)
-class Recorder:
-    """Where a ray loop puts the layers of `rays` rays: layer by layer, `count` of them."""
+class RayHit:
+    """Where rays hit surfaces."""
+
+    si: mi.SurfaceInteraction3f
+    ray: mi.Ray3f
+    distance: mi.Float  #: from the camera, along the ray [m]
+
+
+@dataclass(frozen=True, eq=False)
+class LayerRecorder:
+    """Buffers that a ray loop writes the layers of `rays` rays to: layer by layer, `count` of them."""
 
     count: mi.UInt32
     rays: mi.UInt32
@@ -33,16 +42,16 @@ class Recorder:
     word: mi.UInt32
 
 
-def recorder(kernel: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, count: int) -> Recorder:
-    """Return an empty record of the first `count` surfaces along each ray of one eye."""
+def layer_recorder(loaded: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, count: int) -> LayerRecorder:
+    """Return empty buffers for the first `count` surfaces along each ray of one eye."""
     rays = dr.width(depth_per_distance)
-    front, back = _materials_by_row(kernel)
+    front, back = _materials_by_row(loaded)
     size = max(count * rays, 1)
     word = dr.zeros(mi.UInt32, size)
     distance = dr.full(mi.Float, np.inf, size)
     normal = (dr.zeros(mi.Float16, size), dr.zeros(mi.Float16, size), dr.zeros(mi.Float16, size))
     dr.eval(depth_per_distance, distance, normal, word)
-    return Recorder(
+    return LayerRecorder(
         count=dr.opaque(mi.UInt32, count),
         rays=dr.opaque(mi.UInt32, rays),
         lane=dr.arange(mi.UInt32, rays),
@@ -56,58 +65,54 @@ def recorder(kernel: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, c
     )
 
 
-def record(
-    into: Recorder | None,
-    table: SurfaceTable,
-    layer: mi.UInt32,
-    si: mi.SurfaceInteraction3f,
-    ray: mi.Ray3f,
-    distance: mi.Float,
-    active: mi.Bool,
+def write_layer(
+    recorder: LayerRecorder | None, table: SurfaceTable, layer: mi.UInt32, hit: RayHit, active: mi.Bool
 ) -> None:
-    """Write the surface that each ray meets down as its `layer`, `distance` [m] from the camera; None takes none."""
-    if into is None:
+    """Write the surface that each ray hits to the buffers of its `layer`, unless all layers are full or None exist."""
+    # (The check is here because Dr.Jit would turn one in the ray loop into a symbolic branch.)
+    if recorder is None:
         return
-    active = active & (layer < into.count)
+    si, ray = hit.si, hit.ray
+    active = active & (layer < recorder.count)
     row = registry_id(si.shape)
     entering = dr.dot(si.n, ray.d) < 0.0
-    front, back = dr.gather(mi.UInt32, into.front, row, active), dr.gather(mi.UInt32, into.back, row, active)
+    front, back = dr.gather(mi.UInt32, recorder.front, row, active), dr.gather(mi.UInt32, recorder.back, row, active)
     word = dr.gather(mi.UInt32, table.instance, row, active)
-    word |= dr.gather(mi.UInt32, table.part, row, active) << _PART_AT
-    word |= dr.select(entering, mi.UInt32(1 << _ENTERING_AT), mi.UInt32(0))
-    word |= dr.select(entering, back, front) << _MATERIAL_AT
+    word |= dr.gather(mi.UInt32, table.part, row, active) << _PART_SHIFT
+    word |= dr.select(entering, mi.UInt32(1 << _ENTERING_SHIFT), mi.UInt32(0))
+    word |= dr.select(entering, back, front) << _MATERIAL_SHIFT
     n = si.sh_frame.n
-    facing = into.world_R_camera.T @ mi.Vector3f(dr.select(dr.dot(n, ray.d) > 0.0, -n, n))
-    at = layer * into.rays + into.lane
-    dr.scatter(into.distance, distance * into.depth_per_distance, at, active)
-    dr.scatter(into.word, word, at, active)
+    facing = recorder.world_R_camera.T @ mi.Vector3f(dr.select(dr.dot(n, ray.d) > 0.0, -n, n))
+    at = layer * recorder.rays + recorder.lane
+    dr.scatter(recorder.distance, hit.distance * recorder.depth_per_distance, at, active)
+    dr.scatter(recorder.word, word, at, active)
     for axis in range(3):
-        dr.scatter(into.normal[axis], mi.Float16(facing[axis]), at, active)
+        dr.scatter(recorder.normal[axis], mi.Float16(facing[axis]), at, active)
 
 
-def layers_of(made: Recorder, met: mi.UInt32, shape: tuple[int, int]) -> Layers:
-    """Return the record of the rays through the pixels of one picture, `met` the surfaces of each ray."""
-    count = int(made.count[0])
+def recorded_layers(recorder: LayerRecorder, surfaces: mi.UInt32, shape: tuple[int, int]) -> Layers:
+    """Return the layers of the rays through the pixels of one picture, and the number of surfaces of each ray."""
+    count = int(recorder.count[0])
     every = (count, *shape)
 
     def stored(values: mi.Float | mi.UInt32) -> np.ndarray:
         return np.array(values)[: count * shape[0] * shape[1]].reshape(every)
 
-    word = stored(made.word)
+    word = stored(recorder.word)
     return Layers(
-        Z=stored(made.distance),
-        normal=np.stack([stored(axis) for axis in made.normal], axis=-1),
+        Z=stored(recorder.distance),
+        normal=np.stack([stored(axis) for axis in recorder.normal], axis=-1),
         id=(word & 0xFFFF).astype(np.uint16),
-        part=(word >> _PART_AT & 0b11).astype(np.uint8),
-        material=(word >> _MATERIAL_AT).astype(np.uint16),
-        entering=(word >> _ENTERING_AT & 1).astype(bool),
-        count=np.array(met).astype(np.uint16).reshape(shape),
+        part=(word >> _PART_SHIFT & 0b11).astype(np.uint8),
+        material=(word >> _MATERIAL_SHIFT).astype(np.uint16),
+        entering=(word >> _ENTERING_SHIFT & 1).astype(bool),
+        count=np.array(surfaces).astype(np.uint16).reshape(shape),
     )
 
 
-def _materials_by_row(kernel: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
-    """Return the material before and behind each surface, by registry id; before an opaque one is air."""
-    scene, table = kernel.description, kernel.surfaces
+def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
+    """Return the material before and behind each surface, by registry id; before an opaque surface it is air."""
+    scene, table = loaded.description, loaded.surfaces
     materials = materials_of(scene)
     media = np.array([materials.index(medium) for medium in table.media], np.uint32)
     solids = [materials.index(item.material) if isinstance(item, Prop) else 0 for item in scene.objects]

@@ -1,7 +1,7 @@
-"""The refracted ray: what a camera ray really reaches, with derivatives where they are asked for.
+"""Refracted label rays: where a camera ray ends behind glass, with derivatives if requested.
 
-At every interface the transmitted ray is taken, or the mirrored one where reflection is total, until an opaque surface
-or nothing more is met. No random number is drawn. Rough interfaces count as smooth ones.
+At every interface the refracted ray is followed, or the reflected one at total internal reflection, to the first opaque
+surface or out of the scene. No random number is used. Rough interfaces count as smooth ones.
 """
 
 from __future__ import annotations
@@ -15,32 +15,32 @@ from ...core.errors import InputError
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import HIT, LOST, SURROUNDINGS, Eye, Refraction
-from ..interfaces.dielectric import through
+from ..interfaces.dielectric import transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
-from ..scene.surfaces import met, registry_id
+from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
 
-#: Most interfaces that a ray may meet; one that is still under way is given up. In eight drawn scenes (32 views) 4 % of
-#: the pixels on glass meet 16 and more, 2 % 32, and 1 % (0.04 % of all pixels) are still under way at 64: total
-#: reflection holds them in the glass.
+#: Maximum number of interfaces of a ray [1]; a ray that meets more is lost. In eight drawn scenes (32 views) 4 % of the
+#: pixels on glass meet 16 or more, 2 % meet 32, and 1 % (0.04 % of all pixels) are lost at 64: total internal
+#: reflection traps their rays.
 MAX_INTERFACES = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Refracted:
-    """Where refracted rays ended, one entry a ray."""
+    """Where refracted rays end, one entry a ray."""
 
     state: mi.UInt32  #: `SURROUNDINGS`, `HIT` or `LOST`
     point: mi.Point3f  #: the point on the opaque surface, world frame [m]; only for `HIT`
     direction: mi.Vector3f  #: unit direction of the last segment
-    instance: mi.UInt32  #: id of what was hit; 0 where nothing was
+    instance: mi.UInt32  #: id of the opaque object; 0 where there is none
     bounces: mi.UInt32  #: interfaces met
-    transmittance: mi.Color3f  #: product of 1 - R at each interface (1 where total) and of exp(-sigma_a t)
+    transmittance: mi.Color3f  #: product of 1 - R at each interface (1 at total reflection) and of exp(-sigma_a t)
     length: mi.Float  #: geometric length of the whole path [m]; only for `HIT`
 
 
 def refract(
-    kernel: LoadedScene,
+    loaded: LoadedScene,
     ray: mi.Ray3f,
     eta: mi.Float | None = None,
     sigma_a: mi.Float | None = None,
@@ -50,40 +50,42 @@ def refract(
     """Follow rays through glass and liquid to the first opaque surface.
 
     With `derivatives`, directions, points and normals stay attached: the result has gradients by the rays (hence the
-    camera), by `eta` and `sigma_a`, and by vertex positions and normals set through ``mi.traverse(kernel.mi_scene)``.
-    They hold for rays that keep meeting the same surfaces: silhouettes and the onset of total reflection have none.
+    camera), by `eta` and `sigma_a`, and by vertex positions and normals set through ``mi.traverse(loaded.mi_scene)``.
+    They are valid as long as a ray meets the same surfaces: silhouettes and the onset of total internal reflection have
+    no derivatives.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The loaded scene.
+    loaded : LoadedScene
+        The scene.
     ray : mi.Ray3f
         Rays that start in air.
     eta, sigma_a : mi.Float, optional
-        Index, and absorption in three numbers [1/m], of each of ``kernel.surfaces.media``; by default the scene's own.
+        Index, and absorption in three channels [1/m], of each of ``loaded.surfaces.media``; by default the scene's own
+        (``surfaces.eta_d`` and ``surfaces.sigma_a_rgb``).
     max_interfaces : int
         Rays that meet more are `LOST`.
     derivatives : bool
-        Run the loop step by step, so that forward and reverse mode reach through it; it keeps the memory of each step.
+        Run the loop in evaluated mode, so that forward and reverse mode AD work through it; it stores each iteration.
 
     Raises
     ------
     InputError
-        Where derivatives are asked of a variant that has none.
+        If `derivatives` is set in a variant without AD.
     """
     if derivatives and not dr.is_diff_v(mi.Float):
         raise InputError("derivatives", "a variant with AD, such as llvm_ad_rgb", mi.variant())
-    eta = kernel.surfaces.eta if eta is None else eta
-    sigma_a = kernel.surfaces.sigma_a if sigma_a is None else sigma_a
-    return _followed(kernel, ray, eta, sigma_a, max_interfaces, "evaluated" if derivatives else "symbolic")
+    eta = loaded.surfaces.eta_d if eta is None else eta
+    sigma_a = loaded.surfaces.sigma_a_rgb if sigma_a is None else sigma_a
+    return _refracted(loaded, ray, eta, sigma_a, max_interfaces, "evaluated" if derivatives else "symbolic")
 
 
 @syntax
-def _followed(
-    kernel: LoadedScene, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
+def _refracted(
+    loaded: LoadedScene, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
 ) -> Refracted:
-    """Follow rays as `refract` says, in a symbolic or an evaluated loop."""
-    scene, table, offset = kernel.mi_scene, kernel.surfaces, mi.Float(kernel.offset)
+    """Follow rays as `refract` does, in a symbolic or an evaluated loop."""
+    scene, table, offset = loaded.mi_scene, loaded.surfaces, mi.Float(loaded.offset)
     limit = mi.UInt32(max_interfaces)
     dr.make_opaque(offset, limit)
 
@@ -97,36 +99,35 @@ def _followed(
     while dr.hint(active, mode=mode, exclude=[table, scene, eta, sigma_a, limit]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
         row = registry_id(si.shape)
-        # A lamp is part of the surroundings: as empty as the sky behind it.
+        # An area light is part of the surroundings, as the sky behind it.
         hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, active) > 0)
-        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
-        travelled = dr.select(hit, si.t, 0.0)
-        length += travelled
-        transmittance *= dr.exp(-dr.gather(mi.Color3f, sigma_a, facing, hit) * travelled)
+        surface = surface_media(table, si, ray, hit)
+        length += surface.distance
+        transmittance *= transmittance_rgb(sigma_a, surface, hit)
 
-        ends = active & (~hit | opaque)
+        ends = active & (~hit | surface.opaque)
         state = dr.select(ends, dr.select(hit, mi.UInt32(HIT), mi.UInt32(SURROUNDINGS)), state)
         point = dr.select(ends & hit, si.p, point)
         instance = dr.select(ends & hit, dr.gather(mi.UInt32, table.instance, row, hit), instance)
 
         active &= ~ends & (bounces < limit)
-        ratio = dr.gather(mi.Float, eta, beyond, active) / dr.gather(mi.Float, eta, facing)
-        turned, share = through(-ray.d, n, ns, ratio)
-        direction = dr.select(active, turned, direction)
-        transmittance *= dr.select(active, share, 1.0)
+        ratio = relative_index_d(eta, surface, active)
+        refracted, fresnel = transmission(-ray.d, surface.n, surface.ns, ratio)
+        direction = dr.select(active, refracted, direction)
+        transmittance *= dr.select(active, fresnel, 1.0)
         ray = leave(si, direction, offset)
         bounces += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
     return Refracted(state, point, direction, instance, bounces, transmittance, length)
 
 
-def trace_refraction(kernel: LoadedScene, cameras: Sequence[Camera], eye: Eye = "left") -> list[Refraction]:
-    """Return where the rays through the pixel centres go, for any number of views in one trace.
+def trace_refraction(loaded: LoadedScene, cameras: Sequence[Camera], eye: Eye = "left") -> list[Refraction]:
+    """Return where the refracted rays through the pixel centres end, for any number of views in one trace.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The loaded scene.
+    loaded : LoadedScene
+        The scene.
     cameras : sequence of Camera
         The stereo pairs. A trace holds about 100 bytes a pixel.
     eye : {"left", "right"}
@@ -142,7 +143,7 @@ def trace_refraction(kernel: LoadedScene, cameras: Sequence[Camera], eye: Eye = 
     rays = [
         pixel_rays(view, dr.arange(mi.UInt32, size), mi.Point2f(0.0))[0] for view, size in zip(eyes, sizes, strict=True)
     ]
-    end = refract(kernel, rays[0] if len(rays) == 1 else _joined(rays))
+    end = refract(loaded, rays[0] if len(rays) == 1 else _joined(rays))
     dr.eval(end)
     starts = np.cumsum([0, *sizes])
     return [_picture(end, eyes[i], cameras[i], int(starts[i])) for i in range(len(cameras))]
@@ -161,20 +162,22 @@ def _joined(rays: list[mi.Ray3f]) -> mi.Ray3f:
 
 
 def _picture(end: Refracted, view: Pinhole, camera: Camera, start: int) -> Refraction:
-    """Return the part of a trace that belongs to one camera, projected into it."""
+    """Return the part of a trace that belongs to one camera, projected into its picture."""
     size, shape = camera.width * camera.height, (camera.height, camera.width)
     lane = dr.arange(mi.UInt32, size)
     part = dr.gather(Refracted, end, lane + dr.opaque(mi.UInt32, start))
-    left = part.state == SURROUNDINGS
-    place = dr.select(left, mi.Point3f(part.direction), dr.select(part.state == HIT, part.point, mi.Point3f(0.0)))
+    escaped = part.state == SURROUNDINGS
+    end_point = dr.select(
+        escaped, mi.Point3f(part.direction), dr.select(part.state == HIT, part.point, mi.Point3f(0.0))
+    )
     local, flow = flow_of(view, part, lane)
-    # A ray that bends nowhere sees things where they are; projecting the point would only add rounding.
+    # A ray without interfaces is straight: its flow is 0, and projecting the point would only add rounding errors.
     flow = dr.select(part.bounces == 0, mi.Vector2f(0.0), flow)
     Z = dr.select(part.state == HIT, local.z, dr.inf)
-    dr.eval(place, flow, Z)
+    dr.eval(end_point, flow, Z)
     return Refraction(
         state=np.array(part.state).astype(np.uint8).reshape(shape),
-        hit=_stacked(place, shape),
+        hit=_stacked(end_point, shape),
         Z=np.array(Z).reshape(shape),
         id=np.array(part.instance).astype(np.uint16).reshape(shape),
         flow=_stacked(flow, shape),
@@ -184,33 +187,33 @@ def _picture(end: Refracted, view: Pinhole, camera: Camera, start: int) -> Refra
 
 
 def flow_of(view: Pinhole, end: Refracted, pixel: mi.UInt32) -> tuple[mi.Vector3f, mi.Vector2f]:
-    """Return the end of refracted rays in the camera frame, and the refractive flow [px].
+    """Return the end points of refracted rays in the camera frame, and the refractive flow.
 
     Parameters
     ----------
     view : Pinhole
-        The eye that the rays come from.
+        The eye that the rays start from.
     end : Refracted
-        Their ends: points, or directions of what is infinitely far.
+        Their ends: points, or directions of rays that left the scene.
     pixel : mi.UInt32
-        The pixels that the rays went through at the centre, row-major index.
+        The pixels of the rays, which pass their centres; row-major index.
 
     Returns
     -------
     local : mi.Vector3f
         Camera-frame point [m]; for rays that left the scene their direction.
     flow : mi.Vector2f
-        Where the end would be seen without any glass, less the pixel's centre; NaN where it is not before the camera or
-        the ray was lost.
+        Projection of the end point as if there were no glass, minus the pixel's centre [px]; NaN where the point is
+        behind the camera or the ray is lost.
     """
     towards = dr.select(end.state == SURROUNDINGS, end.direction, mi.Vector3f(end.point - view.origin))
     local = view.world_R_camera.T @ mi.Vector3f(towards)
-    seen = (local.z > 0.0) & (end.state != LOST)
-    scale = dr.rcp(dr.select(seen, local.z, 1.0) * view.inverse_focal)
+    projects = (local.z > 0.0) & (end.state != LOST)
+    scale = dr.rcp(dr.select(projects, local.z, 1.0) * view.inverse_focal)
     row = pixel // view.width
     centre = mi.Vector2f(mi.Float(pixel - row * view.width), mi.Float(row))
     flow = mi.Vector2f(local.x * scale, local.y * scale) + mi.Vector2f(view.centre) - centre
-    return local, dr.select(seen, flow, dr.nan)
+    return local, dr.select(projects, flow, dr.nan)
 
 
 def _stacked(values: mi.Vector3f | mi.Vector2f, shape: tuple[int, int]) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""Path-traced pictures: samples, paths and their means, guides, fireflies and the denoiser."""
+"""Path-traced pictures: sampler, path tracer, film, adaptive sampling, denoiser guides, firefly filter, denoiser."""

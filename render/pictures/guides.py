@@ -1,12 +1,12 @@
-"""Guides for the denoiser that see through glass, free of noise.
+"""Denoiser guides (auxiliary images, AOVs) that see through glass, free of noise.
 
-A few rays through every pixel follow smooth glass to the first rough surface without tossing a coin: straight on
-through every interface, and mirrored at the first one, weighted by Fresnel's shares and by absorption. Path tracing
-could record the same on its way, with the noise of its coin tosses; that would have to be cleaned by two more passes of
-the denoiser, which cost more than these rays.
+A few rays through every pixel follow smooth glass to the first rough surface without random numbers: refracted at every
+interface, and reflected at the first one, weighted by Fresnel and by absorption. A path tracer could record the same on
+its way, with the noise of its lobe sampling; cleaning that would take two more passes of the denoiser, which cost more
+than these rays.
 
-What lies within a pixel is averaged: where its first rays disagree, as at outlines and on fine patterns, more follow.
-The denoiser trusts guides, and would draw the moire of too few rays into the picture.
+The rays of a pixel are averaged: where its first rays differ, as at outlines and on fine patterns, more are traced. The
+denoiser trusts guides, and would copy the aliasing of too few rays into the picture.
 """
 
 from __future__ import annotations
@@ -19,39 +19,61 @@ import numpy as np
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye
-from ..interfaces.dielectric import through
+from ..interfaces.dielectric import transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
-from ..scene.spectrum import grey_guide
-from ..scene.surfaces import met, registry_id
-from .sampler import four, samples
+from ..scene.spectrum import to_guide
+from ..scene.surfaces import relative_index_d, surface_media, transmittance_rgb
+from .sampler import sample_4d, sobol_sampler
 
-#: Rays of every pixel, and those that follow in a pixel, or beside one, whose first differ by more than `_DISAGREE` in
-#: a colour of the albedo or a component of the normal.
-_FIRST, _MORE, _DISAGREE = 4, 16, 0.2
-#: Seed of their places in the pixel. They differ from pixel to pixel: what is left is noise and no pattern.
+#: Rays of every pixel, and additional rays of a pixel that, like one of its neighbours, has first rays that differ by
+#: more than `_MAX_RANGE` in a channel of the albedo or a component of the normal [1].
+_FIRST_RAYS, _MORE_RAYS, _MAX_RANGE = 4, 16, 0.2
+#: Seed of their positions in the pixel. They differ from pixel to pixel: what remains is noise and not a pattern.
 _SEED = 0x6D15
-#: Interfaces after which a ray gives up; it carries little light by then, and the guide only has to show shapes.
+#: Maximum number of interfaces of a ray [1]; it carries little light by then, and a guide only has to show shapes.
 _MAX_INTERFACES = 16
 
 
 @dataclass(frozen=True, eq=False)
 class Guides:
-    """What the denoiser is guided by, and what pixels show first."""
+    """Guides of the denoiser, and which pixels show glass or polished surfaces."""
 
     albedo: np.ndarray  #: (H, W, 3) float32, reflectance of the first rough surfaces; the sky's exposed radiance
     normal: np.ndarray  #: (H, W, 3) float32, their normals, world frame
-    glass: np.ndarray  #: (H, W) bool, whether any ray meets glass first ...
-    polished: np.ndarray  #: ... and whether any meets a polished opaque surface first
+    glass: np.ndarray  #: (H, W) bool, whether any ray hits glass first ...
+    polished: np.ndarray  #: ... and whether any ray hits a polished opaque surface first
 
 
-def trace_guides(kernel: LoadedScene, camera: Camera, eye: Eye = "left") -> Guides:
-    """Return the guides of one eye, and where it sees glass and polish.
+@dataclass(frozen=True, eq=False)
+class _GuideRays:
+    """What rays through smooth glass reach, one entry a ray."""
+
+    ray: mi.Ray3f  #: the last segment
+    pi: mi.PreliminaryIntersection3f  #: its end
+    weight: mi.Color3f  #: product of Fresnel transmittances and Beer-Lambert factors
+    reflected: mi.Ray3f  #: the ray reflected at the first interface
+    reflectance: mi.Float  #: Fresnel reflectance there; 0 where no interface was hit
+    bounces: mi.UInt32  #: interfaces passed
+
+
+@dataclass(frozen=True, eq=False)
+class _GuideSample:
+    """The guides of single rays."""
+
+    albedo: mi.Color3f
+    normal: mi.Normal3f
+    glass: mi.Bool
+    polished: mi.Bool
+
+
+def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guides:
+    """Return the guides of one eye, and which pixels show glass or polished surfaces.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The loaded scene.
+    loaded : LoadedScene
+        The scene.
     camera : Camera
         The stereo pair.
     eye : {"left", "right"}
@@ -60,104 +82,108 @@ def trace_guides(kernel: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
     Returns
     -------
     Guides
-        The albedo lies in [0, 1]; the sky's radiance is cut at 1. Normals are weighted like the albedo, and so shorter
-        than 1 behind glass.
+        The albedo is in [0, 1]; the sky's radiance is clamped to 1. Normals are weighted like the albedo, and so
+        shorter than 1 behind glass.
     """
     view, shape = pinhole(camera, eye), (camera.height, camera.width)
     every = np.arange(camera.width * camera.height, dtype=np.uint32)
-    values, differ = _guides(kernel, view, camera.exposure, every, 0, _FIRST)
-    unsure = cv2.dilate((differ > _DISAGREE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
-    chosen, counts = every[unsure.ravel() > 0], np.full(len(every), float(_FIRST))
-    if len(chosen):
-        values[:, chosen] += _guides(kernel, view, camera.exposure, chosen, _FIRST, _MORE)[0]
-        counts[chosen] += _MORE
+    values, ranges = _pixel_guides(loaded, view, camera.exposure, every, slice(0, _FIRST_RAYS))
+    unsure = cv2.dilate((ranges > _MAX_RANGE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
+    pixel, counts = every[unsure.ravel() > 0], np.full(len(every), float(_FIRST_RAYS))
+    if len(pixel):
+        more = slice(_FIRST_RAYS, _FIRST_RAYS + _MORE_RAYS)
+        values[:, pixel] += _pixel_guides(loaded, view, camera.exposure, pixel, more)[0]
+        counts[pixel] += _MORE_RAYS
     albedo, normal, glass, polished = np.split((values / counts).astype(np.float32).T, (3, 6, 7), axis=1)
-    first = (x.reshape(shape) > 0.0 for x in (glass, polished))
-    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *first)
+    flags = (x.reshape(shape) > 0.0 for x in (glass, polished))
+    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *flags)
 
 
-def _guides(
-    kernel: LoadedScene, view: Pinhole, exposure: float, pixel: np.ndarray, first: int, count: int
+def _pixel_guides(
+    loaded: LoadedScene, view: Pinhole, exposure: float, pixel: np.ndarray, rays: slice
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Follow `count` rays through each pixel, from number `first` of its sequence on.
+    """Trace rays of each pixel, `rays` of its sequence.
 
-    Returns the sums of albedo, normal and whether glass or polish is first, (8, pixels), and how far apart the rays of
-    a pixel are in any of these, (pixels,).
+    Returns
+    -------
+    sums : (8, pixels) float64
+        Sums over the rays of albedo, normal and the flags glass and polished.
+    ranges : (pixels,) float32
+        Largest range (maximum minus minimum) of these over the rays of a pixel.
     """
+    count = rays.stop - rays.start
     lane = dr.arange(mi.UInt32, len(pixel) * count)
-    each = dr.opaque(mi.UInt32, count)
-    group = lane // each
+    size = dr.opaque(mi.UInt32, count)
+    group = lane // size
     at = dr.gather(mi.UInt32, mi.UInt32(pixel), group)
-    # The rays of a pixel lie side by side and are added in a fixed order.
-    points = samples(at, dr.opaque(mi.UInt32, first) + lane - group * each, _FIRST + _MORE, _SEED)
-    u, v, *_ = four(points, mi.UInt32(0))
+    # The rays of a pixel are adjacent and are added in a fixed order.
+    index = dr.opaque(mi.UInt32, rays.start) + lane - group * size
+    sampler = sobol_sampler(at, index, _FIRST_RAYS + _MORE_RAYS, _SEED)
+    u, v, *_ = sample_4d(sampler, mi.UInt32(0))
     ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
-    strength = dr.opaque(mi.Float, exposure)
-    albedo, normal, mirrored, share, glass, polished = _followed(kernel, ray, strength)
-    albedo_m, normal_m, *_ = _followed(kernel, mirrored, strength, share > 0.0)
-    seen = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (glass, polished))
-    columns = (*(albedo + share * albedo_m), *(normal + share * normal_m), *seen)
+    exposed = dr.opaque(mi.Float, exposure)
+    end = _through_smooth_glass(loaded, ray, True)
+    refracted = _shaded(loaded, end, exposed, True)
+    is_reflected = end.reflectance > 0.0
+    reflected = _shaded(loaded, _through_smooth_glass(loaded, end.reflected, is_reflected), exposed, is_reflected)
+    flags = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (refracted.glass, refracted.polished))
+    albedo = refracted.albedo + end.reflectance * reflected.albedo
+    normal = refracted.normal + end.reflectance * reflected.normal
+    columns = (*albedo, *normal, *flags)
     dr.eval(columns)
     sums = [dr.block_sum(column, count) for column in columns]
     ranges = [dr.block_reduce(dr.ReduceOp.Max, x, count) - dr.block_reduce(dr.ReduceOp.Min, x, count) for x in columns]
-    differ = mi.Float(0.0)
-    for one in ranges:
-        differ = dr.maximum(differ, one)
-    dr.eval(sums, differ)
-    return np.stack([np.array(x, np.float64) for x in sums]), np.array(differ)
+    largest = mi.Float(0.0)
+    for values in ranges:
+        largest = dr.maximum(largest, values)
+    dr.eval(sums, largest)
+    return np.stack([np.array(x, np.float64) for x in sums]), np.array(largest)
 
 
-def _followed(
-    kernel: LoadedScene, ray: mi.Ray3f, exposure: mi.Float, wanted: bool | mi.Bool = True
-) -> tuple[mi.Color3f, mi.Normal3f, mi.Ray3f, mi.Float, mi.Bool, mi.Bool]:
-    """Follow rays to the first rough surface.
-
-    Returns its guides, the ray mirrored on the way with its share, and whether the first surface is glass, or polished.
-    """
-    scene, table = kernel.mi_scene, kernel.surfaces
-    ray, pi, weight, mirrored, share, bounces = _through_smooth_glass(kernel, ray, wanted)
-    # What is met is shaded here, once for all: the loop knows glass alone.
-    si = pi.compute_surface_interaction(ray, mi.RayFlags.All, wanted)
-    hit, row = wanted & si.is_valid(), registry_id(si.shape)
-    opaque, _, _, _, ns = met(table, si, ray, hit)
-    rough = opaque | (dr.gather(mi.Float, table.alpha, row, hit) > 0.0)
-    emitter = si.emitter(scene, wanted)
-    light = exposure * grey_guide(emitter.eval(si, wanted))
-    colour = dr.select(opaque, grey_guide(si.bsdf().eval_diffuse_reflectance(si, hit & opaque)), 1.0)
-    albedo = dr.select(wanted, weight * dr.minimum(light, 1.0), 0.0) + dr.select(hit & rough, weight * colour, 0.0)
-    # (`dr.mean` would write the number of rays into the kernel.)
-    normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * ns, 0.0)
-    direct = hit & (bounces == 0)
-    glass = (wanted & (bounces > 0)) | (direct & ~opaque)
-    return albedo, normal, mirrored, share, glass, dr.gather(mi.Bool, table.polished, row, direct)
+def _shaded(loaded: LoadedScene, end: _GuideRays, exposure: mi.Float, active: bool | mi.Bool) -> _GuideSample:
+    """Return the guides of rays at the surfaces where they end."""
+    scene, table, ray, weight = loaded.mi_scene, loaded.surfaces, end.ray, end.weight
+    # Shading happens here, once for all rays: the loop handles glass alone.
+    si = end.pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
+    hit = active & si.is_valid()
+    surface = surface_media(table, si, ray, hit)
+    rough = surface.opaque | (dr.gather(mi.Float, table.alpha, surface.row, hit) > 0.0)
+    emitter = si.emitter(scene, active)
+    light = exposure * to_guide(emitter.eval(si, active))
+    colour = dr.select(surface.opaque, to_guide(si.bsdf().eval_diffuse_reflectance(si, hit & surface.opaque)), 1.0)
+    albedo = dr.select(active, weight * dr.minimum(light, 1.0), 0.0) + dr.select(hit & rough, weight * colour, 0.0)
+    # (`dr.mean` would compile the number of rays into the kernel.)
+    normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * surface.ns, 0.0)
+    direct = hit & (end.bounces == 0)
+    glass = (active & (end.bounces > 0)) | (direct & ~surface.opaque)
+    return _GuideSample(albedo, normal, glass, dr.gather(mi.Bool, table.polished, surface.row, direct))
 
 
 @syntax
-def _through_smooth_glass(
-    kernel: LoadedScene, ray: mi.Ray3f, wanted: bool | mi.Bool
-) -> tuple[mi.Ray3f, mi.PreliminaryIntersection3f, mi.Color3f, mi.Ray3f, mi.Float, mi.UInt32]:
-    """Return the last segments of rays, what these meet, their weights, the mirrored rays, and how many they passed."""
-    scene, table, offset = kernel.mi_scene, kernel.surfaces, dr.opaque(mi.Float, kernel.offset)
-    ray, active, bounces, weight = mi.Ray3f(ray), mi.Bool(wanted), mi.UInt32(0), mi.Color3f(1.0)
-    mirrored, share, pi = mi.Ray3f(ray), mi.Float(0.0), dr.zeros(mi.PreliminaryIntersection3f)
+def _through_smooth_glass(loaded: LoadedScene, ray: mi.Ray3f, active: bool | mi.Bool) -> _GuideRays:
+    """Follow rays through smooth glass to the first rough surface."""
+    scene, table, offset = loaded.mi_scene, loaded.surfaces, dr.opaque(mi.Float, loaded.offset)
+    ray, active, bounces, weight = mi.Ray3f(ray), mi.Bool(active), mi.UInt32(0), mi.Color3f(1.0)
+    reflected, reflectance, pi = mi.Ray3f(ray), mi.Float(0.0), dr.zeros(mi.PreliminaryIntersection3f)
 
     while dr.hint(active, exclude=[table, scene, offset]):
-        # (The rays of a pixel toss no coins and stay neighbours.)
+        # (Coherent: rays of a pixel stay neighbours without random events.)
         pi = scene.ray_intersect_preliminary(ray, True, active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
-        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
-        weight *= dr.exp(-dr.gather(mi.Color3f, table.sigma_a, facing, active) * dr.select(hit, si.t, 0.0))
-        alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape), hit)
-        active = hit & ~opaque & (alpha == 0.0) & (bounces < _MAX_INTERFACES)
+        surface = surface_media(table, si, ray, hit)
+        weight *= transmittance_rgb(table.sigma_a_rgb, surface, active)
+        alpha = dr.gather(mi.Float, table.alpha, surface.row, hit)
+        active = hit & ~surface.opaque & (alpha == 0.0) & (bounces < _MAX_INTERFACES)
 
         if dr.hint(active, exclude=[table, scene, offset]):
-            eta = dr.gather(mi.Float, table.eta, beyond) / dr.gather(mi.Float, table.eta, facing)
-            direction, passed = through(-ray.d, n, ns, eta)
-            mirrored = dr.select(bounces == 0, leave(si, mi.reflect(-ray.d, n), offset), mirrored)
-            share = dr.select(bounces == 0, 1.0 - passed, share)
-            weight *= passed
+            n = surface.n
+            eta = relative_index_d(table.eta_d, surface)
+            direction, transmitted = transmission(-ray.d, n, surface.ns, eta)
+            reflected = dr.select(bounces == 0, leave(si, mi.reflect(-ray.d, n), offset), reflected)
+            reflectance = dr.select(bounces == 0, 1.0 - transmitted, reflectance)
+            weight *= transmitted
             ray = leave(si, direction, offset)
             bounces += 1
 
-    return ray, pi, weight, mirrored, share, bounces
+    return _GuideRays(ray, pi, weight, reflected, reflectance, bounces)

@@ -1,4 +1,8 @@
-"""Path tracing through glass: interfaces from the surface table, opaque surfaces through Mitsuba's BSDFs."""
+"""Path tracer with next-event estimation, MIS and Russian roulette; glass by the surface table, the rest by BSDFs.
+
+Next-event estimation is called emitter sampling in Mitsuba. A path that hits an emitter by BSDF sampling and one that
+samples it are combined by multiple importance sampling (MIS) with the balance heuristic.
+"""
 
 from __future__ import annotations
 
@@ -7,202 +11,211 @@ from typing import Any
 
 from ...procedural.description.scene import Picture
 from .._mitsuba import dr, mi, syntax
-from ..interfaces.dielectric import Scattered, scatter
-from ..interfaces.polarised import analyser_of, in_world, scatter_polarised
+from ..interfaces.dielectric import InterfaceHit, Scattered, scatter
+from ..interfaces.polarised import analyser_of, mueller_to_world, scatter_polarised
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.spectrum import absorption_at, first_only, index_at, seen, unpolarised
-from ..scene.surfaces import AIR_INDEX, SurfaceTable, met, registry_id
-from .sampler import Samples, four, hashed
+from ..scene.spectrum import hero_wavelength, to_output, unpolarised
+from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, surface_media
+from .sampler import SobolSampler, hashed_seed, sample_4d
 
-#: Shadow rays stop this share of the distance before the lamp, so as not to hit it.
+#: Shadow rays end before the emitter by this fraction of the distance, to not hit it.
 _SHADOW_EPSILON = 1e-4
-#: Most that roulette lets a path hope for; below 1, so that a path in lossless glass ends.
-SURVIVE = 0.99
+#: Maximum survival probability of Russian roulette [1]; below 1, so that paths in lossless glass end.
+MAX_SURVIVAL = 0.99
 
 
 @dataclass(frozen=True, eq=False)
 class Radiance:
-    """What a bundle of paths brought back, one entry a path."""
+    """The result of a wavefront of paths, one entry a path."""
 
     radiance: mi.Color3f
-    violations: mi.UInt32  #: segments whose medium was not the one that the next surface faced them with
+    violations: mi.UInt32  #: segments whose medium is not the one on the near side of the surface at their end
     segments: mi.UInt32
     #: In polarised variants s1, s2, s3 beside the radiance s0, in the frame with the x axis
-    #: ``mi.mueller.stokes_basis(-ray.d)`` of the camera's ray; else nothing.
+    #: ``mi.mueller.stokes_basis(-ray.d)`` of the camera's ray; empty in other variants.
     polarisation: tuple[mi.Color3f, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
-    """Where paths start, when it is not at a camera: lamps could have been sampled there, and are weighted so."""
+class PathOrigin:
+    """Where and how the direction of a path's last segment was sampled: what MIS weights emitter hits by."""
 
-    previous: mi.Interaction3f
-    pdf: mi.Float  #: density that the direction was drawn with, by solid angle
+    previous: mi.Interaction3f  #: the point that the segment starts from
+    pdf: mi.Float  #: density of the direction by solid angle
+    delta: mi.Bool  #: whether emitter sampling could not have sampled it (camera, glass, Dirac lobes)
+
+
+@dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
+class PathDimensions:
+    """The sampler dimensions that one surface of a path consumes, each in [0, 1)."""
+
+    u_emitter: mi.Point2f  #: emitter sampling
+    u_bsdf: mi.Point2f  #: direction of BSDF sampling
+    u_lobe: mi.Float  #: lobe of the BSDF, or reflection or refraction at an interface
+    u_rr: mi.Float  #: Russian roulette
+
+
+@dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
+class Bounce:
+    """What an opaque surface adds to a path."""
+
+    radiance: mi.Spectrum  #: outgoing radiance against the ray, without BSDF sampling
+    direction: mi.Vector3f  #: the next segment, by BSDF sampling
+    weight: mi.Spectrum  #: factor on the throughput
+    pdf: mi.Float  #: density of the direction by solid angle
+    delta: mi.Bool  #: whether the sampled lobe is a Dirac one
 
 
 @syntax
 def trace(
-    kernel: LoadedScene,
+    loaded: LoadedScene,
     ray: mi.Ray3f,
     weight: mi.Spectrum,
-    points: Samples,
+    sampler: SobolSampler,
     picture: Picture,
-    start: Start | None = None,
+    origin: PathOrigin | None = None,
 ) -> Radiance:
-    """Trace one path for every camera ray.
+    """Trace one path for every ray, which starts in air, and return its radiance.
 
-    Light is gathered by emitter sampling and BSDF sampling with the balance heuristic (Veach 1997, eq. 9.8). A segment
-    is dimmed by the medium that the surface at its end faces it with (Beer-Lambert). Rays start in air; `weight` comes
-    from `draw_wavelengths`. Sets 0 and 1 of the sample points are the camera's, the others are used here. In polarised
-    variants all spectra are Mueller matrices (`mueller`), and lamps and sky are unpolarised.
+    Emitter sampling and BSDF sampling are combined by the balance heuristic (Veach 1997, eq. 9.8). A segment is
+    attenuated by the medium on the near side of the surface at its end (Beer-Lambert). The wavelengths have a `weight`
+    (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others are consumed here
+    (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted as well. In polarised
+    variants all spectra are Mueller matrices (`mueller`), and emitters are unpolarised.
     """
-    scene, table, carried = kernel.mi_scene, kernel.surfaces, mi.UnpolarizedSpectrum(weight)
-    offset, max_depth = dr.opaque(mi.Float, kernel.offset), dr.opaque(mi.UInt32, picture.max_depth)
+    scene, table, carried = loaded.mi_scene, loaded.surfaces, mi.UnpolarizedSpectrum(weight)
+    offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
     # ---- Loop state ----
-    ray, depth, medium = mi.Ray3f(ray), mi.UInt32(0), mi.UInt32(AIR_INDEX)  # the segment's medium, by events so far
+    ray, depth, medium = mi.Ray3f(ray), mi.UInt32(0), mi.UInt32(AIR_INDEX)  # medium of the segment by the last event
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
-    eta_scale = mi.Float(1.0)  # product of eta^2, which roulette must not take for loss
-    # Where the last direction was sampled, its density, and whether emitter sampling could not have found it.
-    previous, pdf, delta = _beginning(start)
-    violations, segments, alone, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
+    eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
+    previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
+    violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, points, carried]):
+    while dr.hint(active, exclude=[table, scene, sampler, carried]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
         hit = active & si.is_valid()
-        opaque, facing, beyond, n, ns = met(table, si, ray, hit)
+        surface = surface_media(table, si, ray, hit)
         segments += 1
-        violations += dr.select(facing != medium, mi.UInt32(1), mi.UInt32(0))
-        sigma_a = absorption_at(table.absorption, facing, si.wavelengths, active)
-        beta *= mi.Spectrum(dr.exp(-sigma_a * dr.select(hit, si.t, 0.0)))
+        violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
+        beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
+        medium = mi.UInt32(surface.before)
 
-        L += beta * ran_into(scene, si, previous, pdf, delta, active)
+        L += beta * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
         active = mi.Bool(hit)
-        light_at, lobe_at, coin, gamble = numbers_of(points, depth)
+        u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
 
-        if dr.hint(active & opaque, exclude=[table, scene, points, carried]):
-            light, direction, factor, pdf, delta = opaque_event(scene, si, ray, offset, light_at, coin, lobe_at)
-            L += beta * light
+        if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, carried]):
+            bounce = opaque_event(scene, si, ray, offset, u)
+            direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            L += beta * bounce.radiance
 
-        if dr.hint(active & ~opaque, exclude=[table, scene, points, carried]):
-            eta = relative_index(table, facing, beyond, si.wavelengths)
-            alpha = dr.gather(mi.Float, table.alpha, registry_id(si.shape))
-            if picture.dispersion:  # from here on the path follows its first wavelength
-                beta = dr.select(alone, beta, first_only(beta))
-                alone = mi.Bool(True)
-            event = interface_event(-ray.d, n, ns, eta, alpha, coin, hashed(points, depth), beta)
+        if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, carried]):
+            interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
+            if picture.dispersion:  # from the first interface on the path follows its hero wavelength
+                beta = dr.select(is_hero, beta, hero_wavelength(beta))
+                is_hero = mi.Bool(True)
+            event = interface_event(interface, beta)
             direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale *= event.eta_squared
-            facing = dr.select(event.transmitted, beyond, facing)
+            medium = dr.select(event.transmitted, surface.behind, surface.before)
 
-        # ---- On to the next segment, if roulette lets it ----
+        # ---- Next segment, by Russian roulette ----
         beta *= factor
-        medium, previous = mi.UInt32(facing), mi.Interaction3f(si)
+        previous = mi.Interaction3f(si)
         ray = leave(si, direction, offset)
         depth += 1
-        survive = dr.select(depth >= rr_depth, dr.minimum(dr.max(unpolarised(beta)) * eta_scale, SURVIVE), 1.0)
-        active &= dr.any(unpolarised(beta) > 0.0) & (depth < max_depth) & (gamble < survive)
-        beta *= mi.Spectrum(dr.rcp(survive))
+        survival = dr.select(depth >= rr_depth, survival_probability(beta, eta_scale), 1.0)
+        active &= dr.any(unpolarised(beta) > 0.0) & (depth < max_depth) & (u.u_rr < survival)
+        beta *= mi.Spectrum(dr.rcp(survival))
 
-    s0, *others = seen(L, carried, ray.wavelengths)
+    s0, *others = to_output(L, carried, ray.wavelengths)
     return Radiance(s0, violations, segments, tuple(others))
 
 
-def _beginning(start: Start | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:
-    """Return the state that paths begin with: at a camera no lamp could have been sampled."""
-    if start is None:
+def _initial_origin(origin: PathOrigin | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:
+    """Return the loop state of `PathOrigin`; without an origin that of a camera, where no emitter is sampled."""
+    if origin is None:
         return dr.zeros(mi.Interaction3f), mi.Float(1.0), mi.Bool(True)
-    return mi.Interaction3f(start.previous), mi.Float(start.pdf), mi.Bool(False)
+    return mi.Interaction3f(origin.previous), mi.Float(origin.pdf), mi.Bool(origin.delta)
 
 
-def interface_event(
-    wi: mi.Vector3f,
-    n: mi.Normal3f,
-    ns: mi.Normal3f,
-    eta: mi.Float,
-    alpha: mi.Float,
-    coin: mi.Float,
-    seed: mi.UInt32,
-    beta: mi.Spectrum,
-) -> Scattered:
-    """Return what an interface does to a path with the throughput `beta`, by the law of the active variant."""
+def interface_hit(
+    table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, wavelengths: Any, u_lobe: mi.Float, seed: mi.UInt32
+) -> InterfaceHit:
+    """Return a ray at a dielectric interface, with the index and the roughness of pictures in the active variant."""
+    eta = table.relative_index(surface, wavelengths)
+    alpha = dr.gather(mi.Float, table.alpha, surface.row)
+    return InterfaceHit(-ray.d, surface.n, surface.ns, eta, alpha, u_lobe, seed)
+
+
+def interface_event(hit: InterfaceHit, beta: mi.Spectrum) -> Scattered:
+    """Sample the scattering of a path with the throughput `beta` at an interface, polarised or not by the variant."""
     if mi.is_polarized:
-        return scatter_polarised(wi, n, ns, eta, alpha, coin, seed, analyser_of(beta))
-    return scatter(wi, n, ns, eta, alpha, coin, seed)
+        return scatter_polarised(hit, analyser_of(beta))
+    return scatter(hit)
 
 
-def numbers_of(points: Samples, depth: mi.UInt32) -> tuple[mi.Point2f, mi.Point2f, mi.Float, mi.Float]:
-    """Return the random numbers of one surface: lamp, direction, lobe or Fresnel's coin, roulette."""
-    a, b, c, d = four(points, 2 + 2 * depth)
-    coin, gamble, *_ = four(points, 3 + 2 * depth)
-    return mi.Point2f(a, b), mi.Point2f(c, d), coin, gamble
+def path_dimensions(sampler: SobolSampler, depth: mi.UInt32) -> PathDimensions:
+    """Return the sampler dimensions of the surface at a depth: sets 2 + 2 depth and 3 + 2 depth."""
+    a, b, c, d = sample_4d(sampler, 2 + 2 * depth)
+    u_lobe, u_rr, *_ = sample_4d(sampler, 3 + 2 * depth)
+    return PathDimensions(mi.Point2f(a, b), mi.Point2f(c, d), u_lobe, u_rr)
 
 
-def relative_index(table: SurfaceTable, facing: mi.UInt32, beyond: mi.UInt32, wavelengths: Any) -> mi.Float:
-    """Return the index behind an interface over the index before it, for pictures in the active variant."""
-    behind = index_at(table.index, beyond, wavelengths, mi.Bool(True))
-    return behind / index_at(table.index, facing, wavelengths, mi.Bool(True))
+def survival_probability(beta: mi.Spectrum, eta_scale: mi.Float) -> mi.Float:
+    """Return the survival probability of Russian roulette: the throughput without its factors of eta^2."""
+    return dr.minimum(dr.max(unpolarised(beta)) * eta_scale, MAX_SURVIVAL)
 
 
-def ran_into(
-    scene: mi.Scene,
-    si: mi.SurfaceInteraction3f,
-    previous: mi.Interaction3f,
-    pdf: mi.Float,
-    delta: mi.Bool,
-    active: mi.Bool,
-) -> mi.Spectrum:
-    """Return the light of the lamp or the sky that the path ran into, weighted against emitter sampling."""
+def emitter_hit(scene: mi.Scene, si: mi.SurfaceInteraction3f, origin: PathOrigin, active: mi.Bool) -> mi.Spectrum:
+    """Return the radiance of the emitter that BSDF sampling hit, with its MIS weight against emitter sampling."""
     emitter = si.emitter(scene, active)
-    ds = mi.DirectionSample3f(scene, si, previous)
-    emitter_pdf = scene.pdf_emitter_direction(previous, ds, ~delta & active)
-    share = dr.select(delta, 1.0, pdf / (pdf + emitter_pdf))
-    return dr.select(active, mi.Spectrum(share) * emitter.eval(si, active), 0.0)
+    ds = mi.DirectionSample3f(scene, si, origin.previous)
+    emitter_pdf = scene.pdf_emitter_direction(origin.previous, ds, ~origin.delta & active)
+    mis_weight = dr.select(origin.delta, 1.0, origin.pdf / (origin.pdf + emitter_pdf))
+    return dr.select(active, mi.Spectrum(mis_weight) * emitter.eval(si, active), 0.0)
 
 
 def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
-    """Return the point with its shading frame turned to the side that the ray comes from.
+    """Return the point with its shading frame flipped to the side that the ray comes from.
 
-    Open meshes show both sides. Mitsuba's adapter for that would compile every material twice.
+    Open meshes show both sides. Mitsuba's `twosided` adapter would compile every material twice.
     """
-    turned = mi.SurfaceInteraction3f(si)
+    flipped = mi.SurfaceInteraction3f(si)
     sign = dr.select(dr.dot(si.sh_frame.n, ray.d) > 0.0, mi.Float(-1.0), mi.Float(1.0))
-    turned.sh_frame.n, turned.sh_frame.s = sign * si.sh_frame.n, sign * si.sh_frame.s
-    turned.wi = turned.to_local(-ray.d)
-    return turned
+    flipped.sh_frame.n, flipped.sh_frame.s = sign * si.sh_frame.n, sign * si.sh_frame.s
+    flipped.wi = flipped.to_local(-ray.d)
+    return flipped
 
 
-def unshadowed(
-    scene: mi.Scene, si: mi.SurfaceInteraction3f, ds: mi.DirectionSample3f, offset: mi.Float, lit: mi.Bool
+def visible(
+    scene: mi.Scene, si: mi.SurfaceInteraction3f, ds: mi.DirectionSample3f, offset: mi.Float, active: mi.Bool
 ) -> mi.Bool:
-    """Return where nothing stands between the point and the lamp that was sampled, of where that is asked."""
+    """Return where a sampled emitter is visible from a point (shadow test); False where not `active`."""
     shadow = leave(si, ds.d, offset)
     shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
-    return lit & ~scene.ray_test(shadow, False, lit)
+    return active & ~scene.ray_test(shadow, False, active)
 
 
 def opaque_event(
-    scene: mi.Scene,
-    si: mi.SurfaceInteraction3f,
-    ray: mi.Ray3f,
-    offset: mi.Float,
-    light: mi.Point2f,
-    lobe: mi.Float,
-    bounce: mi.Point2f,
-) -> tuple[mi.Spectrum, mi.Vector3f, mi.Spectrum, mi.Float, mi.Bool]:
-    """Return the light by emitter sampling, and direction, weight, density and deltaness of the next bounce."""
+    scene: mi.Scene, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float, u: PathDimensions
+) -> Bounce:
+    """Sample an emitter (next-event estimation) and the next direction at an opaque surface."""
     bsdf, si = si.bsdf(ray), _two_sided(si, ray)
-    ds, arriving = scene.sample_emitter_direction(si, light, False)
-    value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), lobe, bounce)
+    ds, arriving = scene.sample_emitter_direction(si, u.u_emitter, False)
+    value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
-    lit = unshadowed(scene, si, ds, offset, lit)
-    share = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    lit = visible(scene, si, ds, offset, lit)
+    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
     if mi.is_polarized:
-        value = in_world(value, si, si.to_local(ds.d), ds.d, ray)
-        weight = in_world(weight, si, sampled.wo, direction, ray)
-    return dr.select(lit, mi.Spectrum(share) * value * arriving, 0.0), direction, weight, sampled.pdf, delta
+        value = mueller_to_world(value, si, si.to_local(ds.d), ds.d, ray)
+        weight = mueller_to_world(weight, si, sampled.wo, direction, ray)
+    direct = dr.select(lit, mi.Spectrum(mis_weight) * value * arriving, 0.0)
+    return Bounce(direct, direction, weight, sampled.pdf, delta)

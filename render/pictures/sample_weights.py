@@ -1,9 +1,9 @@
-"""Where the samples of a picture go: most to the pixels that show glass, more to those that show polish.
+"""Adaptive sampling: more samples for pixels that show glass or polished surfaces.
 
-The denoiser cleans what its guides explain: even surfaces, textures, soft shadows. What it cannot know is what glass
-shows, where one pixel's light has little to do with the next one's. Measured on five scenes (docs/performance.md), four
-fifths to nine tenths of the error that is left lies in the tenth of the pixels that show glass. Which pixels those are
-is known from the geometry before the first sample, so the means stay what they are.
+The denoiser cleans what its guides explain: smooth surfaces, textures, soft shadows. It cannot clean what is seen
+through glass, where neighbouring pixels have little in common. Measured on five scenes (docs/performance.md), 80 to
+90 % of the remaining error is in the 10 % of the pixels that show glass. Which pixels these are is known from the
+geometry before the first sample, so the means stay unbiased.
 """
 
 from __future__ import annotations
@@ -13,52 +13,52 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-#: Groups that every pixel gets at least, to tell its noise.
-_FEWEST = 2
+#: Minimum number of groups of a pixel [1]: its variance cannot be estimated from fewer.
+_MIN_GROUPS = 2
 
 
 @dataclass(frozen=True)
 class SampleWeights:
-    """Samples of a pixel over those of one that shows neither glass nor polish."""
+    """Samples of a pixel over those of a pixel that shows neither glass nor polished surfaces."""
 
     glass: float
     polished: float
 
     @property
-    def most(self) -> int:
-        """The most that any pixel gets."""
+    def max_factor(self) -> int:
+        """The larger of the two, rounded down."""
         return int(max(self.glass, self.polished))
 
 
-def group_counts(glass: np.ndarray, polished: np.ndarray, worth: SampleWeights, groups: float) -> np.ndarray:
-    """Share out groups of samples.
+def group_counts(glass: np.ndarray, polished: np.ndarray, weights: SampleWeights, groups: float) -> np.ndarray:
+    """Return the number of sample groups of each pixel.
 
     Parameters
     ----------
     glass, polished : (H, W) bool
         Which pixels show glass, and a polished surface (`guides.trace_guides`).
-    worth : SampleWeights
-        How many samples they get over the others; less where the others would else get too few groups.
+    weights : SampleWeights
+        Relative number of samples; reduced where the other pixels would get too few groups.
     groups : float
-        Groups of a pixel, on the average.
+        Mean number of groups of a pixel.
 
     Returns
     -------
     (H W,) int64
-        Groups of each pixel; together as many as asked for, rounded down to a whole number.
+        Groups of each pixel. Their sum is ``groups * H * W``, rounded down.
     """
-    extra = np.maximum(_near(glass) * (worth.glass - 1.0), _near(polished) * (worth.polished - 1.0)).ravel()
+    extra = np.maximum(_dilated(glass) * (weights.glass - 1.0), _dilated(polished) * (weights.polished - 1.0)).ravel()
     mean = extra.mean()
     if mean > 0.0:
-        extra *= min(1.0, max(groups / _FEWEST - 1.0, 0.0) / mean)
+        extra *= min(1.0, max(groups / _MIN_GROUPS - 1.0, 0.0) / mean)
     return _rounded((1.0 + extra) / (1.0 + extra.mean()) * groups)
 
 
-def _near(inside: np.ndarray) -> np.ndarray:
-    """Return 1 inside and beside it, else 0: a pixel at the outline may show between its rays what they look for."""
+def _dilated(inside: np.ndarray) -> np.ndarray:
+    """Return 1 inside and one pixel beyond, else 0: pixels at an outline may show it between the rays of the guides."""
     return cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8))
 
 
-def _rounded(shares: np.ndarray) -> np.ndarray:
-    """Return whole numbers whose running sum follows that of the shares: what is cut from one goes to the next."""
-    return np.diff(np.floor(np.cumsum(shares) + 1e-6), prepend=0.0).astype(np.int64)
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return whole numbers with the running sum of the values: the rounding error of one is carried to the next."""
+    return np.diff(np.floor(np.cumsum(values) + 1e-6), prepend=0.0).astype(np.int64)

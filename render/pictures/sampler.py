@@ -1,7 +1,7 @@
-"""Sample points: Owen-scrambled Sobol' sets of four dimensions, padded, one scramble a pixel.
+"""Sampler: Owen-scrambled Sobol' points of four dimensions, padded to any number, one scramble a pixel.
 
-Burley 2020, "Practical Hash-based Owen Scrambling" (JCGT 9(4)): the set is scrambled by a hash, and its order is
-shuffled by another, so that sets drawn for different purposes are well spread each and independent of each other.
+Burley 2020, "Practical Hash-based Owen Scrambling" (JCGT 9(4)): a set of four dimensions is scrambled by a hash, and
+its order is shuffled by another. Each set is a low-discrepancy point set, and different sets are independent.
 """
 
 from __future__ import annotations
@@ -17,65 +17,68 @@ from .._mitsuba import dr, mi
 #: (Joe and Kuo 2008, "Constructing Sobol Sequences with Better Two-Dimensional Projections", table new-joe-kuo-6).
 _POLYNOMIALS = ((1, 0, (1,)), (2, 1, (1, 3)), (3, 1, (1, 3, 1)))
 _DIMENSIONS, _BITS = 4, 32
-#: Points in the table; longer sequences go on with fresh scrambles.
+#: Points in the table [1]; longer sequences continue with new scrambles.
 _POINTS = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
-    """The sample points of a wavefront: one path is sample `index` of pixel `pixel`."""
+class SobolSampler:
+    """The sampler of a wavefront: a path is sample `index` of pixel `pixel`."""
 
     pixel: mi.UInt32
     index: mi.UInt32
     seed: mi.UInt32
-    mask: mi.UInt32  #: number of points in use less one, a power of two less one
-    table: mi.UInt32
+    mask: mi.UInt32  #: number of points in use minus one, a power of two minus one
+    table: mi.UInt32  #: coordinates of the Sobol' points as 32-bit fractions, four a point
 
 
-def samples(pixel: mi.UInt32, index: mi.UInt32, count: int, seed: int) -> Samples:
-    """Return sample points for paths.
+def sobol_sampler(pixel: mi.UInt32, index: mi.UInt32, count: int, seed: int) -> SobolSampler:
+    """Return the sampler of a wavefront of paths.
 
     Parameters
     ----------
     pixel, index : mi.UInt32
-        Which pixel, and which of its samples, each path is.
+        Pixel of each path, and which of the pixel's samples it is.
     count : int
-        Samples of each pixel in all passes. Powers of two are spread best.
+        Samples of each pixel in all passes. Powers of two have the lowest discrepancy.
     seed : int
         32-bit seed of the picture.
     """
     points = min(_POINTS, 1 << max(0, count - 1).bit_length())
-    return Samples(pixel, index, dr.opaque(mi.UInt32, seed), dr.opaque(mi.UInt32, points - 1), _table())
+    return SobolSampler(pixel, index, dr.opaque(mi.UInt32, seed), dr.opaque(mi.UInt32, points - 1), _table())
 
 
-def four(points: Samples, number: mi.UInt32) -> tuple[mi.Float, mi.Float, mi.Float, mi.Float]:
-    """Return the four coordinates of set `number`, each in [0, 1)."""
-    index, scramble = _shuffled(points, number)
-    a, b, c, d = (_coordinate(points, index, scramble, mi.UInt32(axis)) for axis in range(_DIMENSIONS))
+def sample_4d(sampler: SobolSampler, number: mi.UInt32) -> tuple[mi.Float, mi.Float, mi.Float, mi.Float]:
+    """Return the four dimensions of set `number`, each in [0, 1)."""
+    index, scramble = _shuffled(sampler, number)
+    a, b, c, d = (_coordinate(sampler, index, scramble, mi.UInt32(axis)) for axis in range(_DIMENSIONS))
     return a, b, c, d
 
 
-def one(points: Samples, number: mi.UInt32, axis: mi.UInt32) -> mi.Float:
-    """Return one coordinate of set `number`; `axis` may differ by lane."""
-    index, scramble = _shuffled(points, number)
-    return _coordinate(points, index, scramble, axis)
+def sample_1d(sampler: SobolSampler, number: mi.UInt32, axis: mi.UInt32) -> mi.Float:
+    """Return one dimension of set `number`; `axis` may differ by lane."""
+    index, scramble = _shuffled(sampler, number)
+    return _coordinate(sampler, index, scramble, axis)
 
 
-def hashed(points: Samples, number: mi.UInt32) -> mi.UInt32:
-    """Return a seed that is different for every path and every `number`, for processes of unknown length."""
-    seed, _ = mi.sample_tea_32(points.pixel ^ (points.index * 0x9E3779B9), points.seed ^ (number * 0xC2B2AE35 + 1), 4)
+def hashed_seed(sampler: SobolSampler, number: mi.UInt32) -> mi.UInt32:
+    """Return a seed that differs by path and by `number`, for random walks of unknown length."""
+    seed, _ = mi.sample_tea_32(
+        sampler.pixel ^ (sampler.index * 0x9E3779B9), sampler.seed ^ (number * 0xC2B2AE35 + 1), 4
+    )
     return seed
 
 
-def _shuffled(points: Samples, number: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]:
-    # Which stretch of the sequence this is joins the hash, so that what follows the table is scrambled anew.
-    lap = points.index & ~points.mask
-    order, scramble = mi.sample_tea_32(points.pixel ^ (lap * 0x9E3779B9), points.seed + number * 0x85EBCA6B, 4)
-    return _scrambled(points.index, order) & points.mask, scramble
+def _shuffled(sampler: SobolSampler, number: mi.UInt32) -> tuple[mi.UInt32, mi.UInt32]:
+    """Return the index of a sample's point in the shuffled set, and the seed of the set's scramble."""
+    # The number of the pass through the table is part of the hash: samples beyond the table get new scrambles.
+    lap = sampler.index & ~sampler.mask
+    order, scramble = mi.sample_tea_32(sampler.pixel ^ (lap * 0x9E3779B9), sampler.seed + number * 0x85EBCA6B, 4)
+    return _scrambled(sampler.index, order) & sampler.mask, scramble
 
 
-def _coordinate(points: Samples, index: mi.UInt32, scramble: mi.UInt32, axis: mi.UInt32) -> mi.Float:
-    raw = dr.gather(mi.UInt32, points.table, index * _DIMENSIONS + axis)
+def _coordinate(sampler: SobolSampler, index: mi.UInt32, scramble: mi.UInt32, axis: mi.UInt32) -> mi.Float:
+    raw = dr.gather(mi.UInt32, sampler.table, index * _DIMENSIONS + axis)
     bits = _scrambled(raw, _mixed(scramble + axis * 0x9E3779B9))
     return mi.Float(bits >> 8) * 2.0**-24
 
@@ -83,8 +86,8 @@ def _coordinate(points: Samples, index: mi.UInt32, scramble: mi.UInt32, axis: mi
 def _mixed(x: mi.UInt32) -> mi.UInt32:
     """Return a hash of all bits in each bit (Wellons, "Hash Prospector", lowbias32).
 
-    A scramble flips a coordinate's leading bit by the seed's last one alone. If the seeds of two axes differed
-    by a constant, the axes would flip together in every pixel, and parts of their square would never be drawn.
+    A scramble flips a coordinate's leading bit by the seed's last bit alone. If the seeds of two axes differed by a
+    constant, both axes would flip together in every pixel, and parts of the square would never be sampled.
     """
     x = (x ^ (x >> 16)) * 0x7FEB352D
     x = (x ^ (x >> 15)) * 0x846CA68B

@@ -1,8 +1,8 @@
-"""What a polarisation camera sees: the Stokes vector of every pixel, in polarised variants.
+"""Polarisation camera: the Stokes vector of every pixel, in polarised variants.
 
-The frame of a pixel has its x axis along the rows of the picture, to the right, and its y axis up, as one looks at the
-light. Away from the centre of the picture, where its rows are not perpendicular to the ray, x is what is perpendicular
-to the ray and to the camera's vertical. Mitsuba's `stokes` integrator has the same frame.
+The Stokes frame of a pixel has its x axis along the rows of the picture, to the right, and its y axis up, seen against
+the light. Away from the centre of the picture, where rows are not perpendicular to the ray, x is perpendicular to the
+ray and to the camera's vertical. Mitsuba's `stokes` integrator uses the same frame.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from .picture import PATHS_PER_PASS, camera_paths, check_media
 
 
 def trace_stokes(
-    kernel: LoadedScene, camera: Camera, eye: Eye = "left", seed: int = 0, spp: int | None = None
+    loaded: LoadedScene, camera: Camera, eye: Eye = "left", seed: int = 0, spp: int | None = None
 ) -> np.ndarray:
     """Render the Stokes vectors of one eye of a camera, undenoised.
 
-    Lamps and sky are unpolarised. Smooth and rough glass polarise by Fresnel's equations; opaque surfaces as Mitsuba's
-    BSDF says: the principled one of all our materials mirrors and scatters unpolarised light.
+    Emitters are unpolarised. Smooth and rough glass polarise by Fresnel's equations; opaque surfaces as Mitsuba's BSDF
+    does: the principled one of all our materials depolarises.
 
     Parameters
     ----------
-    kernel : LoadedScene
-        The loaded scene, in a polarised variant.
+    loaded : LoadedScene
+        The scene, in a polarised variant.
     camera : Camera
         The stereo pair.
     eye : {"left", "right"}
@@ -46,26 +46,26 @@ def trace_stokes(
     -------
     (H, W, 4, 3) float32
         s0, s1, s2, s3 of each pixel as linear Rec.709, in the unit of `trace_picture`'s radiance; three equal channels
-        in a variant of one. s0 is the radiance. s1 > 0 swings along the rows of the picture, s1 < 0 up and down,
-        s2 > 0 from lower left to upper right, s3 > 0 turns clockwise as the camera sees it.
+        in variants of one channel. s0 is the radiance. s1 > 0 is horizontal, s1 < 0 vertical polarisation, s2 > 0 that
+        along the diagonal from lower left to upper right, s3 > 0 turns clockwise as seen by the camera.
 
     Raises
     ------
     InputError
         If the active variant is not polarised, or `spp` is below 1.
     MediumError
-        If more than hairline cracks let light change its medium.
+        If more segments change their medium than hairline cracks explain.
     """
     if not mi.is_polarized:
         raise InputError("backend", "a polarised variant, such as llvm_ad_spectral_polarized", mi.variant())
-    spp = kernel.description.picture.spp if spp is None else spp
+    spp = loaded.description.picture.spp if spp is None else spp
     if spp < 1:
         raise InputError("spp", "at least 1", spp)
     if not 0 <= seed < 1 << 32:
         raise InputError("seed", "a number of 32 bits", seed)
     pixels, counts = camera.width * camera.height, np.zeros(2)
     total = np.zeros((4, 3, pixels))
-    for sums, events in _passes(kernel, pinhole(camera, eye), pixels, spp, seed):
+    for sums, events in _passes(loaded, pinhole(camera, eye), pixels, spp, seed):
         total += sums
         counts += events
         check_media(counts, eye)
@@ -74,15 +74,15 @@ def trace_stokes(
 
 
 def _passes(
-    kernel: LoadedScene, view: Pinhole, pixels: int, spp: int, seed: int
+    loaded: LoadedScene, view: Pinhole, pixels: int, spp: int, seed: int
 ) -> Iterator[tuple[np.ndarray, list[np.int64]]]:
     """Yield each pass's sums over the samples (4, 3, pixels), and its violations and segments."""
     # A path holds 56 bytes of results, where one of a picture holds 20.
-    share, done, pixel = max(1, PATHS_PER_PASS // 3 // pixels), 0, np.arange(pixels, dtype=np.uint32)
+    per_pass, done, pixel = max(1, PATHS_PER_PASS // 3 // pixels), 0, np.arange(pixels, dtype=np.uint32)
     while done < spp:
-        count = min(share, spp - done)
-        ray, weight, points = camera_paths(view, pixel, np.full_like(pixel, done), count, spp, seed)
-        result = trace(kernel, ray, weight, points, kernel.description.picture)
+        count = min(per_pass, spp - done)
+        ray, weight, sampler = camera_paths(view, pixel, np.full_like(pixel, done), count, spp, seed)
+        result = trace(loaded, ray, weight, sampler, loaded.description.picture)
         vectors = (result.radiance, *_in_camera(view, ray.d, *result.polarisation))
         dr.eval(vectors, result.violations, result.segments)
         sums = [[np.array(dr.block_sum(channel, count), np.float64) for channel in vector] for vector in vectors]
@@ -93,7 +93,7 @@ def _passes(
 def _in_camera(
     view: Pinhole, direction: mi.Vector3f, s1: mi.Color3f, s2: mi.Color3f, s3: mi.Color3f
 ) -> tuple[mi.Color3f, ...]:
-    """Turn Stokes vectors from Mitsuba's frame of the rays to the camera's."""
+    """Return Stokes vectors in the camera's frame instead of Mitsuba's frame of the rays."""
     down = view.world_R_camera @ mi.Vector3f(0.0, 1.0, 0.0)
     right = dr.normalize(dr.cross(down, direction))
     R = mi.mueller.rotate_stokes_basis(-direction, mi.mueller.stokes_basis(-direction), right)
@@ -101,12 +101,12 @@ def _in_camera(
 
 
 def degree_of_linear_polarisation(stokes: np.ndarray) -> np.ndarray:
-    """Return sqrt(s1^2 + s2^2) / s0, the share of the light that swings along one line; 0 where it is dark.
+    """Return the degree of linear polarisation, sqrt(s1^2 + s2^2) / s0; 0 where s0 is 0.
 
     Parameters
     ----------
     stokes : (..., 4, channels)
-        Stokes vectors. The noise of s1 and s2 makes the degree too high on average: take many samples.
+        Stokes vectors. Noise of s1 and s2 makes the degree too high on average: render with many samples.
 
     Returns
     -------
@@ -114,16 +114,16 @@ def degree_of_linear_polarisation(stokes: np.ndarray) -> np.ndarray:
         From 0 to 1 for light of one wavelength and for ``luminance(stokes)[..., None]``. Red, green and blue of
         spectral variants are differences of wavelengths: in saturated or noisy colours their degree may lie above 1.
     """
-    return _over(np.hypot(stokes[..., 1, :], stokes[..., 2, :]), stokes[..., 0, :])
+    return _ratio(np.hypot(stokes[..., 1, :], stokes[..., 2, :]), stokes[..., 0, :])
 
 
 def degree_of_polarisation(stokes: np.ndarray) -> np.ndarray:
-    """Return sqrt(s1^2 + s2^2 + s3^2) / s0, circular polarisation included; otherwise as the linear degree."""
-    return _over(np.sqrt((stokes[..., 1:, :] ** 2).sum(-2)), stokes[..., 0, :])
+    """Return the degree of polarisation, sqrt(s1^2 + s2^2 + s3^2) / s0; otherwise as the linear degree."""
+    return _ratio(np.sqrt((stokes[..., 1:, :] ** 2).sum(-2)), stokes[..., 0, :])
 
 
 def angle_of_linear_polarisation(stokes: np.ndarray) -> np.ndarray:
-    """Return atan2(s2, s1) / 2, the line along which the light swings.
+    """Return the angle of linear polarisation, atan2(s2, s1) / 2.
 
     Parameters
     ----------
@@ -133,10 +133,10 @@ def angle_of_linear_polarisation(stokes: np.ndarray) -> np.ndarray:
     Returns
     -------
     (..., channels)
-        Angle from the picture's x axis, counter-clockwise as one looks at the picture, in (-pi/2, pi/2] [rad].
+        Angle from the picture's x axis, counter-clockwise as seen in the picture, in (-pi/2, pi/2] [rad].
     """
     return 0.5 * np.arctan2(stokes[..., 2, :], stokes[..., 1, :])
 
 
-def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+def _ratio(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
     return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)

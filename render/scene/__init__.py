@@ -1,1 +1,1 @@
-"""The loaded scene: shapes, materials and lights in Mitsuba, and tables of what each surface parts."""
+"""Scene loading: shapes, BSDFs and emitters in Mitsuba, and the surface table that the ray loops read."""

@@ -1,4 +1,4 @@
-"""Environment and area lights: description -> Mitsuba emitters."""
+"""Emitters: environment map and area lights, from the description to Mitsuba."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from ...procedural.description.surroundings import AreaLight, Environment
 from ...procedural.surroundings.environments import bake_environment
 from .._mitsuba import dr, mi
 
-#: Our equirectangular axes (z up, azimuth from +x towards +y) seen from Mitsuba's (y up), whose azimuth runs the other
-#: way: used with the picture's columns reversed.
+#: Rotation from Mitsuba's equirectangular axes (y up) to ours (z up, azimuth from +x towards +y). Mitsuba's azimuth
+#: runs in the opposite direction: the columns of the picture are reversed as well.
 _WORLD_T_ENVMAP = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
-#: The sky is sampled as if the scene lay in a ball of this radius, or of the next power of two that holds it [m]. It
-#: only has to be so far that shadow rays pass everything; a scene's own radius would stand in the kernel as a literal.
+#: Bounding sphere for sampling the environment map [m], or the next power of two that contains the scene. Shadow rays
+#: only have to end outside the scene; the scene's own radius would be compiled into the kernel as a literal.
 _SKY_RADIUS = 64.0
 
 
 def envmap(environment: Environment) -> dict:
-    """Return the dictionary of the environment's emitter."""
+    """Return the Mitsuba dictionary of the environment map."""
     pixels = _rows_for_mitsuba(bake_environment(environment) * np.float32(environment.strength))
     cos, sin = np.cos(environment.rotation), np.sin(environment.rotation)
     world_T_env = np.eye(4)
@@ -31,10 +31,11 @@ def envmap(environment: Environment) -> dict:
 
 
 def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
-    """Resample rows from centres at (r + 1/2)/H to Mitsuba's at r/(H' - 1), both shares of pi.
+    """Resample rows from polar angles (r + 1/2)/H pi to Mitsuba's r/(H' - 1) pi.
 
-    With H' = 2H + 1 every old centre is a new row and every other new row lies half-way between two old ones, so the
-    bilinear picture stays the same. (Mitsuba 3.9.1, measured: columns are centred at (c + 1/2)/W, rows are not.)
+    With H' = 2H + 1 every old centre is a new row and every other new row lies half-way between two old ones, so
+    bilinear interpolation gives the same values. (Mitsuba 3.9.1, measured: columns are centred at (c + 1/2)/W, rows are
+    not.)
     """
     middle = np.concatenate([pixels[:1], (pixels[:-1] + pixels[1:]) * np.float32(0.5), pixels[-1:]])
     rows = np.empty((2 * len(pixels) + 1, *pixels.shape[1:]), np.float32)
@@ -43,7 +44,7 @@ def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
 
 
 def area_light(light: AreaLight) -> dict:
-    """Return the dictionary of a rectangle that shines along its local +z, black from behind."""
+    """Return the Mitsuba dictionary of a rectangle that emits along its local +z and is black from behind."""
     half = np.diag([light.size[0] / 2, light.size[1] / 2, 1.0, 1.0])  # Mitsuba's rectangle spans [-1, 1]^2
     return {
         "type": "rectangle",
@@ -53,8 +54,11 @@ def area_light(light: AreaLight) -> dict:
     }
 
 
-def keep_numbers_out_of_kernels(scene: mi.Scene) -> None:
-    """Make what Mitsuba writes into kernels as literals opaque: poses of lamps, and the scene's radius for the sky."""
+def make_literals_opaque(scene: mi.Scene) -> None:
+    """Make values opaque that Mitsuba compiles into kernels as literals: poses of area lights and the scene's radius.
+
+    All scenes then share their compiled kernels.
+    """
     parameters = mi.traverse(scene)
     for shape in scene.shapes():
         if shape.is_emitter():

@@ -1,4 +1,4 @@
-"""Camera rays and rays that leave surfaces."""
+"""Camera rays (pinhole) and rays that leave surfaces (self-intersection offset)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..frame import Eye
 
 @dataclass(frozen=True, eq=False)
 class Pinhole:
-    """One eye of a stereo camera as opaque Dr.Jit numbers, so that another camera needs no new kernel."""
+    """One eye of a stereo camera as opaque Dr.Jit values, so that all cameras share one compiled kernel."""
 
     width: mi.UInt32
     inverse_focal: mi.Float
@@ -24,7 +24,13 @@ class Pinhole:
 
 
 def pinhole(camera: Camera, eye: Eye = "left") -> Pinhole:
-    """Return the left or the right eye of a camera; InputError for another name."""
+    """Return the left or the right eye of a stereo camera.
+
+    Raises
+    ------
+    InputError
+        If `eye` is neither "left" nor "right".
+    """
     if eye not in ("left", "right"):
         raise InputError("eye", "'left' or 'right'", repr(eye))
     world_T_eye = camera.world_T_camera if eye == "left" else camera.world_T_right
@@ -41,14 +47,14 @@ def pinhole(camera: Camera, eye: Eye = "left") -> Pinhole:
 
 
 def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.Ray3f, mi.Float]:
-    """Return the rays through pixels (row-major index) and how much of each unit of distance is depth.
+    """Return the camera rays through pixels.
 
     Parameters
     ----------
     view : Pinhole
         The eye.
     pixel : mi.UInt32
-        ``row * width + column``.
+        Row-major index, ``row * width + column``.
     jitter : mi.Point2f
         Offset from the pixel's centre [px]; 0 for labels, in [-1/2, 1/2) for pictures.
 
@@ -68,15 +74,15 @@ def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.
 
 
 def clearance(si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float) -> mi.Float:
-    """Return how far off the surface that it met a ray must start again so as not to meet it once more [m].
+    """Return the distance off a surface at which a ray must start to avoid self-intersection [m].
 
-    That is `offset`, but in slivers of triangles, whose barycentric coordinates are ill-conditioned: there the point on
-    the surface may lie farther than that from the point on the ray. Twice the distance between the two is clear of it.
+    It is `offset`, except on sliver triangles, whose barycentric coordinates are ill-conditioned: there the point on
+    the surface may lie farther than `offset` from the point on the ray. Twice the distance between the two is enough.
     """
     return dr.maximum(offset, 2.0 * dr.norm(si.p - ray(si.t)))
 
 
 def leave(si: mi.SurfaceInteraction3f, direction: mi.Vector3f, offset: float) -> mi.Ray3f:
-    """Return a ray from the surface along `direction`, started `offset` [m] off it on the side that it goes to."""
+    """Return a ray from the surface along `direction`, started `offset` [m] off it on the side of `direction`."""
     side = dr.select(dr.dot(si.n, direction) > 0.0, mi.Float(offset), -mi.Float(offset))
     return mi.Ray3f(si.p + side * si.n, direction, si.time, si.wavelengths)

@@ -1,4 +1,4 @@
-"""Colours of the active variant: RGB, one grey channel, or four wavelengths a path."""
+"""Colour representation of the active variant: RGB, one grey channel, or four wavelengths a path."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from ...procedural.optics.spectra import absorption
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 
-#: Grid of the media's tables [nm]: Mitsuba's wavelengths lie from 360 to 830. At 5 nm, linear interpolation of the
-#: narrowest dye band (a Gaussian of 40 nm full width) is within 0.6 % of its peak.
+#: Grid of the media's spectra [nm, nm, 1]: Mitsuba samples wavelengths from 360 to 830 nm. At 5 nm, linear
+#: interpolation of the narrowest dye band (a Gaussian of 40 nm full width) is within 0.6 % of its peak.
 FIRST_NM, STEP_NM, GRID = 360.0, 5.0, 95
 
 
 def check_variant(dispersion: bool) -> None:
-    """Raise InputError where the active variant cannot draw what is asked for."""
+    """Raise InputError where the active variant cannot render dispersion although the picture requires it."""
     if dispersion and not mi.is_spectral:
         raise InputError("picture.dispersion", "a spectral variant, such as llvm_ad_spectral", mi.variant())
 
 
 def media_columns(media: Sequence[Medium], dispersion: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return index (media, samples) and absorption (media, samples) [1/m] as the active variant reads them."""
+    """Return index (media, samples) and absorption (media, samples) [1/m], sampled for the active variant."""
     if mi.is_spectral:
         nm = FIRST_NM + STEP_NM * np.arange(GRID)
-        # The ends of the visible range lie outside some formulas' validity; the eye sees next to nothing there.
+        # The ends of the visible range lie outside the validity of some dispersion formulas, where the sensitivity of
+        # the eye is almost zero: the value at the end of the validity is held.
         index = [eta(m, nm, outside="hold") if dispersion else np.full(GRID, m.eta) for m in media]
         return np.array(index), np.array([absorption(m, nm, outside="hold") for m in media])
     sigma_a = np.array([m.sigma_a for m in media])
@@ -36,12 +37,12 @@ def media_columns(media: Sequence[Medium], dispersion: bool) -> tuple[np.ndarray
 
 
 def index_at(column: mi.Float, medium: mi.UInt32, wavelengths: Any, active: mi.Bool) -> mi.Float:
-    """Return the index of a medium: at the path's first wavelength in spectral variants, else the one there is."""
+    """Return the index of a medium: at the path's hero (first) wavelength in spectral variants, else the only one."""
     if not mi.is_spectral:
         return dr.gather(mi.Float, column, medium, active)
-    cell, share = _cell(wavelengths[0])
+    cell, t = _cell(wavelengths[0])
     row = medium * GRID + cell
-    return dr.lerp(dr.gather(mi.Float, column, row, active), dr.gather(mi.Float, column, row + 1, active), share)
+    return dr.lerp(dr.gather(mi.Float, column, row, active), dr.gather(mi.Float, column, row + 1, active), t)
 
 
 def absorption_at(column: mi.Float, medium: mi.UInt32, wavelengths: Any, active: mi.Bool) -> mi.Spectrum:
@@ -50,28 +51,32 @@ def absorption_at(column: mi.Float, medium: mi.UInt32, wavelengths: Any, active:
         return dr.gather(mi.UnpolarizedSpectrum, column, medium, active)
     value = mi.UnpolarizedSpectrum(0.0)
     for channel in range(len(wavelengths)):
-        cell, share = _cell(wavelengths[channel])
+        cell, t = _cell(wavelengths[channel])
         row = medium * GRID + cell
         low, high = dr.gather(mi.Float, column, row, active), dr.gather(mi.Float, column, row + 1, active)
-        value[channel] = dr.lerp(low, high, share)
+        value[channel] = dr.lerp(low, high, t)
     return value
 
 
 def _cell(nm: mi.Float) -> tuple[mi.UInt32, mi.Float]:
+    """Return the grid cell of a wavelength and the position in it, from 0 to 1."""
     place = dr.clip((nm - FIRST_NM) / STEP_NM, 0.0, GRID - 1.001)
     cell = mi.UInt32(place)
     return cell, place - mi.Float(cell)
 
 
 def draw_wavelengths(sample: mi.Float) -> tuple[Any, mi.Spectrum]:
-    """Return the wavelengths of paths [nm] and their weight; nothing and 1 in variants without wavelengths."""
+    """Sample the wavelengths of paths [nm] and their weight; empty and 1 in variants without wavelengths."""
     if mi.is_spectral:
         return mi.sample_rgb_spectrum(mi.sample_shifted(sample))
     return dr.zeros(mi.Ray3f).wavelengths, mi.UnpolarizedSpectrum(1.0)
 
 
-def first_only(throughput: mi.Spectrum) -> mi.Spectrum:
-    """Return the throughput with all weight on the path's first wavelength, which the others cannot follow."""
+def hero_wavelength(throughput: mi.Spectrum) -> mi.Spectrum:
+    """Return the throughput with all weight on the hero (first) wavelength, which dispersion separates from the others.
+
+    Hero wavelength spectral sampling (Wilkie et al. 2014, CGF 33(4)) with the secondary wavelengths terminated.
+    """
     alone = mi.UnpolarizedSpectrum(0.0)
     if mi.is_polarized:
         alone[0] = len(alone)
@@ -88,17 +93,17 @@ def to_rgb(value: mi.Spectrum, wavelengths: Any) -> mi.Color3f:
 
 
 def unpolarised(value: mi.Spectrum) -> mi.UnpolarizedSpectrum:
-    """Return what becomes of the brightness of unpolarised light: the first entry of a Mueller matrix, or all."""
+    """Return the factor on unpolarised radiance: the first element of a Mueller matrix, else the spectrum itself."""
     return value[0, 0] if mi.is_polarized else value
 
 
-def seen(light: mi.Spectrum, weight: mi.UnpolarizedSpectrum, wavelengths: Any) -> list[mi.Color3f]:
-    """Return radiance as linear Rec.709; in polarised variants a Stokes vector, the first column of `light`."""
+def to_output(radiance: mi.Spectrum, weight: mi.UnpolarizedSpectrum, wavelengths: Any) -> list[mi.Color3f]:
+    """Return radiance as linear Rec.709; in polarised variants a Stokes vector, the first column of `radiance`."""
     if not mi.is_polarized:
-        return [to_rgb(light * weight, wavelengths)]
-    return [to_rgb(light[row, 0] * weight, wavelengths) for row in range(4)]
+        return [to_rgb(radiance * weight, wavelengths)]
+    return [to_rgb(radiance[row, 0] * weight, wavelengths) for row in range(4)]
 
 
-def grey_guide(value: mi.Spectrum) -> mi.Color3f:
-    """Return a reflectance as a denoiser's guide: its own colour in RGB, its mean over the path's channels else."""
+def to_guide(value: mi.Spectrum) -> mi.Color3f:
+    """Return a reflectance as the denoiser's albedo: its colour in RGB variants, its mean over the channels else."""
     return mi.Color3f(value) if mi.is_rgb else mi.Color3f(dr.mean(unpolarised(value)))

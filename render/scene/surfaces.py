@@ -1,4 +1,4 @@
-"""What each surface parts: per-shape tables that the ray loops read by the shape's registry id."""
+"""Surface table: per-shape columns (ids, media on both sides, roughness) that the ray loops read by registry id."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ...procedural.optics.medium import AIR, Medium
 from .._mitsuba import dr, mi
 from ..frame import PARTS
-from .spectrum import media_columns
+from .spectrum import absorption_at, index_at, media_columns
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
@@ -27,12 +27,30 @@ class Surface:
     back: Medium
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
-    polished: bool = False  #: whether it is a prop that mirrors clearly
+    polished: bool = False  #: whether it is a prop with clear mirror reflections
+
+
+@dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
+class SurfaceMedia:
+    """The surface at the end of a ray's segment: the media on both sides and the normals on the ray's side."""
+
+    row: mi.UInt32  #: registry id, row of the surface table
+    opaque: mi.Bool
+    before: mi.UInt32  #: index of the medium on the ray's side, which fills the segment; air where nothing is hit
+    behind: mi.UInt32  #: index of the medium on the other side
+    n: mi.Normal3f  #: geometric normal on the ray's side
+    ns: mi.Normal3f  #: shading normal, with the same sign as the geometric one
+    distance: mi.Float  #: length of the segment [m]; 0 where nothing is hit
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTable:
-    """Columns of the table, Dr.Jit arrays indexed by registry id, and the media that they refer to."""
+    """Columns of the table, Dr.Jit arrays indexed by registry id, and the optics of the media that they refer to.
+
+    Labels use the index at the d line and the absorption in linear Rec.709 (columns `eta_d`, `sigma_a_rgb`) in every
+    variant. Pictures use the columns `eta_render` and `sigma_a_render`, sampled for the active variant (RGB, grey or a
+    grid of wavelengths), through `relative_index` and `transmittance`.
+    """
 
     instance: mi.UInt32
     object: mi.Int32
@@ -42,15 +60,25 @@ class SurfaceTable:
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
     polished: mi.Bool
-    eta: mi.Float  #: by medium, at the d line: what labels use
-    sigma_a: mi.Float  #: by medium and linear Rec.709 colour, 3 numbers each [1/m]: what labels use
-    index: mi.Float  #: by medium, for pictures in the active variant (`spectrum.index_at`)
-    absorption: mi.Float  #: by medium, for pictures in the active variant [1/m] (`spectrum.absorption_at`)
+    eta_d: mi.Float  #: by medium: refractive index at the d line
+    sigma_a_rgb: mi.Float  #: by medium and linear Rec.709 channel, 3 values each: absorption [1/m]
+    eta_render: mi.Float  #: by medium and sample of the active variant (`spectrum.index_at`)
+    sigma_a_render: mi.Float  #: by medium and sample of the active variant (`spectrum.absorption_at`) [1/m]
     media: tuple[Medium, ...]
+
+    def relative_index(self, surface: SurfaceMedia, wavelengths: Any) -> mi.Float:
+        """Return the index behind an interface over the index before it, for pictures in the active variant."""
+        behind = index_at(self.eta_render, surface.behind, wavelengths, mi.Bool(True))
+        return behind / index_at(self.eta_render, surface.before, wavelengths, mi.Bool(True))
+
+    def transmittance(self, surface: SurfaceMedia, wavelengths: Any, active: mi.Bool) -> mi.UnpolarizedSpectrum:
+        """Return the Beer-Lambert transmittance of the segment that ends at a surface, in the active variant."""
+        sigma_a = absorption_at(self.sigma_a_render, surface.before, wavelengths, active)
+        return dr.exp(-sigma_a * surface.distance)
 
 
 def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTable:
-    """Return the table of the surfaces given by registry id; with dispersion, indices follow the wavelength."""
+    """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength."""
     media = [AIR]
     for surface in surfaces.values():
         media += [medium for medium in (surface.front, surface.back) if medium not in media]
@@ -74,31 +102,40 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         polished=column(mi.Bool, [row.polished for row in rows]),
-        eta=column(mi.Float, [medium.eta for medium in media]),
-        sigma_a=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
-        index=column(mi.Float, index.astype(np.float32).ravel()),
-        absorption=column(mi.Float, absorption.astype(np.float32).ravel()),
+        eta_d=column(mi.Float, [medium.eta for medium in media]),
+        sigma_a_rgb=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
+        eta_render=column(mi.Float, index.astype(np.float32).ravel()),
+        sigma_a_render=column(mi.Float, absorption.astype(np.float32).ravel()),
         media=tuple(media),
     )
 
 
 def registry_id(shape: mi.ShapePtr) -> mi.UInt32:
-    """Return the registry id of each shape pointer, the row of the table (0 where there is none)."""
+    """Return the registry id of each shape pointer, the row of the table (0 for null pointers)."""
     return dr.reinterpret_array(mi.UInt32, shape)
 
 
-def met(
-    table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, hit: mi.Bool
-) -> tuple[mi.Bool, mi.UInt32, mi.UInt32, mi.Normal3f, mi.Normal3f]:
-    """Return of the surface met: whether it is opaque, the media before and behind it, and its normals.
+def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, hit: mi.Bool) -> SurfaceMedia:
+    """Return the media on both sides of the surface that a ray hits: the step that all ray loops share.
 
-    Geometric and shading normal are on the side that the ray comes from, by the geometric one. A ray that meets nothing
-    ends in air.
+    The side is decided by the geometric normal. A ray that hits nothing ends in air.
     """
     row = registry_id(si.shape)
     from_front = dr.dot(si.n, ray.d) < 0.0
     opaque = dr.gather(mi.Bool, table.opaque, row, hit)
     front, back = dr.gather(mi.UInt32, table.front, row, hit), dr.gather(mi.UInt32, table.back, row, hit)
-    facing = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
+    before = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
+    behind = dr.select(from_front, back, front)
     sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
-    return opaque, facing, dr.select(from_front, back, front), sign * si.n, sign * si.sh_frame.n
+    return SurfaceMedia(row, opaque, before, behind, sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0))
+
+
+def transmittance_rgb(sigma_a: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool) -> mi.Color3f:
+    """Return the Beer-Lambert transmittance of a segment for labels, by absorption in linear Rec.709 of each medium."""
+    return dr.exp(-dr.gather(mi.Color3f, sigma_a, surface.before, active) * surface.distance)
+
+
+def relative_index_d(eta: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool = True) -> mi.Float:
+    """Return the index behind an interface over the index before it for labels, by the index of each medium."""
+    # (The divisor is read in all lanes: 0 / 0 in inactive ones would reach derivatives.)
+    return dr.gather(mi.Float, eta, surface.behind, active) / dr.gather(mi.Float, eta, surface.before)

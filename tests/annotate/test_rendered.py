@@ -16,8 +16,7 @@ EDGE_PIXELS = 5
 @pytest.mark.parametrize("number", [0, 1, 3])
 def test_rendered_geometry_and_labels_agree_with_closed_forms(analytic, backend, number):
     # Mitsuba can only be imported once a variant is set, which `backend` does.
-    from glassware.render.labels.geometry import trace_geometry
-    from glassware.render.labels.sight import line_of_sight
+    from glassware.render.labels.geometry import line_of_sight, trace_geometry
     from glassware.render.scene.loaded_scene import load
 
     scene = analytic.scene(views=4)

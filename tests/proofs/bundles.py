@@ -8,10 +8,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from glassware.render.interfaces.dielectric import scatter
+from glassware.render.interfaces.dielectric import InterfaceHit, scatter
 from glassware.render.labels.refraction import Refracted, refract
 from glassware.render.pictures.integrator import trace
-from glassware.render.pictures.sampler import samples
+from glassware.render.pictures.sampler import sobol_sampler
 from glassware.render.scene.loaded_scene import LoadedScene
 
 
@@ -78,7 +78,7 @@ def traced(
     if nm is not None:
         ray.wavelengths = type(ray.wavelengths)(mi.Float(np.asarray(nm, np.float32)))
     # Each ray is a pixel of its own: its numbers are independent of all others'.
-    points = samples(dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, seed)
+    points = sobol_sampler(dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, seed)
     result = trace(kernel, ray, mi.UnpolarizedSpectrum(1.0), points, kernel.description.picture)
     dr.eval(result)
     return Paths(rows(result.radiance), np.array(result.segments).astype(int))
@@ -104,7 +104,8 @@ def scattered(wi: np.ndarray, eta: float, alpha: float, coin: np.ndarray, seed: 
     width = max(len(np.atleast_2d(wi)), len(np.atleast_1d(coin)))
     seeds, _ = mi.sample_tea_32(dr.arange(mi.UInt32, width), mi.UInt32(seed))
     up = mi.Normal3f(0.0, 0.0, 1.0)
-    event = scatter(towards, up, up, mi.Float(eta), mi.Float(alpha), mi.Float(np.asarray(coin, np.float32)), seeds)
+    coins = mi.Float(np.asarray(coin, np.float32))
+    event = scatter(InterfaceHit(towards, up, up, mi.Float(eta), mi.Float(alpha), coins, seeds))
     dr.eval(event)
     count = dr.width(event.direction)
     transmitted = np.broadcast_to(np.array(event.transmitted), count)

@@ -69,7 +69,7 @@ def slab() -> list[Check]:
     ]
 
     def dimmed(sigma: mi.Float) -> mi.Float:
-        table = mi.Float(kernel.surfaces.sigma_a)
+        table = mi.Float(kernel.surfaces.sigma_a_rgb)
         glass = 3 * kernel.surfaces.media.index(_GLASS)
         dr.scatter(table, sigma, mi.UInt32(glass))
         return dr.log(refract(kernel, bundle(origins, directions), sigma_a=table, derivatives=True).transmittance.x)
@@ -151,7 +151,7 @@ def _index(kernel: LoadedScene, eta: mi.Float | None) -> mi.Float | None:
     """Return the column of indices with the glass's replaced."""
     if eta is None:
         return None
-    table = mi.Float(kernel.surfaces.eta)
+    table = mi.Float(kernel.surfaces.eta_d)
     dr.scatter(table, eta, mi.UInt32(kernel.surfaces.media.index(_GLASS)))
     return table
 

@@ -11,11 +11,10 @@ import numpy as np
 from scipy import stats
 
 from glassware.procedural.optics.medium import Medium
-from glassware.render.derivatives.gradients import changed
-from glassware.render.derivatives.replay import replay
-from glassware.render.derivatives.tape import Slots, slots, tape
+from glassware.render.derivatives.gradients import with_parameters
+from glassware.render.derivatives.replay import Slots, empty_tape, replay, slots_of
 from glassware.render.pictures.integrator import trace
-from glassware.render.pictures.sampler import samples
+from glassware.render.pictures.sampler import sobol_sampler
 from glassware.render.scene.loaded_scene import LoadedScene
 
 from .bodies import box
@@ -109,7 +108,9 @@ def roughness(paths: int) -> list[Check]:
     # The difference leaves out (h / alpha)^2 / 6 of a derivative that changes over alpha itself.
     h = 0.1 * _ALPHA
     up, down = (
-        _walked(changed(kernel, alpha=np.where(rough, _ALPHA + step, 0.0)), origin, direction, paths).radiance[:, 0]
+        _walked(with_parameters(kernel, alpha=np.where(rough, _ALPHA + step, 0.0)), origin, direction, paths).radiance[
+            :, 0
+        ]
         for step in (h, -h)
     )
     difference = (up - down) / (2.0 * h)
@@ -131,18 +132,18 @@ def _soft_lights() -> np.ndarray:
 
 def _walked(kernel: LoadedScene, origin: np.ndarray, direction: np.ndarray, paths: int) -> _Walked:
     """Walk many paths along one ray twice, as the product's derivatives do."""
-    where, parts = slots(kernel), []
+    where, parts = slots_of(kernel), []
     for first in range(0, paths, _BATCH):
         count = min(_BATCH, paths - first)
         ray = bundle(origin, np.broadcast_to(direction, (count, 3)))
         # Each path is a pixel of its own: its numbers are independent of all others'.
-        points = samples(mi.UInt32(first) + dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, 1)
+        points = sobol_sampler(mi.UInt32(first) + dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, 1)
         picture = kernel.description.picture
         once = trace(kernel, ray, mi.UnpolarizedSpectrum(1.0), points, picture).radiance
         dr.eval(once)
         # What a score weighs is what differs from a guess; the mean of all others is one.
         guess = mi.Color3f(*(dr.mean(channel) for channel in once))
-        into = tape(where, once, dr.repeat(guess, count) if dr.width(guess) == 1 else guess)
+        into = empty_tape(where, once, dr.repeat(guess, count) if dr.width(guess) == 1 else guess)
         again = replay(kernel, ray, points, picture, into)
         dr.eval(again, into.sums)
         sums = np.array(into.sums, np.float64).reshape(where.count, 3, count).transpose(0, 2, 1)

@@ -10,14 +10,14 @@ import pytest
 def cut(backend, drawn):
     from glassware.render.scene.loaded_scene import load
 
-    return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), cut=True)
+    return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), for_cache=True)
 
 
 @pytest.fixture(scope="module")
 def nodes(cut):
-    from glassware.render.cache.cache_points import place_nodes
+    from glassware.render.cache.cache_points import cache_points_of
 
-    return place_nodes(cut)
+    return cache_points_of(cut)
 
 
 def test_lines_of_the_grid_are_where_they_are_said_to_be(nodes) -> None:
@@ -33,7 +33,7 @@ def test_a_linear_function_stored_at_the_nodes_is_exact_at_every_hit(cut, nodes)
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.cache_points import lookup_of, nodes_round
+    from glassware.render.cache.cache_points import interpolation_weights, lookup_of
     from glassware.render.scene.surfaces import registry_id
 
     slope, x, y = np.array([0.7, -1.3, 2.1]), *(a.coordinate(np.arange(a.lines)) for a in nodes.axes)
@@ -51,7 +51,7 @@ def test_a_linear_function_stored_at_the_nodes_is_exact_at_every_hit(cut, nodes)
     row = registry_id(si.shape)
     hit = si.is_valid() & dr.gather(mi.Bool, cut.surfaces.opaque, row)
     on_table = dr.gather(mi.UInt32, cut.surfaces.instance, row) == 1
-    index, weight = nodes_round(lookup_of(nodes), si, pi.prim_uv, -ray.d, on_table)
+    index, weight = interpolation_weights(lookup_of(nodes), si, pi.prim_uv, -ray.d, on_table)
     found = sum(w * dr.gather(mi.Float, values, i, hit) for i, w in zip(index, weight, strict=True))
     hit, p = np.array(hit), np.array(si.p).T
     on_props = hit & ~np.array(on_table)
@@ -66,14 +66,14 @@ def test_paths_start_on_the_surface_beside_their_node(cut, nodes) -> None:
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.sample_points import start_points, starts_of
-    from glassware.render.pictures.sampler import samples
+    from glassware.render.cache.sample_points import point_sampler, sample_points
+    from glassware.render.pictures.sampler import sobol_sampler
 
     vertex = np.arange(0, len(nodes.positions), 7)
     node = np.repeat((nodes.grid_count + vertex).astype(np.uint32), 4)
-    points = samples(mi.UInt32(node), dr.arange(mi.UInt32, len(node)) % 4, 4, 9)
-    p, n, _, known = start_points(starts_of(nodes), mi.UInt32(node), points)
-    known = np.array(known)
+    sampler = sobol_sampler(mi.UInt32(node), dr.arange(mi.UInt32, len(node)) % 4, 4, 9)
+    start = sample_points(point_sampler(nodes), mi.UInt32(node), sampler)
+    p, n, known = start.p, start.n, np.array(start.valid)
     assert known.mean() > 0.95
     away = np.linalg.norm(np.array(p).T - nodes.positions[np.repeat(vertex, 4)], axis=1)
     longest = np.linalg.norm(np.diff(nodes.positions[nodes.triangles][:, [0, 1, 2, 0]], axis=1), axis=-1).max()

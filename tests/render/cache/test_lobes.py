@@ -32,8 +32,8 @@ def test_diffuse_and_glossy_part_add_up_to_the_material(backend, directions, rou
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.irradiance_cache import diffuse
-    from glassware.render.cache.lobes import Gloss, glossy, schlick
+    from glassware.render.cache.irradiance_cache import Moments, diffuse
+    from glassware.render.cache.lobes import OpaqueParameters, eval_glossy, schlick
 
     wi, wo = (mi.Vector3f(x) for x in directions)
     bsdf = mi.load_dict(
@@ -49,10 +49,10 @@ def test_diffuse_and_glossy_part_add_up_to_the_material(backend, directions, rou
     si.sh_frame = mi.Frame3f(si.n)
     expected = np.array(bsdf.eval(mi.BSDFContext(), si, wo))
 
-    gloss = Gloss(mi.Color3f(*colour), mi.Float(roughness), mi.Float(metallic))
+    gloss = OpaqueParameters(mi.Color3f(*colour), mi.Float(roughness), mi.Float(metallic))
     # Light of irradiance cos(wo) from wo alone: its moments are known, and its mean directions are exact.
     E = mi.Color3f(wo.z)
-    whole = glossy(gloss, wi, wo)[0] + diffuse(gloss, wi, wi, (E, schlick(wo.z) * E, wo, wo))
+    whole = eval_glossy(gloss, wi, wo)[0] + diffuse(gloss, wi, wi, Moments(E, schlick(wo.z) * E, wo, wo))
     np.testing.assert_allclose(np.array(whole), expected, rtol=RELATIVE, atol=1e-6)
 
 
@@ -60,16 +60,16 @@ def test_glossy_directions_come_with_the_density_that_is_said(backend) -> None:
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.lobes import Gloss, glossy, sampled_gloss
+    from glassware.render.cache.lobes import OpaqueParameters, eval_glossy, sample_glossy
 
-    count, gloss = 1 << 20, Gloss(mi.Color3f(0.5), mi.Float(0.7), mi.Float(0.0))
+    count, gloss = 1 << 20, OpaqueParameters(mi.Color3f(0.5), mi.Float(0.7), mi.Float(0.0))
     wi = dr.normalize(mi.Vector3f(0.6, 0.1, 0.5))
     wi = mi.Vector3f(*(mi.Float(np.full(count, float(x[0]), np.float32)) for x in wi))
     rng = np.random.default_rng(2)
-    drawn = np.array(sampled_gloss(gloss, wi, mi.Point2f(rng.random((2, count), np.float32))))
+    drawn = np.array(sample_glossy(gloss, wi, mi.Point2f(rng.random((2, count), np.float32))))
     uniform = rng.normal(size=(3, count)).astype(np.float32)
     uniform /= np.linalg.norm(uniform, axis=0)
-    _, pdf = glossy(gloss, wi, mi.Vector3f(uniform))
+    _, pdf = eval_glossy(gloss, wi, mi.Vector3f(uniform))
     pdf = np.array(pdf, np.float64) * 4.0 * np.pi
     # The share of draws in each octant-like cell of the upper half against the integral of the density there.
     for sign_x in (-1, 1):

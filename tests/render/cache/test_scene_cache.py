@@ -57,35 +57,40 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
+#: One in the quick suite; the others take up to two minutes each.
+NAMES = [
+    "the caustic of a glass ball",
+    *(
+        pytest.param(name, marks=pytest.mark.slow)
+        for name in (
+            "a prop under a slab of water",
+            "colours between props",
+            "glasses with liquid over a table",
+            "a glossy table",
+        )
+    ),
+]
+
+
 def _blocks(picture: np.ndarray) -> np.ndarray:
     height, width, _ = picture.shape
     return picture.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((1, 3, 4))
 
 
-@pytest.mark.slow  # each takes one to two minutes
-@pytest.mark.parametrize(
-    "name",
-    [
-        "the caustic of a glass ball",
-        "a prop under a slab of water",
-        "colours between props",
-        "glasses with liquid over a table",
-        "a glossy table",
-    ],
-)
+@pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
-    from glassware.render.cache.cache_points import place_nodes
-    from glassware.render.cache.fill_cache import gather_light
-    from glassware.render.cache.trace_cached import reading
+    from glassware.render.cache.cache_points import cache_points_of
+    from glassware.render.cache.fill_cache import fill_cache
+    from glassware.render.cache.trace_cached import cached_tracer
     from glassware.render.pictures.picture import PATH_TRACER, trace_picture
     from glassware.render.scene.loaded_scene import load
 
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
-    kernel = load(scene, cut=True)
-    nodes, camera = place_nodes(kernel), scene.cameras[0]
+    kernel = load(scene, for_cache=True)
+    nodes, camera = cache_points_of(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        tracer = reading(kernel, gather_light(kernel, nodes, PATH_TRACER, 100 + seed))
+        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATH_TRACER, 100 + seed))
         pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
@@ -103,15 +108,15 @@ def furnace(backend, drawn, even_light):
     scene = drawn(
         2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
     )
-    return load(scene, cut=True)
+    return load(scene, for_cache=True)
 
 
 def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> None:
-    from glassware.render.cache.cache_points import place_nodes
-    from glassware.render.cache.fill_cache import gather_light
+    from glassware.render.cache.cache_points import cache_points_of
+    from glassware.render.cache.fill_cache import fill_cache
 
-    nodes = place_nodes(furnace)
-    moments = gather_light(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
+    nodes = cache_points_of(furnace)
+    moments = fill_cache(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
     # Integrals over the hemisphere with c the cosine: of c, of c (1 - c)^5, and of c weighted with c or c (1 - c)^5.
     E, E_f = np.pi, np.pi / 21.0
     assert moments[:3] == pytest.approx(E, rel=2e-3)
@@ -122,9 +127,9 @@ def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> 
 
 
 def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
-    from glassware.render.cache.scene_cache import stored_light
+    from glassware.render.cache.scene_cache import fill_scene_cache
 
-    one, two = stored_light(furnace), stored_light(furnace)
+    one, two = fill_scene_cache(furnace), fill_scene_cache(furnace)
     np.testing.assert_array_equal(one.moments, two.moments)
 
 
@@ -132,16 +137,16 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
     from glassware.render.cache import scene_cache
     from glassware.render.pictures.picture import PATH_TRACER
 
-    right = scene_cache.stored_light(furnace)
-    tracer, check, _ = scene_cache.fill_scene_cache(furnace)
+    right = scene_cache.fill_scene_cache(furnace)
+    tracer, check, _ = scene_cache.make_tracer(furnace)
     assert tracer is not PATH_TRACER
     assert check.mode == "shared"
     assert abs(check.difference) < 0.01 + 3 * check.standard_error
 
     brighter = right.moments.copy()
     brighter[:, :6] *= 1.2
-    monkeypatch.setattr(scene_cache, "stored_light", lambda kernel: replace(right, moments=brighter))
-    tracer, check, _ = scene_cache.fill_scene_cache(furnace)
+    monkeypatch.setattr(scene_cache, "fill_scene_cache", lambda kernel: replace(right, moments=brighter))
+    tracer, check, _ = scene_cache.make_tracer(furnace)
     assert tracer is PATH_TRACER
     assert check.mode == "path"
     assert check.difference > 0.01

@@ -13,21 +13,21 @@ SIGNIFICANCE = 1e-4
 @pytest.fixture(scope="module")
 def lit(backend, drawn):
     """Two glasses with their light stored, and rays of a small camera."""
-    from glassware.render.cache.cache_points import place_nodes
-    from glassware.render.cache.fill_cache import gather_light
-    from glassware.render.cache.guiding import bright_map
-    from glassware.render.cache.irradiance_cache import opaque_light
+    from glassware.render.cache.cache_points import cache_points_of
+    from glassware.render.cache.fill_cache import fill_cache
+    from glassware.render.cache.guiding import emission_map
+    from glassware.render.cache.irradiance_cache import cached_shader
     from glassware.render.scene.loaded_scene import load
 
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
-    kernel = load(scene, cut=True)
-    stored = gather_light(kernel, place_nodes(kernel), 16, 1)
-    bright = bright_map(scene)
-    return kernel, opaque_light(kernel, stored, bright), bright
+    kernel = load(scene, for_cache=True)
+    stored = fill_cache(kernel, cache_points_of(kernel), 16, 1)
+    bright = emission_map(scene)
+    return kernel, cached_shader(kernel, stored, bright), bright
 
 
 def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
-    from glassware.render.cache.trace_cached import follow
+    from glassware.render.cache.trace_cached import CachedTracing, trace_cached
     from glassware.render.pictures.picture import camera_paths
     from glassware.render.scene.rays import pinhole
 
@@ -35,7 +35,7 @@ def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     camera, picture = kernel.description.cameras[0], kernel.description.picture.model_copy(update=changes)
     pixel = np.arange(camera.width * camera.height, dtype=np.uint32)
     ray, _, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), 16, 16, seed)
-    found = follow(kernel, ray, points, picture, surface, bright)
+    found = trace_cached(CachedTracing(kernel, points, picture, surface, bright), ray)
     return np.array(found.radiance), np.array(found.violations), np.array(found.segments)
 
 
@@ -44,8 +44,8 @@ def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfa
     from glassware.render.cache import trace_cached
 
     usual = _followed(lit)
-    assert usual[2].max() > trace_cached._FIRST_ROUND, "no path is long enough to be gathered"
-    monkeypatch.setattr(trace_cached, "_FIRST_ROUND", surfaces)
+    assert usual[2].max() > trace_cached.FIRST_PASS_SURFACES, "no path is long enough to be gathered"
+    monkeypatch.setattr(trace_cached, "FIRST_PASS_SURFACES", surfaces)
     for one, other in zip(usual, _followed(lit), strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -55,7 +55,7 @@ def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, monke
     from glassware.render.cache import trace_cached
 
     usual = _followed(lit)
-    monkeypatch.setattr(trace_cached, "_FEW", few)
+    monkeypatch.setattr(trace_cached, "MIN_PATHS_PER_PASS", few)
     for one, other in zip(usual, _followed(lit), strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -69,7 +69,7 @@ def test_what_is_left_of_a_number_is_uniform_and_new_when_it_is_used_up(backend)
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.trace_cached import _remaining
+    from glassware.render.cache.trace_cached import rescaled_sample
 
     count = 100_000
     bits = mi.sample_tea_32(dr.arange(mi.UInt32, count), 7)[0]
@@ -78,7 +78,7 @@ def test_what_is_left_of_a_number_is_uniform_and_new_when_it_is_used_up(backend)
     for mirrored in (0.04, 0.6, 0.3, 0.04, 0.5, 0.04, 0.1, 0.04):
         transmitted = chance >= mirrored
         share = dr.select(transmitted, 1.0 - mirrored, mirrored)
-        chance, left = _remaining(chance, left, share, transmitted, bits)
+        chance, left = rescaled_sample(chance, left, share, transmitted, bits)
         shares *= np.array(share)
         assert kstest(np.array(chance, np.float64), "uniform").pvalue > SIGNIFICANCE
     assert (np.array(left) >= 2.0**-12).all()

@@ -86,8 +86,7 @@ def _endless(kernel):
 def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     import mitsuba as mi
 
-    from glassware.render.derivatives.replay import replay
-    from glassware.render.derivatives.tape import slots, tape
+    from glassware.render.derivatives.replay import empty_tape, replay, slots_of
     from glassware.render.pictures.integrator import trace
     from glassware.render.pictures.picture import camera_paths
     from glassware.render.scene.rays import pinhole
@@ -97,7 +96,7 @@ def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     pixel = np.arange(pixels, dtype=np.uint32)
     ray, _, points = camera_paths(pinhole(camera), pixel, 0 * pixel, 4, 4, 9)
     first = trace(rough_drawn, ray, mi.UnpolarizedSpectrum(1.0), points, picture).radiance
-    again = replay(rough_drawn, ray, points, picture, tape(slots(rough_drawn), first, first * 0.0))
+    again = replay(rough_drawn, ray, points, picture, empty_tape(slots_of(rough_drawn), first, first * 0.0))
     assert np.array(first).mean() > 0.0
     assert np.array_equal(np.array(again), np.array(first))
 
@@ -125,7 +124,7 @@ def test_light_through_a_liquid_falls_by_its_path_per_absorption(looked_at):
 
 
 def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
-    from glassware.render.derivatives.gradients import changed
+    from glassware.render.derivatives.gradients import with_parameters
 
     kernel = _endless(rough_drawn)
     sigma_a = np.array([medium.sigma_a for medium in kernel.surfaces.media])
@@ -136,10 +135,10 @@ def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
         up, down = np.maximum(sigma_a, step), np.maximum(sigma_a, step)
         up[medium] += step
         down[medium] -= step
-        middle = _left(changed(kernel, sigma_a=(up + down) / 2)).sigma_a[medium].sum((0, 1))
-        difference = (_left(changed(kernel, sigma_a=up)).radiance - _left(changed(kernel, sigma_a=down)).radiance).sum(
-            (0, 1)
-        ) / (2 * step)
+        middle = _left(with_parameters(kernel, sigma_a=(up + down) / 2)).sigma_a[medium].sum((0, 1))
+        difference = (
+            _left(with_parameters(kernel, sigma_a=up)).radiance - _left(with_parameters(kernel, sigma_a=down)).radiance
+        ).sum((0, 1)) / (2 * step)
         np.testing.assert_allclose(middle, difference, rtol=CENTRAL)
         seen += int((found[medium] < 0).any())
     assert seen >= 3  # glass and liquids
@@ -198,12 +197,12 @@ def _mean_and_error(values: list) -> tuple[float, float]:
 
 def _by_roughness(kernel, alpha: float, seeds: range, spp: int) -> tuple[list, list]:
     """The derivative of the mean radiance, and the central difference, for each seed."""
-    from glassware.render.derivatives.gradients import changed
+    from glassware.render.derivatives.gradients import with_parameters
 
     rough = np.array(kernel.surfaces.alpha) > 0
 
     def at(value: float):
-        return changed(kernel, alpha=np.where(rough, value, 0.0))
+        return with_parameters(kernel, alpha=np.where(rough, value, 0.0))
 
     # A step of a tenth leaves out up to (h / alpha)^2 / 6 of the derivative, 0.2 %.
     h, found, differences = 0.1 * alpha, [], []
@@ -234,11 +233,11 @@ def test_derivatives_by_roughness_are_right_to_a_per_cent_or_so(looked_at, brigh
 
 @pytest.mark.slow
 def test_gradient_descent_finds_absorption_and_roughness_from_a_picture(looked_at, bright_spot):
-    from glassware.render.derivatives.gradients import changed, picture_and_gradients
+    from glassware.render.derivatives.gradients import picture_and_gradients, with_parameters
 
     truth, rough = np.array([2.0, 8.0, 20.0]), 0.3
     kernel = looked_at(1.5, tuple(truth), rough, bright_spot)
-    camera, inside = kernel.description.cameras[0], int(np.argmax(np.array(kernel.surfaces.sigma_a)) // 3)
+    camera, inside = kernel.description.cameras[0], int(np.argmax(np.array(kernel.surfaces.sigma_a_rgb)) // 3)
     row = np.array(kernel.surfaces.alpha) > 0
     target = _left(kernel, 100, 1024).radiance
     guess, rates = np.array([10.0, 10.0, 10.0, 0.15]), np.array([1.0, 1.0, 1.0, 0.02])
@@ -246,7 +245,7 @@ def test_gradient_descent_finds_absorption_and_roughness_from_a_picture(looked_a
     for step in range(steps):
         media = np.zeros((len(kernel.surfaces.media), 3))
         media[inside] = guess[:3]
-        there = changed(kernel, media, np.where(row, guess[3], 0.0))
+        there = with_parameters(kernel, media, np.where(row, guess[3], 0.0))
         # The loss is the squared difference. Its adjoint comes from another seed, so that the gradient is right.
         adjoint = _left(there, 2 * step, 64).radiance - target
         _, found = picture_and_gradients(there, camera, "left", 2 * step + 1, adjoint, 64)
@@ -270,7 +269,7 @@ def test_a_variant_without_colours_is_refused_by_name(rough_drawn, monkeypatch):
 
 
 def test_wrong_requests_are_refused(rough_drawn):
-    from glassware.render.derivatives.gradients import changed, picture_and_gradients
+    from glassware.render.derivatives.gradients import picture_and_gradients, with_parameters
 
     camera = rough_drawn.description.cameras[0]
     with pytest.raises(InputError, match="adjoint"):
@@ -278,6 +277,6 @@ def test_wrong_requests_are_refused(rough_drawn):
     with pytest.raises(InputError, match="spp"):
         _left(rough_drawn, spp=0)
     with pytest.raises(InputError, match="sigma_a"):
-        changed(rough_drawn, sigma_a=np.full((len(rough_drawn.surfaces.media), 3), -1.0))
+        with_parameters(rough_drawn, sigma_a=np.full((len(rough_drawn.surfaces.media), 3), -1.0))
     with pytest.raises(InputError, match="alpha"):
-        changed(rough_drawn, alpha=np.zeros(1))
+        with_parameters(rough_drawn, alpha=np.zeros(1))

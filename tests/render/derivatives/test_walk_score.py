@@ -36,7 +36,7 @@ def test_the_replayed_walk_leaves_as_the_walk_does(backend):
     from glassware.render.interfaces.microsurface import walk
 
     given = _arriving(60.0), mi.Float(0.4), mi.Float(1 / 1.5), _seeds(10_000)
-    assert np.array_equal(np.array(walk_score(*given)[1]), np.array(walk(*given)[0]))
+    assert np.array_equal(np.array(walk_score(*given)[1]), np.array(walk(*given).direction))
 
 
 def test_facets_seen_from_straight_above_spread_as_the_closed_form_says(backend):
@@ -77,7 +77,7 @@ def test_scores_have_mean_zero_and_give_the_derivative_of_any_mean(backend, eta,
     # A step of 4 % leaves some 0.03 % of the derivative out, less than the noise.
     h = 0.04 * alpha
     for seen in (lambda d: d[2] > 0.0, lambda d: d[0], lambda d: d[2] ** 2):
-        up, down = (np.array(walk(wi, mi.Float(alpha + s), eta, seeds)[0], np.float64) for s in (h, -h))
+        up, down = (np.array(walk(wi, mi.Float(alpha + s), eta, seeds).direction, np.float64) for s in (h, -h))
         difference = (seen(up) * 1.0 - seen(down)) / (2 * h)
         value = seen(direction) * 1.0
         assert _off((value - value.mean()) * score - difference, 0.0) < SIGMAS

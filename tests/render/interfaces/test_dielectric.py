@@ -21,6 +21,7 @@ def scatter(backend):
     import drjit as dr
     import mitsuba as mi
 
+    from glassware.render.interfaces.dielectric import InterfaceHit
     from glassware.render.interfaces.dielectric import scatter as event
 
     def run(wi, eta, coin, alpha=0.0, n=(0, 0, 1), ns=None):
@@ -28,7 +29,7 @@ def scatter(backend):
         vector = lambda v, kind: kind(*(np.ascontiguousarray(c, np.float32) for c in np.broadcast_to(v, (count, 3)).T))  # noqa: E731
         coins = mi.Float(np.broadcast_to(np.asarray(coin, np.float32), count).copy())
         shading = vector(n if ns is None else ns, mi.Normal3f)
-        found = event(
+        hit = InterfaceHit(
             vector(wi, mi.Vector3f),
             vector(n, mi.Normal3f),
             shading,
@@ -37,6 +38,7 @@ def scatter(backend):
             coins,
             mi.sample_tea_32(dr.arange(mi.UInt32, count), 1)[0],
         )
+        found = event(hit)
         names = ("weight", "transmitted", "eta_squared")
         return np.array(found.direction).T.astype(float), *(np.array(getattr(found, name)) for name in names)
 
@@ -183,9 +185,9 @@ def test_walks_leave_alike_whoever_draws_their_first_facet(backend, rng, alpha):
     wi, numbers = mi.Vector3f(0.6, 0.0, 0.8), mi.Point3f(*rng.uniform(size=(3, count)).astype(np.float32))
     own = walk(wi, mi.Float(alpha), mi.Float(1.5), seeds)
     given = walk(wi, mi.Float(alpha), mi.Float(1.5), others, numbers)
-    assert np.isclose(*(np.array(x[1]).mean() for x in (own, given)), atol=4.0 * 0.5 / np.sqrt(count / 2))
+    assert np.isclose(*(np.array(x.transmitted).mean() for x in (own, given)), atol=4.0 * 0.5 / np.sqrt(count / 2))
     for axis in range(3):
-        pair = (np.array(x[0][axis]) for x in (own, given))
+        pair = (np.array(x.direction[axis]) for x in (own, given))
         assert ks_2samp(*pair).pvalue > SIGNIFICANCE
 
 
@@ -198,7 +200,9 @@ def test_the_third_of_the_numbers_given_is_the_first_facets_coin(backend, rng):
     seeds = mi.sample_tea_32(dr.arange(mi.UInt32, 10_000), 4)[0]
     u, v = rng.uniform(size=(2, 10_000)).astype(np.float32)
     mirrored, passed = (
-        np.array(walk(mi.Vector3f(0.6, 0.0, 0.8), mi.Float(0.1), mi.Float(1.5), seeds, mi.Point3f(u, v, coin))[1])
+        np.array(
+            walk(mi.Vector3f(0.6, 0.0, 0.8), mi.Float(0.1), mi.Float(1.5), seeds, mi.Point3f(u, v, coin)).transmitted
+        )
         for coin in (0.0, LARGEST_COIN)
     )
     # On a surface as smooth as this one walk in a hundred meets a second facet.

@@ -62,6 +62,7 @@ def event(theta: float, eta: float, coin: float, analyser=(1.0, 0.0, 0.0, 0.0), 
     import drjit as dr
     import mitsuba as mi
 
+    from glassware.render.interfaces.dielectric import InterfaceHit
     from glassware.render.interfaces.polarised import scatter_polarised
 
     along = np.array([np.cos(spin), np.sin(spin), 0.0])
@@ -71,7 +72,9 @@ def event(theta: float, eta: float, coin: float, analyser=(1.0, 0.0, 0.0, 0.0), 
     basis = mi.mueller.stokes_basis
     row = mi.mueller.rotate_stokes_basis(wi, basis(wi), across) @ mi.Matrix4f(1.0)
     turned = mi.Vector4f(*(sum(mi.Float(analyser[k]) * row[k, column] for k in range(4)) for column in range(4)))
-    made = scatter_polarised(wi, up, up, mi.Float(eta), mi.Float(0.0), mi.Float(coin), mi.UInt32(1), turned)
+    made = scatter_polarised(
+        InterfaceHit(wi, up, up, mi.Float(eta), mi.Float(0.0), mi.Float(coin), mi.UInt32(1)), turned
+    )
     light = -made.direction
     matrix = mi.mueller.rotate_mueller_basis(made.weight, light, basis(light), across, wi, basis(wi), across)
     dr.eval(matrix, made)
@@ -141,12 +144,15 @@ def test_a_walk_on_a_rough_interface_takes_and_gives_physical_light(polarised):
     import drjit as dr
     import mitsuba as mi
 
+    from glassware.render.interfaces.dielectric import InterfaceHit
     from glassware.render.interfaces.polarised import scatter_polarised
 
     count = 20_000
     up, wi = mi.Normal3f(0.0, 0.0, 1.0), mi.Vector3f(0.6, 0.48, 0.64)
     coin, seed = dr.zeros(mi.Float, count), mi.sample_tea_32(dr.arange(mi.UInt32, count), mi.UInt32(7))[0]
-    made = scatter_polarised(wi, up, up, mi.Float(GLASS), mi.Float(0.4), coin, seed, mi.Vector4f(1.0, 0.0, 0.0, 0.0))
+    made = scatter_polarised(
+        InterfaceHit(wi, up, up, mi.Float(GLASS), mi.Float(0.4), coin, seed), mi.Vector4f(1.0, 0.0, 0.0, 0.0)
+    )
     matrix = np.array(made.weight * mi.Matrix4f(made.eta_squared), np.float64)
     alive = matrix[0, 0] > 0.0
     assert alive.mean() > 0.999
@@ -164,18 +170,23 @@ def test_an_interface_hardly_rough_polarises_as_a_smooth_one(polarised):
     import drjit as dr
     import mitsuba as mi
 
+    from glassware.render.interfaces.dielectric import InterfaceHit
     from glassware.render.interfaces.polarised import scatter_polarised
 
     theta, alpha, count = np.radians(50.0), 1e-3, 4096
     wi, up = vector([np.sin(theta) * 0.6, np.sin(theta) * 0.8, np.cos(theta)]), mi.Normal3f(0.0, 0.0, 1.0)
     analyser = mi.Vector4f(1.0, 0.3, -0.5, 0.2)
     seeds = mi.sample_tea_32(dr.arange(mi.UInt32, count), mi.UInt32(9))[0]
-    rough = scatter_polarised(wi, up, up, mi.Float(GLASS), mi.Float(alpha), mi.Float(0.5), seeds, analyser)
+    rough = scatter_polarised(
+        InterfaceHit(wi, up, up, mi.Float(GLASS), mi.Float(alpha), mi.Float(0.5), seeds), analyser
+    )
     dr.eval(rough)
     mirrored = ~np.array(rough.transmitted)
     assert 0.02 < mirrored.mean() < 0.2
     for coin, chosen in ((0.0, mirrored), (1.0 - 2 * EPS, ~mirrored)):
-        smooth = scatter_polarised(wi, up, up, mi.Float(GLASS), mi.Float(0.0), mi.Float(coin), mi.UInt32(1), analyser)
+        smooth = scatter_polarised(
+            InterfaceHit(wi, up, up, mi.Float(GLASS), mi.Float(0.0), mi.Float(coin), mi.UInt32(1)), analyser
+        )
         expected = np.array(smooth.weight, np.float64).reshape(4, 4, 1)
         found = np.array(rough.weight, np.float64)[..., chosen]
         # Facets lean by the roughness or so, which is divided by the tangent of the angle where planes turn.
@@ -216,7 +227,7 @@ def test_a_walk_over_many_facets_turns_the_electric_field_facet_by_facet(polaris
 
     from glassware.render.interfaces.microsurface import next_height, visible_facet
     from glassware.render.interfaces.mueller import as_matrix, identity
-    from glassware.render.interfaces.polarised import facet_event, walk_polarised
+    from glassware.render.interfaces.polarised import StokesFrame, polarised_facet_event, walk_polarised
 
     def rows(value) -> np.ndarray:
         array = np.array(value, np.float64)
@@ -236,7 +247,8 @@ def test_a_walk_over_many_facets_turns_the_electric_field_facet_by_facet(polaris
         walking &= ~leaves
         at, coin = mi.Point2f(numbers.next_float32(), numbers.next_float32()), numbers.next_float32()
         facet, ratio = sign * visible_facet(-sign * direction, alpha, at), dr.select(above, eta, dr.rcp(eta))
-        left, mirrored, after, s = facet_event(M, axis, -direction, facet, ratio, coin, analyser)
+        left, mirrored, end = polarised_facet_event(StokesFrame(M, axis), -direction, facet, ratio, coin, analyser)
+        after, s = end.M, end.axis
         dr.eval(left, mirrored, after, s, facet, ratio, walking)
         change = field_event(-rows(left), -rows(direction), rows(facet), rows(ratio), rows(mirrored).astype(bool))
         on = rows(walking).astype(bool)
@@ -248,8 +260,9 @@ def test_a_walk_over_many_facets_turns_the_electric_field_facet_by_facet(polaris
         )
         above = dr.select(walking, above == mirrored, above)
 
-    gone, *_, found, x = walk_polarised(wi, first, alpha, eta, seeds, analyser)
-    found = np.moveaxis(np.array(as_matrix(found), np.float64), -1, 0)
+    end, frame = walk_polarised(wi, first, alpha, eta, seeds, analyser)
+    gone, x = end.direction, frame.axis
+    found = np.moveaxis(np.array(as_matrix(frame.M), np.float64), -1, 0)
     expected = mueller_of(field, rows(x), -rows(gone), rows(first), rows(wi))
     expected /= np.einsum("i,ni->n", [1.0, 0.3, -0.5, 0.2], expected[..., 0])[:, None, None]
     several = (facets > 1) & (facets < 6) & (np.abs(rows(gone) - rows(direction)).max(-1) < 1e-3)
@@ -279,11 +292,11 @@ def seen(kernel, direction: np.ndarray, across: np.ndarray, count: int = 20_000)
     import mitsuba as mi
 
     from glassware.render.pictures.integrator import trace
-    from glassware.render.pictures.sampler import samples
+    from glassware.render.pictures.sampler import sobol_sampler
     from glassware.render.scene.spectrum import draw_wavelengths
 
     towards = vector(direction) + dr.zeros(mi.Vector3f, count)
-    points = samples(dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, 5)
+    points = sobol_sampler(dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, 5)
     spin, radius = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)), 0.045 * np.sqrt((np.arange(count) + 0.5) / count)
     start = np.outer(across, radius * np.cos(spin)) + np.outer(np.cross(direction, across), radius * np.sin(spin))
     ray = mi.Ray3f(mi.Point3f((start - 0.5 * direction[:, None]).astype(np.float32)), towards)

@@ -20,8 +20,7 @@ SIZE = {"width": 160, "height": 120}
 
 def _labelled(kernel, number: int):
     """Labels and both eyes' geometry of a view."""
-    from glassware.render.labels.geometry import trace_geometry
-    from glassware.render.labels.sight import line_of_sight
+    from glassware.render.labels.geometry import line_of_sight, trace_geometry
 
     scene = kernel.description
     camera, points = scene.cameras[number], scene_keypoints(scene)
@@ -119,7 +118,7 @@ def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, 
     import drjit as dr
 
     from glassware.procedural.props.shapes import SHAPES
-    from glassware.render.labels.geometry import straight
+    from glassware.render.labels.geometry import straight_hits
     from glassware.render.scene.loaded_scene import load
 
     monkeypatch.setattr(optical_bench, "BOARD", (0.9, 0.9, 0.02))  # the offset grows with the scene
@@ -131,8 +130,8 @@ def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, 
     around = rng.normal(size=(count, 3))
     origin = middle + 0.7 * around / np.linalg.norm(around, axis=1, keepdims=True)
     near_axis = rng.uniform(-0.002, 0.002, (count, 3)) + axis * rng.uniform(-0.06, 0.06, (count, 1))
-    seen = straight(kernel, optical_bench.rays(origin, middle + near_axis - origin))
+    seen = straight_hits(kernel, optical_bench.rays(origin, middle + near_axis - origin))
     dr.eval(seen)
     board = np.array(seen.background_id) == TABLE_ID  # rays go on through it, and meet both its sides
-    met = np.array(seen.met).astype(int) - 2 * board
+    met = np.array(seen.count).astype(int) - 2 * board
     assert met.max() == 2, f"{(met > 2).sum()} rays meet more, up to {met.max()}"

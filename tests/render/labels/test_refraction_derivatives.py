@@ -80,7 +80,7 @@ def test_reverse_mode_gives_the_slab_s_derivatives_by_index_and_absorption(slab,
     from glassware.render.labels.refraction import refract
 
     theta, ray = _fan(optical_bench)
-    eta, sigma_a = _etas(slab, ETA), mi.Float(slab.surfaces.sigma_a)
+    eta, sigma_a = _etas(slab, ETA), mi.Float(slab.surfaces.sigma_a_rgb)
     dr.enable_grad(eta, sigma_a)
     end = refract(slab, ray, eta, sigma_a, derivatives=True)
     dr.backward(dr.sum(end.point.x))

@@ -38,7 +38,7 @@ def test_absorption_wrong_by_a_part_in_a_thousand_is_found(law, broken, monkeypa
 
     def wrong(*given):
         table = right(*given)
-        return replace(table, sigma_a=table.sigma_a * 1.001)
+        return replace(table, sigma_a_rgb=table.sigma_a_rgb * 1.001)
 
     monkeypatch.setattr(importlib.import_module("glassware.render.scene.loaded_scene"), "surface_table", wrong)
     assert broken(law("energy").beer_lambert(1000, lengths=(0.05,)))

@@ -24,7 +24,7 @@ def test_lengths_that_are_half_forgotten_are_found(law, broken, monkeypatch):
     replay = importlib.import_module("glassware.render.derivatives.replay")
     right = replay.add_absorption
     monkeypatch.setattr(
-        replay, "add_absorption", lambda into, medium, length, *rest: right(into, medium, 0.5 * length, *rest)
+        replay, "add_absorption", lambda tape, medium, length, *rest: right(tape, medium, 0.5 * length, *rest)
     )
     assert broken(law("picture_derivatives").absorption(20_000, angles=(0.0,)))
 
@@ -35,6 +35,6 @@ def test_a_wrong_score_is_found(law, broken, monkeypatch):
     monkeypatch.setattr(
         replay,
         "add_roughness",
-        lambda into, table, row, medium, score, *rest: right(into, table, row, medium, 0.5 * score, *rest),
+        lambda tape, table, surface, score, *rest: right(tape, table, surface, 0.5 * score, *rest),
     )
     assert broken(law("picture_derivatives").roughness(400_000))

@@ -11,9 +11,9 @@ ROUNDING = 1e-9
 
 @pytest.fixture
 def tally():
-    from glassware.render.pictures.film import Tally
+    from glassware.render.pictures.film import Film
 
-    return Tally
+    return Film
 
 
 @pytest.fixture

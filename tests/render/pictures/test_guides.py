@@ -73,7 +73,7 @@ def test_a_pattern_finer_than_pixels_shows_its_mean_and_no_moire(on_table):
 def test_the_first_four_rays_alone_would_not_do(on_table, monkeypatch):
     from glassware.render.pictures import guides
 
-    monkeypatch.setattr(guides, "_DISAGREE", np.inf)
+    monkeypatch.setattr(guides, "_MAX_RANGE", np.inf)
     chequered = ProceduralTexture(kind="checker", colours=(DARK, BRIGHT), seed=1, resolution=64)
     kernel = on_table(chequered, 400.0)
     assert _guides(kernel).albedo[_only(_ids(kernel) == 1)][:, 0].std() > 0.4 / np.sqrt(20)

@@ -16,12 +16,12 @@ def points(backend):
     """(pixels, indices, count, seed, set) -> the four coordinates, (n, 4)."""
     import mitsuba as mi
 
-    from glassware.render.pictures.sampler import four, samples
+    from glassware.render.pictures.sampler import sample_4d, sobol_sampler
 
     def draw(pixel, index, count, seed=1, number=0):
         index = np.asarray(index, np.uint32)
         pixel = np.broadcast_to(np.asarray(pixel, np.uint32), index.shape).copy()
-        columns = four(samples(mi.UInt32(pixel), mi.UInt32(index), count, seed), mi.UInt32(number))
+        columns = sample_4d(sobol_sampler(mi.UInt32(pixel), mi.UInt32(index), count, seed), mi.UInt32(number))
         return np.stack([np.array(column, np.float64) for column in columns], axis=1)
 
     return draw
@@ -110,10 +110,10 @@ def test_sets_of_one_pixel_are_independent_of_each_other(points, number):
 def test_seeds_of_walks_differ_for_every_path_and_event(backend):
     import mitsuba as mi
 
-    from glassware.render.pictures.sampler import hashed, samples
+    from glassware.render.pictures.sampler import hashed_seed, sobol_sampler
 
     pixel, index = np.mgrid[:256, :16].reshape(2, -1).astype(np.uint32)
-    sets = samples(mi.UInt32(pixel), mi.UInt32(index), 16, 7)
-    seeds = np.stack([np.array(hashed(sets, mi.UInt32(number))) for number in range(8)])
+    sets = sobol_sampler(mi.UInt32(pixel), mi.UInt32(index), 16, 7)
+    seeds = np.stack([np.array(hashed_seed(sets, mi.UInt32(number))) for number in range(8)])
     # 32768 numbers of 32 bits: 0.125 pairs coincide by chance.
     assert len(np.unique(seeds)) >= seeds.size - 3

@@ -49,7 +49,8 @@ def one_bright_side(panorama):
 @pytest.fixture(scope="module")
 def lifted(polarised, drawn, clear, one_bright_side):
     """Smooth clear glasses, filled and floating, on a table and beside a prop of polarising plastic."""
-    from glassware.render.scene import loaded_scene
+    from glassware.render.scene import bodies
+    from glassware.render.scene.loaded_scene import load
 
     def raised(vessel):
         pose = vessel.world_T_object.copy()
@@ -66,8 +67,8 @@ def lifted(polarised, drawn, clear, one_bright_side):
     scene = clear(scene)
     with pytest.MonkeyPatch.context() as patch:
         # Our own materials scatter unpolarised light, and would not show a frame turned wrongly.
-        patch.setattr(loaded_scene, "opaque_bsdf", lambda _: {"type": "pplastic", "alpha": 0.15})
-        return loaded_scene.load(
+        patch.setattr(bodies, "opaque_bsdf", lambda _: {"type": "pplastic", "alpha": 0.15})
+        return load(
             scene.model_copy(
                 update={
                     "vessels": tuple(raised(item) for item in scene.vessels),

@@ -14,7 +14,7 @@ LONGEST = 0.04
 
 @pytest.fixture(scope="module")
 def meshes(backend):
-    from glassware.render.scene.refinement import refined
+    from glassware.render.scene.bodies import refined
 
     solid = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
     # Stretched, so that triangles have one, two and three long edges.
@@ -53,7 +53,7 @@ def test_faces_look_the_way_they_did(meshes) -> None:
 
 
 def test_a_mesh_that_is_fine_enough_is_left_alone(meshes) -> None:
-    from glassware.render.scene.refinement import refined
+    from glassware.render.scene.bodies import refined
 
     mesh, *_ = meshes
     np.testing.assert_array_equal(refined(mesh, 10.0, 10**6).faces, mesh.faces)
