@@ -14,7 +14,6 @@ from argparse import ArgumentParser
 from dataclasses import dataclass
 from pathlib import Path
 from time import thread_time
-from typing import Any
 
 from table import Row, report
 
@@ -23,6 +22,7 @@ from glassware.procedural.description.scene import Scene, Vessel
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.backend.variant import activate
+from glassware.render.renderer import Renderer
 
 #: Most that the kernels of a new scene may take to compile [s].
 BOUND = 0.5
@@ -128,24 +128,20 @@ def _cost(scene: Scene) -> Compiled:
     """Return what a scene costs. It is gone before the next one: Dr.Jit compiles for everything that is alive."""
     import drjit as dr
 
-    from glassware.render.scene.loaded_scene import load
-
     dr.kernel_history_clear()
-    kernel = load(scene)
-    first = _drawing(kernel)
+    renderer = Renderer(scene)
+    first = _frame_seconds(renderer)
     history = [entry for entry in dr.kernel_history() if entry["type"] == dr.KernelType.JIT]
-    seconds = max(0.0, first - _drawing(kernel))  # the second time there is nothing to compile
+    seconds = max(0.0, first - _frame_seconds(renderer))  # the second time there is nothing to compile
     new = [entry for entry in history if not entry["cache_hit"]]
     waited = sum(entry["codegen_time"] + entry["backend_time"] for entry in history) / 1000.0
     return Compiled(len(history), len(new), seconds, waited, max(entry["operation_count"] for entry in history))
 
 
-def _drawing(kernel: Any) -> float:
-    """Draw the view and return the CPU time of this thread, which compiles; others trace the rays."""
-    from glassware.render.view import render_view
-
+def _frame_seconds(renderer: Renderer) -> float:
+    """Render the view and return the CPU time of this thread, which compiles; others trace the rays."""
     start = thread_time()
-    render_view(kernel, 0)
+    renderer.frame(0)
     return thread_time() - start
 
 

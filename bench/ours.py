@@ -16,10 +16,9 @@ from scenes import digest
 from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.description.scene import Scene
 from glassware.render.backend.variant import activate
-from glassware.render.pictures.picture import PATH_TRACER, Tracer, trace_picture
+from glassware.render.pictures.picture import PATH_TRACER, Tracer, denoise_image, trace_picture
 from glassware.render.scene import bodies
 from glassware.render.scene.loaded_scene import LoadedScene, load
-from glassware.render.view import clean as clean_picture
 
 #: Samples of the picture that compiles the kernels.
 _WARM_UP = 1
@@ -82,7 +81,7 @@ def render(ours: Ours, spp: int, seed: int, clean: bool = True, tracer: Tracer =
     start = perf_counter()
     noisy = trace_picture(kernel, scene.cameras[0], "left", seed, tracer)
     traced = perf_counter()
-    denoised = clean_picture(noisy) if clean else None
+    denoised = denoise_image(noisy) if clean else None
     return Rendered(noisy.radiance, denoised, traced - start, perf_counter() - traced)
 
 

@@ -10,7 +10,6 @@ import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import activate
 from .frame import EYES, Eye, Frame, LightCheck, LineOfSight, SurfaceLight
-
-if TYPE_CHECKING:
-    from .pictures.picture import NoisyImage
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -152,7 +148,7 @@ class Renderer:
     def _rendered(self, view: int) -> Frame:
         from .labels.geometry import trace_straight
         from .labels.refraction import trace_refraction
-        from .pictures.picture import trace_picture
+        from .pictures.picture import denoise_image, trace_picture
 
         scene, stopwatch = self.scene, Stopwatch()
         camera, picture = scene.cameras[view], scene.picture
@@ -164,7 +160,7 @@ class Renderer:
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
         with stopwatch.stage("denoise"):
-            clean = [_denoised(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
+            clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(
             view=view,
             left=clean[0],
@@ -184,10 +180,3 @@ def _check_colours(variant: str, spectral: bool) -> None:
     if ("spectral" in variant) != spectral and "mono" not in variant:
         kind, state = ("a spectral", "on") if spectral else ("an RGB", "off")
         raise InputError("variant", f"{kind} variant, as picture.spectral is {state}", variant)
-
-
-def _denoised(noisy: NoisyImage) -> np.ndarray:
-    """Return the picture without fireflies and noise, (H, W, 3) float32."""
-    from .pictures.denoise import denoise, spread_fireflies
-
-    return denoise(spread_fireflies(noisy.radiance, noisy.variance), np.clip(noisy.albedo, 0.0, 1.0), noisy.normal)

@@ -14,6 +14,7 @@ from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
+from .denoise import denoise, spread_fireflies
 from .film import Film
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
@@ -104,6 +105,12 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
     sampling = PictureNoise(spp=spp, noise=film.noise(camera.exposure))
     return NoisyImage(radiance, variance, guides.albedo, guides.normal, sampling, float(counts[0] / counts[1]))
+
+
+def denoise_image(image: NoisyImage) -> np.ndarray:
+    """Return the picture without fireflies and noise, (H, W, 3) float32 linear Rec.709 radiance."""
+    radiance = spread_fireflies(image.radiance, image.variance)
+    return denoise(radiance, np.clip(image.albedo, 0.0, 1.0), image.normal)
 
 
 def _is_below(noise: float | None, target: float) -> bool:
