@@ -92,6 +92,7 @@ def test_smooth_glass_in_even_light_is_invisible_rims_above_all(furnace, fill):
         np.testing.assert_allclose(light[away], 1.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_default_path_length_loses_next_to_no_light(furnace):
     kernel = furnace(1.0, picture=Picture(spp=32))
     light = _light(kernel, 0)
