@@ -50,9 +50,7 @@ def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfa
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize(
-    "few", [pytest.param(0, marks=pytest.mark.slow), 20, pytest.param(1 << 20, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("few", [20, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 1 << 20))])
 def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, monkeypatch, few) -> None:
     from glassware.render.cache import trace_cached
 
