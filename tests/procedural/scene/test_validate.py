@@ -16,7 +16,10 @@ from glassware.procedural.surroundings.settings import CameraSettings, Environme
 from glassware.procedural.vessels.settings import VesselSettings
 
 SETTINGS = SceneSettings(
-    vessel_count=(3, 3), prop_count=(3, 3), vessels=VesselSettings(fill_probability=1.0, chord_error=60e-6)
+    vessel_count=(3, 3),
+    prop_count=(3, 3),
+    vessels=VesselSettings(fill_probability=1.0, chord_error=60e-6),
+    environment=EnvironmentSettings(room_share=0.0),
 )
 
 
