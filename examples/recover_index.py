@@ -23,7 +23,8 @@ from rich.console import Console
 
 from glassware.core.assets import asset
 from glassware.dataset.format.exr import write_exr
-from glassware.procedural.description.scene import Picture, Scene
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import Scene
 from glassware.procedural.description.surroundings import PictureEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives.bodies import ball

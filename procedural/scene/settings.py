@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
-from ..description.scene import Picture
+from ..description.picture import Picture
 from ..placement.placement import PlacementSettings
 from ..props.settings import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
