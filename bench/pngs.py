@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from glassware.dataset.format.pictures import srgb8, write_png
+from glassware.core.images import srgb8
+from glassware.dataset.format.pictures import write_png
 
 
 def write_exposed(path: Path, *exposed: np.ndarray) -> None:

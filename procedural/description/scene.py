@@ -6,12 +6,15 @@ in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` 
 
 from __future__ import annotations
 
+from html import escape
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
 
 from ...core.errors import InputError
+from ...core.html import convex_outline, html_table, svg_plan
+from ...core.images import id_colour
 from ...core.mesh import Mesh, joined, turned
 from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
 from ...core.pose import look_at
@@ -253,6 +256,19 @@ class Scene(Model):
         return f"Scene({seed}: {vessels}, {props}, {surroundings}, {cameras} {' '.join(sizes)})"
 
     __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Show a plan of the table from above and a list of the objects in a notebook; nothing is rendered."""
+        length, width, _ = self.table.size
+        board = 0.5 * np.array([[-length, -width], [length, -width], [length, width], [-length, width]])
+        outlines = [("", board, "#e8e0d4")]
+        for item in self.objects:
+            mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+            places = mesh.vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3]
+            outlines.append((str(item.id), convex_outline(places[:, :2]), "#" + bytes(id_colour(item.id)).hex()))
+        rows = [(item.id, item.name, repr(item).partition(": ")[2].rstrip(")")) for item in self.objects]
+        text = f"<p>{escape(repr(self))}</p>"
+        return text + svg_plan(outlines) + html_table(("id", "name", "what"), rows)
 
 
 #: Everything with an instance id of its own.

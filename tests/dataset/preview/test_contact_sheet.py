@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.dataset.format.pictures import srgb8
+from glassware.core.images import srgb8
 from glassware.dataset.preview.contact_sheet import (
     PreviewRow,
     chosen_views,
