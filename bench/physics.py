@@ -16,12 +16,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
 
 import mitsuba as mi
 import numpy as np
-import tyro
-from rich.console import Console
+from command import Output, run
 from table import Row, report
 
 from glassware.core.errors import InputError
@@ -71,25 +69,17 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
 }
 
 
-@dataclass(frozen=True)
-class Options:
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
     """What to measure."""
 
     only: tuple[str, ...] = ()
     """Topics to measure; all by default."""
-    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
-    """File to write the figures to."""
 
 
-def main() -> int:
+def main(options: Options) -> int:
     """Measure and print."""
-    options = tyro.cli(Options, description=__doc__)
-    try:
-        chosen = _chosen(options.only)
-        variant = activate()
-    except InputError as error:
-        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
-        return 2
+    chosen, variant = _chosen(options.only), activate()
     start = perf_counter()
     rows = [_row(check) for topic in chosen for measure in TOPICS[topic] for check in measure()]
     facts = {"variant": variant, "mitsuba": mi.__version__, "seconds": round(perf_counter() - start)}
@@ -121,4 +111,4 @@ def _row(check: Check) -> Row:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))
