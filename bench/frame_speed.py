@@ -5,7 +5,7 @@
 OTHER is a checkout of another commit with its own environment; it may be older than `glassware.Renderer`. Each repeat
 starts one process of each checkout, in the opposite order of the repeat before. A process loads the scene, renders
 one frame that compiles the kernels, and then the timed ones. A frame is a stereo view with its geometry, as the scene
-describes it. The ratio of a repeat is this checkout's CPU time over the other's, least frame of each process.
+describes it. The ratio of a repeat is this checkout's CPU time over the other's, each the mean of its frames.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
+from statistics import mean, median
 
 from command import Output, run
 from rich.console import Console
@@ -56,10 +56,10 @@ def main(options: Options) -> int:
         for name in sorted(pythons, reverse=bool(repeat % 2)):
             Console(stderr=True).print(f"repeat {repeat + 1} of {options.repeats}: {name}", highlight=False)
             found[name].append(_frames(pythons[name], options))
-    best = {name: [min(process["cpu"]) for process in processes] for name, processes in found.items()}
-    ratios = [a / b for a, b in zip(best["this checkout"], best["the other"], strict=True)]
-    rows = [_spread(f"CPU time of a frame, {name}", values, "s") for name, values in best.items()]
-    wall = {name: [min(process["wall"]) for process in processes] for name, processes in found.items()}
+    cpu = {name: [mean(process["cpu"]) for process in processes] for name, processes in found.items()}
+    ratios = [a / b for a, b in zip(cpu["this checkout"], cpu["the other"], strict=True)]
+    rows = [_spread(f"CPU time of a frame, {name}", values, "s") for name, values in cpu.items()]
+    wall = {name: [mean(process["wall"]) for process in processes] for name, processes in found.items()}
     rows += [_spread(f"wall time of a frame, {name}", values, "s") for name, values in wall.items()]
     middle, low, high = median(ratios), min(ratios), max(ratios)
     note = f"min {low:.4f}, max {high:.4f} of {len(ratios)} repeats"

@@ -22,10 +22,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from command import Output, run
+from ours import VARIANT
 from scenes import bench_scene
 from table import Row, report
 
-from glassware.render.backend.variant import activate
 from glassware.render.pictures.integrator import trace
 from glassware.render.pictures.picture import camera_paths
 from glassware.render.scene.loaded_scene import load
@@ -67,7 +67,6 @@ class Options(Output):
 
 def main(given: Options) -> int:
     """Measure and print; 1 where the bound is broken."""
-    variant = activate()
     scene = bench_scene(given.scene, WIDTH, HEIGHT)
     loaded = load(scene)
     with _recording() as record:
@@ -93,7 +92,7 @@ def main(given: Options) -> int:
             Row(f"bare ray_intersect, {name} time", bare_rate, "M rays/s"),
             Row(f"integrator / bare, {name} time", rate / bare_rate, "", **judged),
         ]
-    facts = {"scene": given.scene, "size": f"{WIDTH}x{HEIGHT}", "spp": given.spp, "variant": variant}
+    facts = {"scene": given.scene, "size": f"{WIDTH}x{HEIGHT}", "spp": given.spp, "variant": VARIANT}
     return report("Rays inside the integrator", rows, given.json_file, repeats=given.repeats, **facts)
 
 

@@ -13,6 +13,9 @@ from scenes import digest
 
 from glassware.procedural.description.scene import Prop, Scene
 from glassware.render.backend.variant import activate
+
+# The variant is set before the modules of the renderer are imported: their types depend on it.
+VARIANT = activate()
 from glassware.render.pictures.picture import PATH_TRACER, Tracer, denoise_image, trace_picture
 from glassware.render.scene.bodies import opaque_bsdf
 from glassware.render.scene.loaded_scene import LoadedScene, load
@@ -44,7 +47,6 @@ def prepare(scene: Scene, lambertian: bool = False, for_cache: bool = False) -> 
     for_cache : bool
         Refine the meshes for the irradiance cache.
     """
-    activate()
     start = perf_counter()
     loaded = load(scene, for_cache=for_cache)
     if lambertian:

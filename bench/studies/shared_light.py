@@ -4,7 +4,7 @@ A study: it backs the section "Light once per scene" of docs/performance.md, las
 beyond importing.
 
     python bench/studies/shared_light.py --scenes filled clutter
-    python bench/studies/shared_light.py --scenes filled clutter --width 320 --height 240 --cycles-python ~/bpy/bin/python
+    python bench/studies/shared_light.py --scenes filled clutter --cycles-python ~/bpy/bin/python
 
 One view of a scene is rendered both ways, alternating, at several numbers of samples, and compared with a path-traced
 reference: relMSE after the denoiser, less what the reference's own noise adds. The time of a whole scene is that of one
@@ -35,7 +35,7 @@ from references import Reference
 from scenes import ALL_NAMES, NAMES, bench_scene
 from table import Row, cores, report
 
-from glassware.annotate.projection import pixel_rays, transformed
+from glassware.annotate.projection import transformed, unproject
 from glassware.procedural.description.scene import TABLE_ID
 from glassware.render.cache.cache_points import cache_points_of
 from glassware.render.cache.fill_cache import fill_cache
@@ -221,7 +221,7 @@ def _regions(scene: _Cached) -> dict[str, np.ndarray]:
     geometry = trace_straight(loaded, camera, 0)[0]
     glass = trace_guides(loaded, camera).glass
     table = (geometry.id == TABLE_ID) & ~glass
-    local = pixel_rays(camera.height, camera.width, camera.K)[table] * geometry.Z[table][:, None]
+    local = unproject(geometry.Z, camera.K)[table]
     irradiance = np.zeros(table.shape)
     irradiance[table] = _nearest_irradiance(scene.cache, transformed(camera.world_T_camera, local))
     median = np.median(irradiance[table])
@@ -238,8 +238,8 @@ def _regions(scene: _Cached) -> dict[str, np.ndarray]:
 def _nearest_irradiance(cache: IrradianceCache, points: np.ndarray) -> np.ndarray:
     """Return the irradiance of the nearest cache point of the table's grid, mean of the channels, (n,)."""
     x, y = cache.points.axes
-    column = np.clip(np.rint(x.place(points[:, 0])), 0, x.lines - 1).astype(int)
-    row = np.clip(np.rint(y.place(points[:, 1])), 0, y.lines - 1).astype(int)
+    column = np.clip(np.rint(x.cell_position(points[:, 0])), 0, x.lines - 1).astype(int)
+    row = np.clip(np.rint(y.cell_position(points[:, 1])), 0, y.lines - 1).astype(int)
     return cache.moments[row * x.lines + column, :3].mean(1)
 
 
