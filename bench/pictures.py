@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from references import Reference, relmse
 
-from glassware.dataset.format.pictures import srgb8, write_png
+from glassware.core.images import srgb8
+from glassware.dataset.format.pictures import write_png
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,9 @@ MAY_IMPORT = {
 #: The package over all folders: a user's way in. It is there once its folder is.
 FRONT = "glassware"
 
+#: The folder of links that gives each folder its name under `glassware`.
+LINKS = REPOSITORY / ".ci" / "packages"
+
 #: Packages that only `render` imports.
 RENDERER = {"mitsuba", "drjit"}
 
@@ -380,13 +383,13 @@ def test_no_name_has_a_private_word() -> None:
 def test_the_packages_in_pyproject_are_the_folders_on_disk() -> None:
     settings = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["tool"]["setuptools"]
     assert set(settings["packages"]) == {".".join(package_of(path)) for path in FILES}
-    folders = {f"{FRONT}.{name}": name for name in PACKAGES}
-    assert settings["package-dir"] == folders
+    assert settings["package-dir"] == {"": LINKS.relative_to(REPOSITORY).as_posix()}
     assert settings["packages"] == sorted(settings["packages"])
     assert not [short(path) for path in FILES if not path.with_name("__init__.py").is_file()]
-    # The links by which pyright finds the packages.
-    links = {link.name: link.resolve() for link in (REPOSITORY / ".ci" / "typeroot" / FRONT).iterdir()}
-    assert {name: path for name, path in links.items() if path.is_dir()} == {n: REPOSITORY / n for n in PACKAGES}
+    # The links by which setuptools and pyright find the packages.
+    links = {link.name: link.resolve() for link in (LINKS / FRONT).iterdir()}
+    fronts = {path.name: path for path in FILES if path.parent == REPOSITORY / FRONT}
+    assert links == {name: REPOSITORY / name for name in PACKAGES} | fronts
 
 
 def test_a_package_refuses_to_be_imported_under_its_bare_name() -> None:

@@ -39,6 +39,7 @@ def test_the_same_seed_gives_the_same_files_bit_for_bit(made, render_scene, smal
     assert _files(tmp_path / "again") == _files(made)
 
 
+@pytest.mark.slow
 def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path):
     cores = sorted(os.sched_getaffinity(0))
     if len(cores) < 2:

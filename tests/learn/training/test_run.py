@@ -86,6 +86,7 @@ def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path,
     assert list(tmp_path.glob("events.out.tfevents.*"))
 
 
+@pytest.mark.slow
 def test_validation_changes_no_weight_and_no_statistic(settings, rendered, tmp_path, lines):
     """Other looks at the validation scenes, the same weights."""
     train(settings, rendered, tmp_path / "with", None, lines.append)
@@ -123,6 +124,7 @@ def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, ren
     assert not (tmp_path / "nan" / "last.safetensors").exists()
 
 
+@pytest.mark.slow
 def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
     short = settings.model_copy(update={"steps": 3})
     train(short, rendered, tmp_path, None, lines.append)

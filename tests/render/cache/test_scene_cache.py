@@ -58,18 +58,12 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
-#: One in the quick suite; the others take up to two minutes each.
 NAMES = [
     "the caustic of a glass ball",
-    *(
-        pytest.param(name, marks=pytest.mark.slow)
-        for name in (
-            "a prop under a slab of water",
-            "colours between props",
-            "glasses with liquid over a table",
-            "a glossy table",
-        )
-    ),
+    "a prop under a slab of water",
+    "colours between props",
+    "glasses with liquid over a table",
+    "a glossy table",
 ]
 
 
@@ -78,6 +72,7 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
     return picture.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((1, 3, 4))
 
 
+@pytest.mark.slow  # up to two minutes each
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
     from glassware.render.cache.cache_points import cache_points_of

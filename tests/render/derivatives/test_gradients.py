@@ -213,7 +213,7 @@ def _by_roughness(kernel, alpha: float, seeds: range, spp: int) -> tuple[list, l
     return found, differences
 
 
-@pytest.mark.parametrize("alpha", [0.1, 0.3])
+@pytest.mark.parametrize("alpha", [pytest.param(0.1, marks=pytest.mark.slow), 0.3])
 def test_derivatives_by_roughness_are_the_central_differences_within_their_noise(looked_at, bright_spot, alpha):
     kernel = looked_at(1.5, (1.0, 1.0, 1.0), alpha, bright_spot)
     found, differences = _by_roughness(kernel, alpha, range(12), 128)

@@ -32,7 +32,10 @@ def proofs() -> Callable[[str], ModuleType]:
     return lambda name: importlib.import_module(f"{PACKAGE}.{name}")
 
 
-@pytest.fixture(scope="module", params=["llvm_ad_mono_polarized", "llvm_ad_spectral_polarized"])
+@pytest.fixture(
+    scope="module",
+    params=["llvm_ad_mono_polarized", pytest.param("llvm_ad_spectral_polarized", marks=pytest.mark.slow)],
+)
 def polarised(request, backend) -> Iterator[str]:
     """A polarised variant, active; afterwards the one that all other tests expect."""
     from glassware.render.backend.variant import activate

@@ -29,7 +29,7 @@ def _labelled(kernel, number: int):
     return annotate(scene, camera, left, points, sight), left, right
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
 def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
     from glassware.render.scene.loaded_scene import load
 
@@ -109,7 +109,7 @@ def test_one_views_pictures_and_geometry_do_not_depend_on_others(backend, glasse
     assert not np.array_equal(after.left, after.right)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, optical_bench, monkeypatch, seed):
     """A cone's lids are fans of slivers, where a point on a triangle is known less well than elsewhere.
 

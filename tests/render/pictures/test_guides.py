@@ -96,7 +96,13 @@ def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_
     assert (mirrored < 0.2).all()
 
 
-@pytest.mark.parametrize(("roughness", "metallic", "shines"), [(0.2, 0.0, True), (0.6, 0.0, False), (0.7, 1.0, True)])
+@pytest.mark.parametrize(
+    ("roughness", "metallic", "shines"),
+    [
+        (0.2, 0.0, True),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.6, 0.0, False), (0.7, 1.0, True))),
+    ],
+)
 def test_polish_is_where_a_smooth_or_metal_prop_is_seen_first(backend, drawn, roughness, metallic, shines):
     from glassware.render.scene.loaded_scene import load
 

@@ -102,6 +102,7 @@ def test_mean_light_agrees_with_mitsubas(pictures):
     assert error < 0.01 * theirs.mean()
 
 
+@pytest.mark.slow
 def test_the_comparison_sees_a_glass_of_another_index(pictures, lifted):
     from glassware.render.pictures.picture import trace_picture
     from glassware.render.scene.loaded_scene import load

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
+from scipy.stats import binom
 
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.picture import Picture
@@ -14,9 +15,12 @@ from glassware.render.frame import Geometry
 DEPTH = 1024
 #: A path in clear glass brings back 1 up to the rounding of its factors eta^2, some 1e-7 for each surface.
 ROUNDING = 1e-3
-#: Share of pixels that may not, of 8 paths each: paths may slip through a hairline between triangles (at most 1e-4 of
-#: segments do), or be longer than `DEPTH`.
+#: Probability that a pixel does not, of 8 paths each: paths may slip through a hairline between triangles (at most 1e-4
+#: of segments do, and a path has some six), or be longer than `DEPTH`.
 STRAY = 5e-3
+#: Chance that pixels of this probability are more than the bound, which is a quantile of the binomial distribution: a
+#: rim of some 30 pixels may well have one.
+SIGNIFICANCE = 1e-3
 #: Share of the light of one vessel that paths of 64 surfaces (the default) may lose. Measured on these: below 2e-3;
 #: `shared/reference` measured 0.2 % on others.
 CUT_LOSS = 5e-3
@@ -85,13 +89,15 @@ def test_smooth_glass_in_even_light_is_invisible_rims_above_all(furnace, fill):
         assert rim.sum() > 20
         assert glass.sum() > 500
         for shown in (rim, glass):
-            assert (np.abs(light[shown] - 1.0) > ROUNDING).mean() <= STRAY
+            stray = (np.abs(light[shown] - 1.0) > ROUNDING).sum()
+            assert stray <= binom.isf(SIGNIFICANCE, shown.sum(), STRAY)
         # A pixel beside the silhouette may have samples on glass.
         camera = kernel.description.cameras[number]
         away = ~binary_dilation(glass.reshape(camera.height, camera.width), np.ones((3, 3), bool)).ravel()
         np.testing.assert_allclose(light[away], 1.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_default_path_length_loses_next_to_no_light(furnace):
     kernel = furnace(1.0, picture=Picture(spp=32))
     light = _light(kernel, 0)

@@ -65,15 +65,15 @@ def test_a_picture_without_glass_or_full_of_it_is_sampled_evenly(counts, everywh
 
 
 def test_every_pixel_gets_groups_enough_to_tell_its_noise(counts):
-    from glassware.render.pictures.picture import LEAST_ADAPTIVE
+    from glassware.render.pictures.picture import MIN_ADAPTIVE_SPP
 
     mostly = np.ones((16, 16), bool)
     mostly[:4] = False
     for glass in (_spot(), mostly):
-        assert counts(glass, LEAST_ADAPTIVE, 1).min() >= 2
+        assert counts(glass, MIN_ADAPTIVE_SPP, 1).min() >= 2
 
 
-@pytest.mark.parametrize("spp", [8, 24])
+@pytest.mark.parametrize("spp", [8, pytest.param(24, marks=pytest.mark.slow)])
 def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, spp):
     from dataclasses import replace
 

@@ -143,24 +143,28 @@ def pictures(lifted, with_sensor):
     return np.stack(ours), np.stack(theirs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", range(4))
 def test_stokes_vectors_agree_with_mitsubas_block_by_block(pictures, component):
     ours, theirs = (picture[..., component] for picture in pictures)
     assert _lowest(ours, theirs) > SIGNIFICANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", range(4))
 def test_mean_stokes_vectors_agree_with_mitsubas(pictures, component):
     ours, theirs = (picture[..., component].mean((1, 2))[:, None] for picture in pictures)
     assert _lowest(ours, theirs) > SIGNIFICANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", [1, 2, 3])
 def test_the_comparison_sees_a_component_of_the_other_sign(pictures, component):
     ours, theirs = (picture[..., component] for picture in pictures)
     assert _lowest(-ours, theirs) < SIGNIFICANCE
 
 
+@pytest.mark.slow
 def test_pictures_show_the_first_component(lifted):
     from glassware.render.pictures.picture import trace_picture
     from glassware.render.pictures.stokes import trace_stokes
