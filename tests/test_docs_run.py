@@ -2,7 +2,7 @@
 
 Each page's Python blocks share one namespace. Commands run in this process, with the options of `SMALL` behind their
 own; a block of commands runs in a folder of its own, which has the small data sets that pages speak of. In Python,
-`glassware.draw` takes `FEW_SAMPLES` on top of a page's settings. What needs root, a network, a cluster or hours is
+`glassware.draw` takes `SMALL_PICTURES` on top of a page's settings. What needs root, a network, a cluster or hours is
 listed in `NOT_RUN` and `PARSED_ONLY` with the reason.
 """
 
@@ -44,8 +44,14 @@ SMALL = shlex.split(
     "--width 32 --height 24 --views 1 --spp 2 --vessel-count 1 1 --prop-count 1 1 --vessels.chord-error 1e-4"
     " --hdri-dir hdri"
 )
-#: What makes a scene from Python fast to render, and changes neither its objects nor the size of its pictures.
-FEW_SAMPLES = {"vessels": {"chord_error": 1e-4}, "picture": {"spp": 1}}
+#: What makes a scene from Python fast to render; its objects stay the same.
+SMALL_PICTURES = {
+    "vessels": {"chord_error": 1e-4},
+    "cameras": {"width": 32, "height": 24},
+    "picture": {"spp": 2},
+}
+#: How such a scene prints the size of its pictures, and how a page shows it: the size of the preset `fast`.
+SIZE_HERE, SIZE_SHOWN = "32x24", "320x240"
 #: A training run of two steps, and one sample a step.
 SHORT_RUN = shlex.split("--steps 2 --batch 1")
 #: Scenes that a build on a page is cut to; three have one of each split of the networks' page.
@@ -199,16 +205,16 @@ def data(inputs: Path, backend: str) -> Path:
     return inputs / "data"
 
 
-def draw_with_few_samples(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:
-    """Draw a scene as `glassware.draw` does, with `FEW_SAMPLES` on top of the settings."""
-    return draw(seed, scene, preset, **merged(settings, FEW_SAMPLES))
+def draw_small_pictures(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:
+    """Draw a scene as `glassware.draw` does, with `SMALL_PICTURES` on top of the settings."""
+    return draw(seed, scene, preset, **merged(settings, SMALL_PICTURES))
 
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """An empty folder to work in, where `glassware.draw` takes few samples; the variant is reset afterwards."""
+    """An empty folder to work in, where `glassware.draw` makes small pictures; the variant is reset afterwards."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(gw, "draw", draw_with_few_samples)
+    monkeypatch.setattr(gw, "draw", draw_small_pictures)
     monkeypatch.setenv("SLURM_ARRAY_TASK_ID", "1")
     yield tmp_path
     activate("llvm_ad_rgb")
@@ -291,7 +297,8 @@ def failing(page: str, left_out: Iterable[str]) -> Iterator[str]:
         if block.kind != "python" or any(line in block.text for line in left_out):
             continue
         try:
-            for shown, printed in shown_and_printed(block, page, names):
+            for shown, output in shown_and_printed(block, page, names):
+                printed = output.replace(SIZE_HERE, SIZE_SHOWN)
                 assert printed == shown, f"the page shows {shown!r}, and what is printed is {printed!r}"
         except Exception as error:
             yield f"{page}:{block.line}: {type(error).__name__}: {error}"
