@@ -14,7 +14,6 @@ import numpy as np
 
 from ...core.errors import InputError
 from ..description.surroundings import Camera
-from .aim import aimed_frame
 from .settings import CameraSettings
 
 RINGS, RING_VIEWS = 4, 14
@@ -156,6 +155,35 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
     right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
     return aimed_frame(np.asarray(eye, float), forward, right, roll)
+
+
+def aimed_frame(position: np.ndarray, ahead: np.ndarray, side: np.ndarray, turn: float) -> np.ndarray:
+    """Return the pose of a frame whose z axis points ahead.
+
+    Parameters
+    ----------
+    position : (3,) float
+        Origin of the frame, world frame [m].
+    ahead : (3,) float
+        Unit direction of its z axis.
+    side : (3,) float
+        Direction of its x axis before the turn, across `ahead`; any length.
+    turn : float
+        Turn about the z axis, from x towards y [rad].
+
+    Returns
+    -------
+    (4, 4) float64
+        ``world_T_frame``.
+    """
+    x = side / np.linalg.norm(side)
+    y = np.cross(ahead, x)
+    pose = np.eye(4)
+    pose[:3, 0] = math.cos(turn) * x + math.sin(turn) * y
+    pose[:3, 1] = math.cos(turn) * y - math.sin(turn) * x
+    pose[:3, 2] = ahead
+    pose[:3, 3] = position
+    return pose
 
 
 def _camera(

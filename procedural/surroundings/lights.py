@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..description.surroundings import AreaLight
-from .aim import aimed_frame
+from .cameras import aimed_frame
 from .colour import black_body
 from .metering import form_factor
 from .settings import LightSettings
