@@ -38,6 +38,6 @@ def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Sc
     for name, value, most in (("seed", seed, MOST_SEED), ("scene", scene, MOST_SCENE)):
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
             raise InputError(f"draw: {name}", f"a whole number from 0 to {most}", repr(value))
-    asked = merged(preset_named(preset), settings)
+    requested = merged(preset_named(preset), settings)
     check_booleans(SceneSettings, settings, "draw")
-    return draw_scene(validated(SceneSettings, asked, "draw"), seed, scene)
+    return draw_scene(validated(SceneSettings, requested, "draw"), seed, scene)

@@ -10,7 +10,7 @@ from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
 from ..description.picture import Picture
 from ..placement.placement import PlacementSettings
-from ..props.settings import PropSettings
+from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
 from ..vessels.settings import VesselSettings
