@@ -68,6 +68,17 @@ def test_commands_in_documents_exist(path: Path) -> None:
             assert all((REPOSITORY / word).is_file() for word in programs), " ".join(words)
 
 
+def test_the_glossary_names_files_of_this_repository() -> None:
+    text = (REPOSITORY / "CONTRIBUTING.md").read_text("utf-8")
+    rows = re.findall(r"^\| .+ \|$", text.split("| word | meaning here | where |")[1].split("\n\n")[0], re.MULTILINE)
+    assert len(rows) > 30
+    missing = []
+    for row in rows[1:]:  # the first is the line below the head
+        named = re.findall(r"`([^`]+)`", row.split("|")[-2])
+        missing += [row] if not named else [name for name in named if not (REPOSITORY / name).is_file()]
+    assert not missing
+
+
 def test_the_checks_see_links_anchors_and_commands() -> None:
     text = 'A [b](c.md#d) and ![p](q.png "t").\n\n## A heading, of `two`\n\n    make scene  # why\n'
     text += "\n```\n$ render-scene\n```\n"

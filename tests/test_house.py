@@ -73,7 +73,6 @@ BANNED_WORDS = {
     "hope": "expected_radiance",
     "lucky": "u_lobe",
     "makers": "executor",
-    "noisy": "NoisyImage has the noun",
     "odds": "guided_reflect_probability",
     "patience": "timeout",
     "quartered": "at_quarter",
@@ -90,6 +89,14 @@ BANNED_WORDS = {
     "unshadowed": "visible",
     "whoever": "the caller",
     "worth": "weight, score",
+}
+
+#: Names of settings in the files of data sets (`config` of dataset.json, and YAML files of settings), by the module
+#: that has them. They are a part of the file format, which does not change with our words.
+SETTINGS_IN_FILES = {
+    "procedural/props/draw.py": {"file_share"},
+    "procedural/surroundings/settings.py": {"hdri_share", "room_share", "share"},
+    "procedural/surroundings/table.py": {"round_share"},
 }
 
 #: What reading and drawing scenes need: a program that only does that must start no renderer.
@@ -370,14 +377,22 @@ def test_public_functions_and_classes_say_what_they_do() -> None:
     assert not silent
 
 
-@pytest.mark.xfail(reason="the rooms are being renamed to the field's terms", strict=True)
+@pytest.mark.xfail(
+    reason="procedural/surroundings/room_light.py, rooms.py and skies.py are being renamed to the field's terms",
+    strict=True,
+)
 def test_no_name_has_a_private_word() -> None:
-    wrong = {
-        short(path): found
-        for path in FILES
-        if (found := banned_in(defined_names(tree(path)) | set(path.relative_to(REPOSITORY).with_suffix("").parts)))
-    }
+    wrong = {}
+    for path in FILES:
+        names = defined_names(tree(path)) | set(path.relative_to(REPOSITORY).with_suffix("").parts)
+        if found := banned_in(names - SETTINGS_IN_FILES.get(short(path), set())):
+            wrong[short(path)] = found
     assert not wrong, json.dumps(wrong, indent=1)
+
+
+def test_every_name_of_a_setting_that_is_excused_exists() -> None:
+    for file, names in SETTINGS_IN_FILES.items():
+        assert names <= defined_names(tree(REPOSITORY / file)), file
 
 
 def test_the_packages_in_pyproject_are_the_folders_on_disk() -> None:

@@ -14,7 +14,7 @@ import trimesh
 from ...core.errors import InputError
 from ...core.folders import files_in
 from ...core.mesh import Mesh
-from .file_looks import Look, default_picture_folder, glb_look, obj_look
+from .mesh_material import MeshMaterial, default_picture_folder, glb_material, obj_material
 from .normals import creased
 
 #: Formats that are read.
@@ -61,12 +61,12 @@ class FileMesh:
     ----------
     mesh : Mesh
         Centred on its bounding box, with normals; `uv` only where the file has them.
-    look : Look
+    material : MeshMaterial
         What the file says of its material.
     """
 
     mesh: Mesh
-    look: Look
+    material: MeshMaterial
 
 
 def mesh_files(folder: Path, pictures: Path | None = None) -> tuple[MeshFile, ...]:
@@ -119,7 +119,7 @@ def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
         faces = faces.reshape(-1, 3)
         vertices, normals, uv = vertices[used], normals[used], None if uv is None else uv[used]
         normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return FileMesh(Mesh(name, vertices, faces, normals, uv), _look(file, content))
+    return FileMesh(Mesh(name, vertices, faces, normals, uv), _material(file, content))
 
 
 def check_meshes(files: Iterable[MeshFile]) -> None:
@@ -179,7 +179,7 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
 def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.ndarray]]:
     """Return a file's parts that have faces, each with ``file_T_part``."""
     kind = file.path.suffix.lower()[1:]
-    # MTL is read by `file_looks`, which checks where it leads. (A GLB would lose its texture coordinates.)
+    # MTL is read by `mesh_material`, which checks where it leads. (A GLB would lose its texture coordinates.)
     options: dict[str, Any] = {"skip_materials": True} if kind == "obj" else {}
     try:
         # From memory and without a resolver: nothing that the file names is opened here.
@@ -242,11 +242,11 @@ def _agree(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> bool
     return float(np.mean(np.einsum("fi,fci->fc", cross, normals[faces]) <= 0)) <= STRAY_NORMALS
 
 
-def _look(file: MeshFile, content: bytes) -> Look:
+def _material(file: MeshFile, content: bytes) -> MeshMaterial:
     match file.path.suffix.lower():
         case ".obj":
-            return obj_look(file.path, file.root, content)
+            return obj_material(file.path, file.root, content)
         case ".glb":
-            return glb_look(file.path, file.root, content, file.pictures)
+            return glb_material(file.path, file.root, content, file.pictures)
         case _:
-            return Look()
+            return MeshMaterial()

@@ -13,16 +13,14 @@ import math
 import numpy as np
 
 from ...core.errors import InputError
+from ...core.pose import look_at
 from ..description.surroundings import Camera
-from .aim import aimed_frame
 from .settings import CameraSettings
 
 RINGS, RING_VIEWS = 4, 14
 GRID_VIEWS = 1 + RINGS * RING_VIEWS
 #: Picture width that `CameraSettings.focal` is given for [px].
 FOCAL_WIDTH = 640
-# Below this share of the distance a horizontal offset is rounding: the camera stands at the zenith.
-_AT_ZENITH = 1e-9
 
 
 def draw_cameras(
@@ -128,34 +126,6 @@ def fit_distance(width: int, height: int, focal: float, baseline: float, radius:
     """
     across, up = math.atan(0.5 * width / focal), math.atan(0.5 * height / focal)
     return max((radius + baseline * math.cos(across)) / math.sin(across), radius / math.sin(up))
-
-
-def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarray:
-    """Return the pose of a camera that looks at a point, with +z up in the picture.
-
-    Straight above or below the target, where +z has no direction in the picture, up is -x: the limit of a camera that
-    climbs (above: from azimuth 0) to the zenith.
-
-    Parameters
-    ----------
-    eye, target : (3,) float
-        World frame [m], at different places.
-    roll : float
-        Turn of the camera about its optical axis, clockwise as the camera sees it [rad].
-
-    Returns
-    -------
-    (4, 4) float64
-        ``world_T_camera``, OpenCV axes: x right, y down, z forward.
-    """
-    offset = np.asarray(target, float) - np.asarray(eye, float)
-    distance = np.linalg.norm(offset)
-    if not distance > 0.0:
-        raise ValueError("eye and target: expected two different points")
-    forward = offset / distance
-    above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
-    right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    return aimed_frame(np.asarray(eye, float), forward, right, roll)
 
 
 def _camera(

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from ...core.pose import aimed_frame
 from ..description.surroundings import AreaLight
-from .aim import aimed_frame
 from .colour import black_body
 from .metering import form_factor
 from .settings import LightSettings

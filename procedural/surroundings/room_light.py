@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from ..description.surroundings import RoomEnvironment, Window
-from .noise import fractal_noise
+from ..materials.noise import fractal_value_noise as fractal_noise
 from .room_geometry import (
     WALL_FACES,
     Boxes,

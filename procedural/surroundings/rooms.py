@@ -11,8 +11,9 @@ import numpy as np
 
 from ...core.model import Reflectance
 from ..description.surroundings import Block, Panel, RoomEnvironment, Wall, Window
+from ..materials.noise import fractal_value_noise as fractal_noise
+from ..materials.noise import lattice
 from .colour import black_body
-from .noise import fractal_noise, lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, in_rectangle
 from .room_light import bar_radiance, glow, sample, solve
 from .sphere import texel_directions

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ..description.surroundings import SkyEnvironment
+from ..materials.noise import fractal_value_noise as fractal_noise
 from .colour import black_body, rgb_of_xyy
-from .noise import fractal_noise
 from .preetham import sky_xyy, zenith_xyy
 from .sphere import cosine_weights, texel_directions
 

@@ -100,7 +100,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 ):
     out = tmp_path / "data"
     assert builds.run(out, scenes="1:6").returncode == 0
-    ended = builds.run(out, "--memory", 0.05, "--patience", 60)
+    ended = builds.run(out, "--memory", 0.05, "--timeout", 60)
     assert ended.returncode == 1
     assert "1 scenes failed (0); build.jsonl" in ended.stderr
     assert hidden(out) == []

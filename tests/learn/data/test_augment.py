@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.dataset.format.pictures import srgb8
+from glassware.core.images import srgb8
 from glassware.learn.data.augment import augmented, linear, with_noise
 from glassware.learn.data.settings import AugmentSettings
 

@@ -5,9 +5,9 @@ import pytest
 import torch
 
 from glassware.core.errors import InputError
+from glassware.core.pose import look_at
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.networks.cost_volume import ConcatMatching, windowed_expectation
-from glassware.procedural.surroundings.cameras import look_at
 
 OUTPUTS = {
     "seg": (4, 1),

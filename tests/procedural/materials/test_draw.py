@@ -49,5 +49,5 @@ def test_a_table_takes_a_picture_where_there_is_one_and_a_prop_now_and_then(tmp_
     rng = np.random.default_rng(3)
     assert all(draw_table_material(rng, [path]).base_colour.kind == "picture" for _ in range(20))
     share = np.mean([draw_material(rng, [path]).base_colour.kind == "picture" for _ in range(DRAWS)])
-    # PICTURE_SHARE is 0.25; four standard deviations of 300 draws are 0.1.
+    # PICTURE_PROBABILITY is 0.25; four standard deviations of 300 draws are 0.1.
     assert 0.15 < share < 0.35

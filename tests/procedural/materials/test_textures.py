@@ -11,8 +11,7 @@ import pytest
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.procedural.description.material import PictureTexture, ProceduralTexture, UniformTexture
-from glassware.procedural.materials.patterns import PATTERNS
-from glassware.procedural.materials.textures import bake
+from glassware.procedural.materials.textures import PATTERNS, bake
 
 COLOURS = ((0.7, 0.65, 0.5), (0.1, 0.2, 0.35), (0.4, 0.1, 0.1))
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "textures"

@@ -9,11 +9,11 @@ import pytest
 from pydantic import ValidationError
 
 from glassware.core.errors import InputError
+from glassware.core.pose import look_at
 from glassware.procedural.surroundings.cameras import (
     draw_cameras,
     fit_distance,
     grid_directions,
-    look_at,
     reach,
     spread_order,
 )

@@ -9,7 +9,8 @@ import pytest
 from scipy.stats import t as student
 
 from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
-from glassware.procedural.description.scene import Picture, Prop
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import Prop
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
 PASSES, SPP, PATH_TRACER = 8, 32, 64

@@ -10,7 +10,7 @@ import pytest
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.surroundings import AreaLight, PictureEnvironment
 
 #: The two pictures of a central difference are float32 sums: 2^-24 each, over a step that changes them by some 0.1 to

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 16

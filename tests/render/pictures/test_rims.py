@@ -8,7 +8,7 @@ from scipy.ndimage import binary_dilation
 from scipy.stats import binom
 
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 from glassware.render.frame import Geometry
 
 #: Paths may be as long as this, and roulette ends none: what is lost is only light that is caught in the glass.

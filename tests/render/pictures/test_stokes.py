@@ -11,7 +11,7 @@ from scipy.stats import t as student
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 256

@@ -31,7 +31,7 @@ _PICTURE_MAGIC = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg"}
 
 
 @dataclass(frozen=True)
-class Look:
+class MeshMaterial:
     """What a file says; None where it says nothing.
 
     Parameters
@@ -54,7 +54,7 @@ def default_picture_folder() -> Path:
     return cache_folder() / "pictures"
 
 
-def obj_look(path: Path, root: Path, content: bytes) -> Look:
+def obj_material(path: Path, root: Path, content: bytes) -> MeshMaterial:
     """Return the look of an OBJ file from the MTL that it names.
 
     ``map_Kd`` is taken as it is, ``Kd`` only without it (as linear reflectance: exporters write 0.8 beside pictures
@@ -78,15 +78,15 @@ def obj_look(path: Path, root: Path, content: bytes) -> Look:
                 used[current] += 1
     material = used.most_common(1)[0][0] if used else None
     if library is None or material is None:
-        return Look()
+        return MeshMaterial()
     file = _inside(path, root, library)
     if not file.is_file():
-        return Look()
+        return MeshMaterial()
     entries = _mtl_entries(file.read_bytes()).get(material, {})
-    return Look(texture=_mtl_texture(file, root, entries), roughness=_mtl_roughness(file, entries))
+    return MeshMaterial(texture=_mtl_texture(file, root, entries), roughness=_mtl_roughness(file, entries))
 
 
-def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
+def glb_material(path: Path, root: Path, content: bytes, pictures: Path) -> MeshMaterial:
     """Return the look of a GLB file (glTF 2.0, section 3.9: factors are linear, and both are 1 unless given).
 
     A picture inside the file is written to `pictures`, named by its digest. A base colour factor beside a picture is
@@ -101,7 +101,7 @@ def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
         document, binary = _glb_chunks(content)
         material = _dominant_material(document)
         if material is None:
-            return Look()
+            return MeshMaterial()
         surface = material.get("pbrMetallicRoughness", {})
         picture = _glb_picture(document, binary, surface)
     except (LookupError, TypeError, AttributeError, ValueError, RecursionError, struct.error) as error:
@@ -113,10 +113,10 @@ def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
     else:
         texture = UniformTexture(colour=_reflectance(path, surface.get("baseColorFactor", [1.0, 1.0, 1.0])))
     if "metallicRoughnessTexture" in surface:
-        return Look(texture=texture)
+        return MeshMaterial(texture=texture)
     factors = [surface.get(field, 1.0) for field in ("roughnessFactor", "metallicFactor")]
     roughness, metallic = _factors(path, factors)
-    return Look(texture, float(roughness), float(metallic))
+    return MeshMaterial(texture, float(roughness), float(metallic))
 
 
 def _statements(content: bytes) -> list[list[str]]:
