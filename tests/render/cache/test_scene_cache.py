@@ -11,6 +11,12 @@ from scipy.stats import t as student
 from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import Prop
+from glassware.render.cache import scene_cache
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.scene_cache import fill_scene_cache, uses_cache
+from glassware.render.cache.trace_cached import cached_tracer
+from glassware.render.scene.loaded_scene import load
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
 PASSES, SPP, PATH_TRACER = 8, 32, 64
@@ -75,11 +81,7 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
 @pytest.mark.slow  # up to two minutes each
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-    from glassware.render.cache.trace_cached import cached_tracer
     from glassware.render.pictures.picture import PATH_TRACER, trace_picture
-    from glassware.render.scene.loaded_scene import load
 
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
     kernel = load(scene, for_cache=True)
@@ -99,8 +101,6 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
 
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, even_light):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(
         2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
     )
@@ -108,9 +108,6 @@ def furnace(backend, drawn, even_light):
 
 
 def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> None:
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-
     nodes = cache_points_of(furnace)
     moments = fill_cache(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
     # Integrals over the hemisphere with c the cosine: of c, of c (1 - c)^5, and of c weighted with c or c (1 - c)^5.
@@ -123,14 +120,11 @@ def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> 
 
 
 def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
-    from glassware.render.cache.scene_cache import fill_scene_cache
-
     one, two = fill_scene_cache(furnace), fill_scene_cache(furnace)
     np.testing.assert_array_equal(one.moments, two.moments)
 
 
 def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
-    from glassware.render.cache import scene_cache
     from glassware.render.pictures.picture import PATH_TRACER
 
     right = scene_cache.fill_scene_cache(furnace)
@@ -149,8 +143,6 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
 
 
 def test_auto_stores_the_light_of_many_samples_only(backend, drawn) -> None:
-    from glassware.render.cache.scene_cache import uses_cache
-
     few = drawn(2, vessel_count=(0, 0), prop_count=(0, 0))
     many = few.model_copy(update={"picture": Picture(spp=1 << 16)})
     assert not uses_cache(few)
