@@ -16,10 +16,11 @@ from glassware.render.cache.cache_points import cache_points_of
 from glassware.render.cache.fill_cache import fill_cache
 from glassware.render.cache.scene_cache import fill_scene_cache, uses_cache
 from glassware.render.cache.trace_cached import cached_tracer
+from glassware.render.pictures.picture import PATH_TRACER, trace_picture
 from glassware.render.scene.loaded_scene import load
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
-PASSES, SPP, PATH_TRACER = 8, 32, 64
+PASSES, SPP, PATHS = 8, 32, 64
 BLOCK = 8  #: side of the blocks that are compared [px]
 SIGNIFICANCE = 1e-3  #: chance that two equal ways fail
 #: What interpolation may change a block's mean by: cells are as large as a pixel and blocks are 8 pixels wide, so
@@ -81,14 +82,12 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
 @pytest.mark.slow  # up to two minutes each
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
-    from glassware.render.pictures.picture import PATH_TRACER, trace_picture
-
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
     kernel = load(scene, for_cache=True)
     nodes, camera = cache_points_of(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATH_TRACER, 100 + seed))
+        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATHS, 100 + seed))
         pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
@@ -125,8 +124,6 @@ def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
 
 
 def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
-    from glassware.render.pictures.picture import PATH_TRACER
-
     right = scene_cache.fill_scene_cache(furnace)
     tracer, check, _ = scene_cache.make_tracer(furnace)
     assert tracer is not PATH_TRACER
