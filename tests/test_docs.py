@@ -77,6 +77,17 @@ def test_lines_are_short_except_in_tables(path: Path) -> None:
     assert [line for line in lines if len(line) > LONGEST_LINE and not line.startswith("|")] == []
 
 
+def test_every_dependency_has_a_row_with_its_reason() -> None:
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+    required = sum(project["optional-dependencies"].values(), project["dependencies"])
+    names = {re.split(r"[\[<>=]", item)[0] for item in required} - {project["name"]}
+    text = (REPOSITORY / "docs" / "dependencies.md").read_text("utf-8")
+    rows = [[cell.strip() for cell in row.split("|")] for row in re.findall(r"^\|(.+)\|$", text, re.MULTILINE)]
+    explained = {name for first, second, *_, reason in rows if reason for name in (first, second)}
+    assert len(names) > 20
+    assert names <= explained
+
+
 def test_the_glossary_names_files_of_this_repository() -> None:
     text = (REPOSITORY / "CONTRIBUTING.md").read_text("utf-8")
     rows = re.findall(r"^\| .+ \|$", text.split("| word | meaning here | where |")[1].split("\n\n")[0], re.MULTILINE)
