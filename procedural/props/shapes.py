@@ -16,7 +16,7 @@ from .revolution import arc, revolve, rounded
 
 # Boxes: least side over the longest, and the rounding of edges over the shortest side.
 _BOX_SIDE, _BOX_ROUNDING = 0.35, (0.02, 0.12)
-# Books: width and thickness over the height (formats run from 2:3 to 4:5), and the bulge of the back over the thickness.
+# Books: width and thickness over the height (formats run from 2:3 to 4:5); bulge of the back over the thickness.
 _BOOK_WIDTH, _BOOK_THICKNESS, _BOOK_BULGE = (0.67, 0.8), (0.10, 0.25), (0.1, 0.3)
 # Prisms: numbers of sides (without the end), height over width of flat ones, width over height of tall ones.
 _PRISM_SIDES, _FLAT_PRISM, _TALL_PRISM = (3, 9), (0.3, 1.0), (0.4, 1.0)
