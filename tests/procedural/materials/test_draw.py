@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.description.material import OpaqueMaterial
+from glassware.procedural.description.material import OpaqueMaterial, PictureTexture, UniformTexture
 from glassware.procedural.materials.draw import draw_material, draw_plain_material, draw_table_material
 
 #: Draws enough to meet every family.
@@ -17,11 +18,14 @@ DRAWS = 300
 
 def _colours(material: OpaqueMaterial) -> np.ndarray:
     texture = material.base_colour
-    return np.array([texture.colour] if texture.kind == "uniform" else texture.colours)
+    assert not isinstance(texture, PictureTexture)
+    return np.array([texture.colour] if isinstance(texture, UniformTexture) else texture.colours)
 
 
 @pytest.mark.parametrize("draw", [draw_material, draw_table_material, draw_plain_material])
-def test_dielectrics_are_neither_black_nor_brighter_than_snow_and_metals_are_bright(draw: object) -> None:
+def test_dielectrics_are_neither_black_nor_brighter_than_snow_and_metals_are_bright(
+    draw: Callable[[np.random.Generator], OpaqueMaterial],
+) -> None:
     rng = np.random.default_rng(1)
     for _ in range(DRAWS):
         material = draw(rng)

@@ -151,6 +151,8 @@ def test_one_more_prop_changes_no_vessel():
     base = _settings(environment=SKY).model_copy(update={"vessel_count": (2, 2)})
     few, many = (draw_scene(base.model_copy(update={"prop_count": (n, n)}), 5, 0) for n in (1, 2))
     for one, two in zip(few.vessels, many.vessels, strict=True):
+        assert isinstance(one, Vessel)
+        assert isinstance(two, Vessel)
         assert (one.outer, one.inner, one.glass, one.liquid) == (two.outer, two.inner, two.glass, two.liquid)
 
 

@@ -226,7 +226,7 @@ def test_a_size_that_is_not_that_of_the_mesh_is_refused(scene, kind, where):
 
 def test_a_mesh_that_is_not_about_its_origin_or_has_no_triangle_is_refused(scene):
     mesh = scene.props[0].mesh
-    aside = Mesh(mesh.name, mesh.vertices + np.float32([0.0, 0.0, 0.01]), mesh.faces)
+    aside = Mesh(mesh.name, mesh.vertices + np.array([0.0, 0.0, 0.01], np.float32), mesh.faces)
     assert "about the origin" in _refused(_changed(scene, "props", mesh=aside))
     none = Mesh(mesh.name, mesh.vertices, np.zeros((0, 3)))
     assert "expected triangles" in _refused(_changed(scene, "props", mesh=none))

@@ -55,7 +55,7 @@ def test_the_guiding_map_takes_a_constant_environment(backend, furnace):
     from glassware.render.cache import guiding
 
     made, _ = furnace
-    cells = np.array(guiding.bright_map(made).cells)
+    cells = np.array(guiding.emission_map(made).cells)
     assert np.isfinite(cells).all()
     # Luminance of (2, 4, 1), the same from every cell well above the horizon.
     assert cells.max() == pytest.approx(0.2126 * 2.0 + 0.7152 * 4.0 + 0.0722 * 1.0, rel=1e-3)
