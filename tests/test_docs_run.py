@@ -365,7 +365,7 @@ def test_the_commands_of_a_page_work(page: str, out: Path, data: Path, here: Pat
 @pytest.mark.slow
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_the_options_that_pages_give_a_program_are_in_its_help(program: str) -> None:
-    command = [sys.executable, "-P", str(REPOSITORY / program), "--help"]
+    command = [sys.executable, str(REPOSITORY / program), "--help"]
     text = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
     given = {word for words in PROGRAMS[program] for word in words if word.startswith("--")}
     assert given <= set(re.findall(r"--[\w-]+", text))

@@ -124,7 +124,8 @@ def _denser(vessel: Vessel) -> Vessel:
         return _copy(medium, eta=1.01 * medium.eta) if medium.eta > 1.0 else medium
 
     interfaces = tuple(_copy(side, front=dense(side.front), back=dense(side.back)) for side in vessel.interfaces)
-    return _copy(vessel, interfaces=interfaces)
+    liquid = vessel.liquid and _copy(vessel.liquid, medium=dense(vessel.liquid.medium))
+    return _copy(vessel, glass=dense(vessel.glass), liquid=liquid, interfaces=interfaces)
 
 
 def _cost(scene: Scene) -> Compiled:

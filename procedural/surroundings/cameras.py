@@ -3,7 +3,7 @@
 Syn-TODD has 57 views: the zenith and 4 rings of 14 azimuths (Wang et al., "MVTrans", 2023). The elevations of the
 rings are not published; the lowest is called parallel to the table. Here the rings follow in equal steps from the
 zenith down to `CameraSettings.lowest_elevation`, by default at 70, 50, 30 and 10 degrees: 10 degrees still looks over
-the table's edge, and the eye stays above the top. Rings are aligned in azimuth, and view 1 + 14 k lies at azimuth 0.
+the table's edge, and the camera stays above it. Rings are aligned in azimuth, and view 1 + 14 k lies at azimuth 0.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def draw_cameras(
     Parameters
     ----------
     rng : numpy.random.Generator
-        Takes the same draws for any number of views.
+        Source of all draws; their number does not depend on the number of views.
     settings : CameraSettings
-        What is asked for.
+        Ranges of the draws.
     workspace_centre : (3,) float
         Centre of the objects' bounding sphere, world frame [m].
     workspace_radius : float
@@ -57,7 +57,7 @@ def draw_cameras(
     Raises
     ------
     InputError
-        Where ``min_height`` cannot be reached at the distance drawn.
+        If ``min_height`` is out of reach at the drawn distance.
     """
     distance = rng.uniform(*settings.slack) * _fit_distance(settings, workspace_radius)
     order = spread_order(settings, int(rng.integers(GRID_VIEWS)))
@@ -70,7 +70,7 @@ def draw_cameras(
 
 
 def reach(settings: CameraSettings, workspace_centre: np.ndarray, workspace_radius: float) -> float:
-    """Return a bound on the distance of every eye, left or right, from the world's origin [m].
+    """Return an upper bound of the distance of all cameras, left and right, from the world's origin [m].
 
     It holds for every draw with these settings, so lights can be placed before the cameras are.
     """
@@ -164,7 +164,7 @@ def _lowest(settings: CameraSettings, target_height: float, distance: float) -> 
 
 
 def _fit_distance(settings: CameraSettings, radius: float) -> float:
-    # A sphere round a jittered target that holds the workspace: larger by the jitter's diagonal.
+    # A sphere around a jittered target that contains the workspace: larger by the diagonal of the jitter.
     radius = radius + math.sqrt(3.0) * settings.target_jitter
     fit = fit_distance(settings.width, settings.height, _focal(settings), settings.baseline, radius)
     return max(fit, settings.min_distance)
