@@ -25,7 +25,7 @@ def nodes(cut):
 def test_lines_of_the_grid_are_where_they_are_said_to_be(nodes) -> None:
     for axis in nodes.axes:
         place = np.linspace(0.0, axis.lines - 1.0, 999)
-        np.testing.assert_allclose(axis.place(axis.coordinate(place)), place, atol=1e-9 * axis.lines)
+        np.testing.assert_allclose(axis.cell_position(axis.coordinate(place)), place, atol=1e-9 * axis.lines)
         assert axis.coordinate(np.array(axis.lines - 1)) >= axis.high - 1e-9
         inside = np.diff(axis.coordinate(np.arange(axis.lines)))
         np.testing.assert_allclose(inside[np.abs(inside - axis.step) > 1e-9], 6.0 * axis.step)
