@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,13 +15,12 @@ from glassware.dataset.format.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
 from glassware.learn.data.samples import SampleDataset, collate, image_tensor
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
-from glassware.learn.data.splits import SplitName
 from glassware.learn.targets.encoding import CORRECTED, REFERENCE
 
 SCENE = "scenes/000000"
 
 
-def samples(root, split: SplitName = "all", **options) -> SampleDataset:
+def samples(root, split: Any = "all", **options) -> SampleDataset:
     views = ViewSettings(**options.pop("views", {}))
     return SampleDataset(root, split, views, CORRECTED, **options)
 

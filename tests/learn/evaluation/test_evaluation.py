@@ -12,9 +12,11 @@ from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
+from glassware.learn.decoding.decode import decode
 from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
+from glassware.learn.metrics.pose import PoseErrors
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.targets.objects import ViewObject
 from glassware.learn.targets.view import OPAQUE, detectable
@@ -96,8 +98,6 @@ def test_missed_objects_count_in_the_area_and_not_in_the_means():
         label = ViewObject(2, "can", False, REVOLUTION, None, np.eye(4), np.ones(3), 99)
         return ObjectScore(label, 0.5, pose, 8, None)
 
-    from glassware.learn.metrics.pose import PoseErrors
-
     pose = PoseErrors(translation=0.01, rotation=np.pi / 6, add=0.02, add_s=0.01, points=(0.05,) * 8)
     found = pose_metrics([score(pose), score(None)])
     assert found["found"] == 0.5
@@ -134,8 +134,6 @@ def test_the_worst_samples_have_the_greatest_errors_of_depth(samples, tiny):
 
 def test_a_batch_of_several_gives_each_its_own_boxes(samples):
     """Decoding takes each sample's own K: the same objects alone and side by side."""
-    from glassware.learn.decoding.decode import decode
-
     rows = [samples[(index, 0)] for index in (0, 6)]
     batch = collate(rows)
     outputs = {name: torch.cat([perfect(row)[name] for row in rows]) for name in perfect(rows[0])}

@@ -16,6 +16,7 @@ from glassware.procedural.description.scene import Scene, Vessel, glass_solid, l
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.table import outline
+from glassware.render.renderer import Renderer
 
 #: Most that bodies may overlap, float or sink [m] (the promise of a drawn scene).
 SLACK = 5e-4
@@ -109,8 +110,6 @@ def test_a_drawn_scene_is_sound(seed, rng):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", LONG)
 def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_assets, backend):
-    from glassware.render.renderer import Renderer
-
     scene = draw_scene(_settings(shared_assets), seed, 0)
     for check in (_check_bodies, _check_standing, _check_in_view):
         check(scene)

@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 import trimesh
+from trimesh.visual import TextureVisuals
 
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
@@ -103,7 +104,8 @@ def test_trimesh_reads_the_mesh_files(tmp_path, rng):
     write_mesh(mesh, tmp_path / "ball.ply")
     again = trimesh.load_mesh(tmp_path / "ball.ply", process=False)
     assert isinstance(again, trimesh.Trimesh)
-    assert isinstance(again.visual, trimesh.visual.TextureVisuals)
+    assert isinstance(again.visual, TextureVisuals)
+    assert again.visual.uv is not None
     np.testing.assert_array_equal(again.vertices.astype(np.float32), mesh.vertices)
     np.testing.assert_array_equal(again.faces, mesh.faces)
     np.testing.assert_array_equal(again.vertex_normals.astype(np.float32), mesh.normals)

@@ -6,6 +6,15 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.guiding import emission_map
+from glassware.render.cache.irradiance_cache import cached_shader
+from glassware.render.cache.trace_cached import rescaled_sample
+from glassware.render.pictures.picture import camera_paths
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole
+
 #: Chance that uniform numbers fail.
 SIGNIFICANCE = 1e-4
 
@@ -13,12 +22,6 @@ SIGNIFICANCE = 1e-4
 @pytest.fixture(scope="module")
 def lit(backend, drawn):
     """Two glasses with their light stored, and rays of a small camera."""
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-    from glassware.render.cache.guiding import emission_map
-    from glassware.render.cache.irradiance_cache import cached_shader
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, for_cache=True)
     stored = fill_cache(kernel, cache_points_of(kernel), 4, 1)  # noise changes no bit's equality
@@ -28,8 +31,6 @@ def lit(backend, drawn):
 
 def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     from glassware.render.cache.trace_cached import CachedTracing, trace_cached
-    from glassware.render.pictures.picture import camera_paths
-    from glassware.render.scene.rays import pinhole
 
     kernel, surface, bright = lit
     camera, picture = kernel.description.cameras[0], kernel.description.picture.model_copy(update=changes)
@@ -68,8 +69,6 @@ def test_paths_end_at_the_longest_that_is_asked_for(lit) -> None:
 def test_what_is_left_of_a_number_is_uniform_and_new_when_it_is_used_up(backend) -> None:
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.cache.trace_cached import rescaled_sample
 
     count = 100_000
     bits = mi.sample_tea_32(dr.arange(mi.UInt32, count), 7)[0]

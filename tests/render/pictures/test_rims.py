@@ -10,6 +10,9 @@ from scipy.stats import binom
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.picture import Picture
 from glassware.render.frame import Geometry
+from glassware.render.labels.geometry import trace_geometry
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene.loaded_scene import load
 
 #: Paths may be as long as this, and roulette ends none: what is lost is only light that is caught in the glass.
 DEPTH = 1024
@@ -31,7 +34,6 @@ RIM = 0.003
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, clear, even_light):
     """(fill probability, roughness probability) -> a loaded scene of clear vessels with next to no table."""
-    from glassware.render.scene.loaded_scene import load
 
     def make(fill: float, rough: float = 0.0, picture: Picture | None = None):
         scene = clear(
@@ -57,15 +59,11 @@ def furnace(backend, drawn, clear, even_light):
 
 def _light(kernel, number: int) -> np.ndarray:
     """Radiance of every pixel of a view, (pixels,), the mean of its colours."""
-    from glassware.render.pictures.picture import trace_picture
-
     return trace_picture(kernel, kernel.description.cameras[number], "left", seed=3).radiance.mean(2).ravel()
 
 
 def _rim_and_glass(kernel, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Which pixels show the topmost millimetres of a vessel, and which any glass, both (pixels,)."""
-    from glassware.render.labels.geometry import trace_geometry
-
     camera = kernel.description.cameras[number]
     seen: Geometry = trace_geometry(kernel, camera)
     rows, columns = np.mgrid[: camera.height, : camera.width]
