@@ -23,12 +23,12 @@ def html_images(pictures: Iterable[tuple[str, np.ndarray]], width: int = 320) ->
     width : int
         Width that each is shown at [px].
     """
-    figures = (
+    captioned = (
         f'<figure style="display:inline-block;margin:4px"><img width="{width}" src="data:image/png;base64,'
         f'{_png_base64(picture)}"/><figcaption>{escape(caption)}</figcaption></figure>'
         for caption, picture in pictures
     )
-    return "<div>" + "".join(figures) + "</div>"
+    return "<div>" + "".join(captioned) + "</div>"
 
 
 def html_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

@@ -377,10 +377,6 @@ def test_public_functions_and_classes_say_what_they_do() -> None:
     assert not silent
 
 
-@pytest.mark.xfail(
-    reason="procedural/surroundings/room_light.py, rooms.py and skies.py are being renamed to the field's terms",
-    strict=True,
-)
 def test_no_name_has_a_private_word() -> None:
     wrong = {}
     for path in FILES:

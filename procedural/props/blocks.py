@@ -88,7 +88,8 @@ def stone(
         Source of the waves.
     """
     direction, faces, uv = _sphere()
-    frequency = np.exp(rng.uniform(*np.log(STONE_FREQUENCIES), STONE_WAVES))
+    low, high = np.log(STONE_FREQUENCIES)
+    frequency = np.exp(rng.uniform(low, high, STONE_WAVES))
     heading = rng.normal(size=(STONE_WAVES, 3))
     waves = direction @ (frequency[:, None] * heading / _length(heading)).T + rng.uniform(0, 2 * np.pi, STONE_WAVES)
     bumps = np.cos(waves) @ (1.0 / frequency)

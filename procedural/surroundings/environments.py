@@ -12,7 +12,8 @@ import numpy as np
 from ...core.assets import asset
 from ..description.surroundings import ConstantEnvironment, Environment, PictureEnvironment, RoomEnvironment
 from .hdri import hdri_files, read_hdri
-from .rooms import bake_room, draw_room
+from .room_map import bake_room
+from .rooms import draw_room
 from .settings import EnvironmentSettings
 from .skies import bake_sky, draw_sky
 

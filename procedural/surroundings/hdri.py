@@ -63,8 +63,8 @@ def read_hdri(item: Asset) -> np.ndarray:
     Raises
     ------
     InputError
-        For a file that is missing, changed, unreadable, truncated, has other channels, is not twice as wide as high,
-        with values that are not finite, far below zero or above `MAX_RADIANCE`, or without light on a table.
+        If the file is missing, changed, unreadable or truncated, has other channels, is not twice as wide as high,
+        has values that are not finite, far below zero or above `MAX_RADIANCE`, or gives no light on a table.
     """
     path = checked_path(item)
     pixels = _read_exr(path) if path.suffix.lower() == ".exr" else _read_hdr(path)

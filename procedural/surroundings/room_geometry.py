@@ -57,32 +57,32 @@ def cast(boxes: Boxes, origins: np.ndarray, directions: np.ndarray) -> tuple[np.
     points : (n, 3) float32
         Where [m].
     """
-    inverse = _inverse(directions)
-    ahead = np.where(directions > 0.0, boxes.upper[0], boxes.lower[0])
-    exits = (ahead - origins) * inverse
-    axis = np.argmin(exits, axis=1)
-    nearest = np.take_along_axis(exits, axis[:, None], axis=1)[:, 0]
-    faces = 2 * axis + (np.take_along_axis(directions, axis[:, None], axis=1)[:, 0] < 0.0)
+    inverse, growing = _inverse(directions), directions > 0.0
+    exits = (np.where(growing, boxes.upper[0], boxes.lower[0]) - origins) * inverse
+    axis, nearest = np.argmin(exits, axis=1), _least(exits)
+    faces = 2 * axis + ~_pick(growing, axis)
     for box in range(1, len(boxes.lower)):
-        enter, leave = _slabs(boxes, box, origins, inverse)
-        axis = np.argmax(enter, axis=1)
-        first = np.take_along_axis(enter, axis[:, None], axis=1)[:, 0]
-        met = (first > _CLEAR) & (first < _least(leave)) & (first < nearest)
+        near = _may_meet(boxes, box, origins, directions)
+        enter, leave = _slabs(boxes, box, origins if len(origins) == 1 else origins[near], inverse[near])
+        first = -_least(-enter)
+        met = np.flatnonzero((first > _CLEAR) & (first < _least(leave)) & (first < nearest[near]))
+        hit, axis = near[met], np.argmax(enter[met], axis=1)
+        nearest[hit] = first[met]
         # A ray that grows along the axis meets the smaller side.
-        side = np.take_along_axis(directions, axis[:, None], axis=1)[:, 0] > 0.0
-        nearest = np.where(met, first, nearest)
-        faces = np.where(met, 6 * box + 2 * axis + side, faces)
+        faces[hit] = 6 * box + 2 * axis + _pick(growing[hit], axis)
     return faces, origins + directions * nearest[:, None]
 
 
 def blocked(boxes: Boxes, origins: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Return whether a block stands between two points, (n, 3) and (n, 3) or (1, 3) float32 [m] -> (n,) bool."""
-    inverse = _inverse(ends - origins)
+    offset = ends - origins
+    inverse, backward = _inverse(offset), offset / -np.linalg.norm(offset, axis=1, keepdims=True)
     found = np.zeros(len(inverse), dtype=bool)
     for box in range(1, len(boxes.lower)):
-        enter, leave = _slabs(boxes, box, origins, inverse)
+        near = _may_meet(boxes, box, ends, backward)
+        enter, leave = _slabs(boxes, box, origins[near], inverse[near])
         first, last = -_least(-enter), _least(leave)
-        found |= (first < last) & (last > _CLEAR) & (first < 1.0 - _CLEAR)
+        found[near] |= (first < last) & (last > _CLEAR) & (first < 1.0 - _CLEAR)
     return found
 
 
@@ -125,6 +125,22 @@ def _slabs(boxes: Boxes, box: int, origins: np.ndarray, inverse: np.ndarray) -> 
     """Return where rays enter and leave each of a box's three slabs (Kay and Kajiya 1986)."""
     low, high = (boxes.lower[box] - origins) * inverse, (boxes.upper[box] - origins) * inverse
     return np.minimum(low, high), np.maximum(low, high)
+
+
+def _may_meet(boxes: Boxes, box: int, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Return the numbers of the rays that may meet a box: from one origin, those in the cone of its bounding sphere."""
+    offset = 0.5 * (boxes.lower[box] + boxes.upper[box]) - origins[0]
+    sine = 0.5 * np.linalg.norm(boxes.upper[box] - boxes.lower[box]) / max(np.linalg.norm(offset), _CLEAR)
+    if len(origins) > 1 or sine >= 1.0:
+        return np.arange(len(directions))
+    # float32 directions have cosines to 1e-6.
+    cosine = np.sqrt(1.0 - sine**2) - 1e-5
+    return np.flatnonzero(directions @ (offset / np.linalg.norm(offset)) >= cosine)
+
+
+def _pick(values: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """Return the value of each row at its axis, (n, 3) and (n,) int -> (n,)."""
+    return np.take_along_axis(values, axis[:, None], axis=1)[:, 0]
 
 
 def _least(values: np.ndarray) -> np.ndarray:

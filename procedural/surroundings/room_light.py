@@ -1,16 +1,19 @@
-"""How light spreads in a room: glowing rectangles, soft shadows and diffuse interreflection.
+"""Radiosity of a room: direct light of windows and lamps, soft shadows and diffuse interreflection.
 
-A radiosity solution on a grid of points per face (Goral et al., "Modeling the Interaction of Light Between Diffuse
-Surfaces", SIGGRAPH 1984), so that the contrast between a window and the walls follows from the room itself.
+Every face of the room and of its furniture is cut into cells. Form factors between cells come from cosine-distributed
+rays (Goral et al., "Modeling the Interaction of Light Between Diffuse Surfaces", SIGGRAPH 1984), so that the contrast
+between a window and the walls follows from the room itself.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
 from scipy import sparse
 
 from ..description.surroundings import RoomEnvironment, Window
-from ..materials.noise import fractal_value_noise as fractal_noise
 from .room_geometry import (
     WALL_FACES,
     Boxes,
@@ -19,63 +22,60 @@ from .room_geometry import (
     face_coordinates,
     face_frames,
     face_points,
-    in_rectangle,
 )
+from .windows import Outside, coverage, shining_level
 
-#: Points per side of a face's grid.
-GRID = 16
-# Points per side of a glowing rectangle, for direct light with soft shadows.
-_GLOW_SAMPLES = 4
-# Directions per point for the light from other walls; a 3 x 3 mean of the points removes what noise they leave.
-_GATHER = 64
-# Rounds of reflection: with walls of 0.8 mean reflectance 0.8^24 = 0.5 % of the light is left out.
+#: Side of a cell [m], and the fewest and most cells along one side of a face. Indirect light changes over a metre; the
+#: shadows of furniture are soft over some decimetres, because windows and lamps are large.
+CELL_SIZE, _FEWEST_CELLS, _MOST_CELLS = 0.25, 2, 24
+# Points per side of a window or lamp, for direct light with soft shadows.
+_WINDOW_SAMPLES = 4
+# Rays per cell for the form factors; a 3 x 3 mean of the cells removes the noise that they leave.
+_RAYS_PER_CELL = 64
+# Rays that are cast at once: keeps memory near 50 MB.
+_RAYS_PER_PASS = 1 << 18
+# Reflections: with walls of 0.8 mean reflectance 0.8^24 = 0.5 % of the light is left out.
 _BOUNCES = 24
-# Width of a mullion [m], and reflectance of its paint.
-_BAR_WIDTH, _BAR_PAINT = 0.05, 0.6
-# Share of the rectangle's shorter side over which a lamp's diffuser fades at its rim.
-_LAMP_RIM = 0.08
-# Luminance of the land outside over the sky's: about the reflectance of vegetation and paving, 0.1 to 0.3.
-_LAND = 0.22
+# Rays start this far off the surface that they leave [m].
+_RAY_OFFSET = np.float32(1e-3)
 
 
-def glow(window: Window, coordinates: np.ndarray, outward: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the radiance that comes through points of a rectangle.
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The cells of all faces in one list: face by face, then along the first and the second own coordinate."""
 
-    Parameters
-    ----------
-    window : Window
-        The rectangle.
-    coordinates : (n, 2) float
-        Points in the wall's own coordinates [m].
-    outward : (n, 3) float
-        Unit vectors from the room through the points.
-    seed : int
-        Seed of the skyline outside.
+    first: np.ndarray  #: (f,) int64, number of each face's first cell
+    shape: np.ndarray  #: (f, 2) int64, cells along both own coordinates of each face
+    face: np.ndarray  #: (n,) int64, face of each cell
+    coordinates: np.ndarray  #: (n, 2) float32, centre of each cell in its face's own coordinates [m]
 
-    Returns
-    -------
-    radiance : (n, 3) float32
-        0 outside the rectangle and on its bars.
-    kind : (n,) int8
-        0 outside the rectangle, 1 shining, 2 a bar or a frame.
-    """
-    size = np.array(window.size, dtype=np.float32)
-    distance = coordinates - np.array(window.centre, dtype=np.float32) + 0.5 * size
-    kind = in_rectangle(coordinates, window.centre, window.size).astype(np.int8)
-    inside = np.flatnonzero(kind)
-    level = np.zeros(len(kind), dtype=np.float32)
-    if window.kind == "lamp":
-        edge = np.minimum(distance, size - distance)[inside].min(axis=1)
-        level[inside] = np.clip(edge / (_LAMP_RIM * size.min()), 0.0, 1.0)
-    else:
-        on_bar = _on_bar(distance[inside], size, window.bars)
-        kind[inside[on_bar]] = 2
-        level[inside[~on_bar]] = _outside(outward[inside[~on_bar]], seed)
-    return level[:, None] * np.array(window.radiance, dtype=np.float32), kind
+    def by_face(self, values: np.ndarray) -> list[np.ndarray]:
+        """Return values of all cells, (n, ...), as one array a face, (rows, columns, ...)."""
+        parts = np.split(values, self.first[1:])
+        return [part.reshape(*shape, *values.shape[1:]) for part, shape in zip(parts, self.shape, strict=True)]
+
+    def at(self, face: np.ndarray, fraction: np.ndarray) -> np.ndarray:
+        """Return the number of the cell at a place on a face, given as fractions of its sides, (n, 2) in [0, 1]."""
+        shape = self.shape[face]
+        row, column = np.clip((fraction * shape).astype(np.int64), 0, shape - 1).T
+        return self.first[face] + row * shape[:, 1] + column
 
 
-def solve(room: RoomEnvironment, boxes: Boxes) -> np.ndarray:
-    """Return the irradiance on a grid of points of every face.
+def cells_of(boxes: Boxes) -> Cells:
+    """Return the cells of all faces."""
+    corner, size, _ = face_frames(boxes)
+    shape = np.clip(np.ceil(size / CELL_SIZE), _FEWEST_CELLS, _MOST_CELLS).astype(np.int64)
+    counts = shape.prod(axis=1)
+    centres = [
+        corner[face] + (np.indices(shape[face]).reshape(2, -1).T + 0.5) / shape[face] * size[face]
+        for face in range(len(shape))
+    ]
+    first = np.cumsum(counts) - counts
+    return Cells(first, shape, np.repeat(np.arange(len(shape)), counts), np.concatenate(centres).astype(np.float32))
+
+
+def solve(room: RoomEnvironment, boxes: Boxes, outside: Outside) -> list[np.ndarray]:
+    """Return the irradiance on the cells of every face.
 
     Parameters
     ----------
@@ -83,129 +83,94 @@ def solve(room: RoomEnvironment, boxes: Boxes) -> np.ndarray:
         The description.
     boxes : Boxes
         Its geometry.
+    outside : Outside
+        What lies behind the windows.
 
     Returns
     -------
-    (f, GRID, GRID, 3) float32
-        By face, then along its first and second own coordinate.
+    list of (rows, columns, 3) float32
+        One array a face; its first two axes follow the face's own coordinates.
     """
-    faces, points, normals = _grid_points(boxes)
+    cells = cells_of(boxes)
+    points = face_points(boxes, cells.face, cells.coordinates)
+    normals = face_frames(boxes)[2][cells.face]
     direct = np.zeros((len(points), 3), dtype=np.float32)
     for window in room.windows:
-        direct += _direct(window, room.seed, boxes, points, normals)
-    source = _form_factors(boxes, points, normals, np.random.Generator(np.random.PCG64(room.seed)))
-    shining = _shining_share(room, boxes, points, faces)
-    reflectance = boxes.reflectance[faces] * (1.0 - shining)[:, None]
+        direct += _direct(window, outside, boxes, points, normals)
+    form_factors = _form_factors(boxes, cells, points, normals, np.random.Generator(np.random.PCG64(room.seed)))
+    reflectance = boxes.reflectance[cells.face] * (1.0 - _shining(room, boxes, cells))[:, None]
     total = direct
     for _ in range(_BOUNCES):
-        total = direct + _smoothed(source @ (reflectance * total))
-    return total.reshape(-1, GRID, GRID, 3).astype(np.float32)
+        total = direct + _smoothed(cells, form_factors @ (reflectance * total))
+    return cells.by_face(total.astype(np.float32))
 
 
-def sample(grids: np.ndarray, boxes: Boxes, faces: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Return the irradiance at points of faces by bilinear interpolation, (n, 3) float32."""
-    corner, size, _ = face_frames(boxes)
-    place = (coordinates - corner[faces]) / size[faces] * GRID - 0.5
-    place = np.clip(place, 0.0, GRID - 1.0)
-    base = np.minimum(place.astype(np.int64), GRID - 2)
-    (fu, fv), (iu, iv) = (place - base).T.astype(np.float32)[..., None], base.T
-    low = grids[faces, iu, iv] * (1.0 - fu) + grids[faces, iu + 1, iv] * fu
-    high = grids[faces, iu, iv + 1] * (1.0 - fu) + grids[faces, iu + 1, iv + 1] * fu
-    return low * (1.0 - fv) + high * fv
-
-
-def bar_radiance(irradiance: np.ndarray) -> np.ndarray:
-    """Return the radiance of a mullion's painted inside."""
-    return irradiance * np.float32(_BAR_PAINT / np.pi)
-
-
-def _grid_points(boxes: Boxes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    corner, size, normals = face_frames(boxes)
-    steps = (np.arange(GRID) + 0.5) / GRID
-    cells = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    faces = np.repeat(np.arange(len(corner)), GRID * GRID)
-    coordinates = corner[faces] + np.tile(cells, (len(corner), 1)) * size[faces]
-    return faces, face_points(boxes, faces, coordinates), normals[faces]
-
-
-def _direct(window: Window, seed: int, boxes: Boxes, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Return the irradiance from one rectangle, by midpoints of equal parts with a shadow ray each."""
-    steps = (np.arange(_GLOW_SAMPLES) + 0.5) / _GLOW_SAMPLES - 0.5
+def _direct(window: Window, outside: Outside, boxes: Boxes, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return the irradiance from one window or lamp, by midpoints of equal parts with a shadow ray each, (n, 3)."""
+    steps = (np.arange(_WINDOW_SAMPLES) + 0.5) / _WINDOW_SAMPLES - 0.5
     face = WALL_FACES[window.wall]
-    area = window.size[0] * window.size[1] / _GLOW_SAMPLES**2
+    area = np.float32(window.size[0] * window.size[1] / _WINDOW_SAMPLES**2)
     inward = face_frames(boxes)[2][face]
-    bare = window.model_copy(update={"bars": 0})
-    total = np.zeros((len(points), 3), dtype=np.float32)
-    for u in steps:
-        for v in steps:
-            place = np.array([[window.centre[0] + u * window.size[0], window.centre[1] + v * window.size[1]]])
-            end = face_points(boxes, np.array([face]), place)
-            offset = end - points
-            lit = np.flatnonzero((np.einsum("ij,ij->i", offset, normals) > 0.0) & (offset @ inward < 0.0))
-            lit = lit[~blocked(boxes, points[lit], end)]
-            squared = np.maximum(np.einsum("ij,ij->i", offset[lit], offset[lit]), area / np.pi)
-            outward = offset[lit] / np.sqrt(squared)[:, None]
-            cosines = -(outward @ inward) * np.einsum("ij,ij->i", outward, normals[lit])
-            radiance, _ = glow(bare, np.broadcast_to(place, (len(lit), 2)), outward, seed)
-            total[lit] += radiance * (cosines * area / squared)[:, None].astype(np.float32)
-    return total
+    level = np.zeros(len(points), dtype=np.float32)
+    for u, v in ((u, v) for u in steps for v in steps):
+        place = np.array([[window.centre[0] + u * window.size[0], window.centre[1] + v * window.size[1]]], np.float32)
+        end = face_points(boxes, np.array([face]), place)
+        offset = end - points
+        facing, leaving = np.einsum("ij,ij->i", offset, normals), offset @ inward
+        lit = np.flatnonzero((facing > 0.0) & (leaving < 0.0))
+        lit = lit[~blocked(boxes, points[lit], end)]
+        # Near the window the part is not small: no closer than the radius of a disc of its area.
+        squared = np.maximum(np.einsum("ij,ij->i", offset[lit], offset[lit]), area / np.float32(np.pi))
+        form = -facing[lit] * leaving[lit] * area / squared**2
+        level[lit] += form * shining_level(window, place, offset[lit] / np.sqrt(squared)[:, None], outside)
+    return level[:, None] * np.array(window.radiance, dtype=np.float32)
 
 
-def _form_factors(boxes: Boxes, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator) -> sparse.csr_array:
-    """Return the form factors from every point to every other: shares of cosine-distributed rays, (n, n)."""
+def _form_factors(
+    boxes: Boxes, cells: Cells, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
+) -> sparse.csr_array:
+    """Return the form factors from every cell to every other: fractions of cosine-distributed rays, (n, n)."""
     corner, size, _ = face_frames(boxes)
     count = len(points)
-    cells = np.empty((count, _GATHER), dtype=np.int64)
-    for ray in range(_GATHER):
-        # A point on the unit sphere about the tip of the normal is cosine-distributed about the normal.
-        height = 2.0 * (ray + rng.uniform(size=len(points))) / _GATHER - 1.0
-        turn = 2.0 * np.pi * rng.uniform(size=len(points))
-        flat = np.sqrt(np.maximum(1.0 - height**2, 0.0))
-        ball = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=1)
-        directions = normals * 1.0001 + ball
-        directions = (directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32)
-        faces, ends = cast(boxes, points + normals * np.float32(1e-3), directions)
-        place = (face_coordinates(faces, ends) - corner[faces]) / size[faces]
-        iu, iv = np.clip((place * GRID).astype(np.int64), 0, GRID - 1).T
-        cells[:, ray] = (faces * GRID + iu) * GRID + iv
-    rows = np.arange(count + 1) * _GATHER
-    shares = np.full(cells.size, 1.0 / _GATHER, dtype=np.float32)
-    return sparse.csr_array((shares, cells.ravel(), rows), shape=(count, count))
+    found = np.empty((count, _RAYS_PER_CELL), dtype=np.int64)
+    step = max(1, _RAYS_PER_PASS // _RAYS_PER_CELL)
+    for begin in range(0, count, step):
+        some = slice(begin, begin + step)
+        directions = _cosine_directions(normals[some], rng)
+        origins = (points[some] + normals[some] * _RAY_OFFSET).repeat(_RAYS_PER_CELL, axis=0)
+        faces, ends = cast(boxes, origins, directions)
+        fraction = (face_coordinates(faces, ends) - corner[faces]) / size[faces]
+        found[some] = cells.at(faces, fraction).reshape(-1, _RAYS_PER_CELL)
+    rows = np.arange(count + 1) * _RAYS_PER_CELL
+    fractions = np.full(found.size, 1.0 / _RAYS_PER_CELL, dtype=np.float32)
+    return sparse.csr_array((fractions, found.ravel(), rows), shape=(count, count))
 
 
-def _shining_share(room: RoomEnvironment, boxes: Boxes, points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return 1 where a grid point lies on a rectangle that shines (it reflects nothing back), else 0."""
-    shining = np.zeros(len(points), dtype=np.float32)
-    coordinates = face_coordinates(faces, points)
+def _cosine_directions(normals: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return cosine-distributed directions about normals, (n, 3) -> (n * rays, 3), stratified by elevation."""
+    shape = (len(normals), _RAYS_PER_CELL)
+    # A point on the unit sphere about the tip of the normal is cosine-distributed about the normal.
+    height = 2.0 * (np.arange(_RAYS_PER_CELL) + rng.uniform(size=shape)) / _RAYS_PER_CELL - 1.0
+    turn = 2.0 * np.pi * rng.uniform(size=shape)
+    flat = np.sqrt(np.maximum(1.0 - height**2, 0.0))
+    ball = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1).astype(np.float32)
+    # A little longer than 1, so that no direction has length 0.
+    directions = (normals[:, None] * np.float32(1.0001) + ball).reshape(-1, 3)
+    return directions / np.linalg.norm(directions, axis=1, keepdims=True)
+
+
+def _shining(room: RoomEnvironment, boxes: Boxes, cells: Cells) -> np.ndarray:
+    """Return the fraction of each cell that a window or a lamp covers: it reflects nothing back, (n,) float32."""
+    covered = np.zeros(len(cells.face), dtype=np.float32)
+    corner, size, _ = face_frames(boxes)
     for window in room.windows:
-        shining[(faces == WALL_FACES[window.wall]) & in_rectangle(coordinates, window.centre, window.size)] = 1.0
-    return shining
+        face = WALL_FACES[window.wall]
+        here = slice(cells.first[face], cells.first[face] + cells.shape[face].prod())
+        covered[here] += coverage(window.centre, window.size, corner[face], size[face], cells.shape[face]).ravel()
+    return np.minimum(covered, 1.0)
 
 
-def _smoothed(values: np.ndarray) -> np.ndarray:
-    """Return the 3 x 3 mean over each face's grid, edges repeated."""
-    grid = np.pad(values.reshape(-1, GRID, GRID, 3), ((0, 0), (1, 1), (1, 1), (0, 0)), mode="edge")
-    rows = grid[:, :-2] + grid[:, 1:-1] + grid[:, 2:]
-    return ((rows[:, :, :-2] + rows[:, :, 1:-1] + rows[:, :, 2:]) / 9.0).reshape(-1, 3)
-
-
-def _on_bar(distance: np.ndarray, size: np.ndarray, bars: int) -> np.ndarray:
-    """Return whether points lie on the frame or on one of the mullions."""
-    on = np.minimum(distance, size - distance).min(axis=1) < _BAR_WIDTH
-    for bar in range(1, bars + 1):
-        on = on | (np.abs(distance - size * bar / (bars + 1)).min(axis=1) < 0.5 * _BAR_WIDTH)
-    return on
-
-
-def _outside(outward: np.ndarray, seed: int) -> np.ndarray:
-    """Return the radiance outside over the sky's: a sky that brightens to the horizon, a skyline, and land below."""
-    elevation = np.arcsin(np.clip(outward[:, 2], -1.0, 1.0))
-    flat = outward.copy()
-    flat[:, 2] = 0.0
-    # Houses and trees up to 11 degrees high; the finest octave is about 2 degrees wide.
-    skyline = 0.2 * fractal_noise(flat * 4.0, seed + 101, 4) ** 2
-    leaves = 0.5 + fractal_noise(outward * 25.0, seed + 202, 3)
-    sky = 1.0 - 0.35 * np.clip(elevation / 1.2, 0.0, 1.0)
-    # Softened over 1 degree: the glass and the air blur what is far.
-    share = np.clip((elevation - skyline) / 0.0175 + 0.5, 0.0, 1.0)
-    return share * sky + (1.0 - share) * _LAND * leaves
+def _smoothed(cells: Cells, values: np.ndarray) -> np.ndarray:
+    """Return the 3 x 3 mean over each face's cells, edges repeated."""
+    faces = [cv2.blur(face, (3, 3), borderType=cv2.BORDER_REPLICATE) for face in cells.by_face(values)]
+    return np.concatenate([face.reshape(-1, 3) for face in faces])

@@ -1,8 +1,10 @@
-"""Procedural rooms as environments: drawn, and baked to a map of radiance.
+"""Procedural rooms: drawn from a seed. `room_map` bakes them to a map of radiance.
 
-Radiance is in kcd/m^2, from real figures: an overcast sky of 10 to 25 klx has a mean luminance of 3 to 8 (E / pi); a
-0.6 m square ceiling panel of 3500 lm has 3.1 (flux / (pi A)); a studio soft box of 10000 lm and 0.6 x 0.9 m has 5.9.
-The walls follow from those by `room_light`.
+Radiance is in kcd/m^2. It comes from real figures: an overcast sky of 10 to 25 klx has a mean luminance of 3 to 8
+(E / pi); a 0.6 m square ceiling panel of 3500 lm has 3.1 (flux / (pi A)); a studio soft box of 10000 lm and 0.6 x 0.9 m
+has 5.9. The light on the walls follows from these by `room_light`.
+
+The ranges below are chosen, where no source is given, so that furnished rooms from a kitchen to a hall are covered.
 """
 
 from __future__ import annotations
@@ -11,26 +13,65 @@ import numpy as np
 
 from ...core.model import Reflectance
 from ..description.surroundings import Block, Panel, RoomEnvironment, Wall, Window
-from ..materials.noise import fractal_value_noise as fractal_noise
-from ..materials.noise import lattice
 from .colour import black_body
-from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, in_rectangle
-from .room_light import bar_radiance, glow, sample, solve
-from .sphere import texel_directions
 
 #: Height of the table top over the floor [m] (dining and work tables: 0.72 to 0.76).
 TABLE_HEIGHT = 0.74
-# Samples per texel and direction; their mean is the texel.
-_SUPERSAMPLING = 2
-# Rows of the map that are cast at once: keeps memory under 100 MB.
-_STRIP = 32
+# Side and height of a room [m], and the place of the table as a fraction of the sides.
+_ROOM_SIDE, _ROOM_HEIGHT, _TABLE_PLACE = (3.5, 9.0), (2.4, 3.6), (0.35, 0.65)
+# Width of floor boards [m]; parquet strips to wide planks.
+_BOARD_WIDTH = (0.08, 0.25)
+
+# Reflectance of wall paint, of an accent wall and of a ceiling (EN 12464-1 recommends walls of 0.5 to 0.8 and ceilings
+# of 0.7 to 0.9), and the largest relative deviation of a primary from grey.
+_WALL_PAINT, _WALL_CHROMA = (0.45, 0.8), 0.08
+_ACCENT_PAINT, _ACCENT_CHROMA, _ACCENT_PROBABILITY = (0.1, 0.5), 0.4, 0.4
+_CEILING_PAINT, _CEILING_CHROMA = (0.75, 0.85), 0.02
+# No paint reflects less than black velvet or more than fresh white paint.
+_PAINT_LIMITS = (0.02, 0.9)
+# Green reflectance of wood from dark walnut to pale ash; relative excess of red and deficit of blue at warmth 1.
+_WOOD_LEVEL, _WOOD_WARMTH, _WOOD_RED, _WOOD_BLUE = (0.08, 0.45), (0.2, 0.6), 0.4, 0.8
+
+# Colour temperature [K] (overcast 5500 to clear shade 8000) and luminance [kcd/m^2] of the sky outside.
+_SKY_TEMPERATURE, _SKY_RADIANCE = (5500.0, 8000.0), (2.5, 8.0)
+# Windows: least pitch of a row [m], width over pitch, sill of a French window and of others [m], height [m], distance
+# of the lintel to the ceiling [m], largest number of mullions.
+_WINDOW_PITCH, _WINDOW_FILL = 1.5, (0.45, 0.85)
+_LOW_SILL, _SILL, _WINDOW_HEIGHT, _LINTEL, _MOST_BARS = 0.1, (0.7, 1.0), (1.2, 2.2), 0.25, 3
+# Walls with windows: at most 2.
+_MOST_WINDOW_WALLS = 2
+# Ceiling lamps: probability, sides of the usual panels [m], their spacing [m], colour temperature [K] (warm white to
+# daylight white) and luminance [kcd/m^2].
+_LAMP_PROBABILITY, _LAMP_SIZES = 0.6, ((0.6, 0.6), (1.2, 0.3), (0.3, 1.2), (1.2, 0.6))
+_LAMP_SPACING, _LAMP_TEMPERATURE, _LAMP_RADIANCE = (1.8, 3.0), (3300.0, 5500.0), (2.0, 6.0)
+# Soft boxes: probability, side [m], place along the wall as a fraction, height of the centre over the floor and its
+# distance to the ceiling [m], colour temperature [K], luminance [kcd/m^2].
+_SOFT_BOX_PROBABILITY, _SOFT_BOX_SIDE, _SOFT_BOX_PLACE = 0.3, (0.5, 1.2), (0.25, 0.75)
+_SOFT_BOX_HEIGHT, _SOFT_BOX_TOP = 1.2, 0.7
+_SOFT_BOX_TEMPERATURE, _SOFT_BOX_RADIANCE = (4000.0, 6500.0), (4.0, 12.0)
+
+# Doors and pictures on walls without windows: distance from the corner [m], least free length [m], gap between two [m].
+_PANEL_START, _PANEL_ROOM, _PANEL_GAP = (0.2, 0.6), 0.6, (0.3, 1.5)
+# A door leaf is about 0.9 x 2.05 m.
+_DOOR_PROBABILITY, _DOOR_WIDTH, _DOOR_HEIGHT = 0.25, 0.9, 2.05
+# Pictures: width, height and height of the centre over the floor [m] (hung at eye height); width of the frame [m];
+# reflectance and chroma of frame and picture.
+_PICTURE_WIDTH, _PICTURE_HEIGHT, _PICTURE_CENTRE, _FRAME_WIDTH = (0.3, 1.1), (0.3, 0.9), (1.3, 1.7), 0.03
+_FRAME_PAINT, _FRAME_CHROMA, _PICTURE_PAINT, _PICTURE_CHROMA = (0.05, 0.2), 0.2, (0.1, 0.7), 0.35
+
+# Furniture along the walls: number, depth and width [m], usual heights [m] (bench, sideboard, shelf, cupboard), their
+# relative spread, greatest height in front of windows [m]; probability of wood, reflectance and chroma of paint.
+_BLOCK_COUNT, _BLOCK_DEPTH, _BLOCK_WIDTH = (3, 7), (0.3, 0.7), (0.4, 1.8)
+_BLOCK_HEIGHTS, _BLOCK_SPREAD, _BLOCK_UNDER_WINDOW = (0.45, 0.8, 1.2, 1.9), (0.85, 1.1), 0.8
+_BLOCK_WOOD_PROBABILITY, _BLOCK_PAINT, _BLOCK_CHROMA = 0.5, (0.1, 0.7), 0.2
+
 _SIDES: tuple[Wall, Wall, Wall, Wall] = ("+x", "-x", "+y", "-y")
 
 
 def draw_room(rng: np.random.Generator) -> RoomEnvironment:
     """Draw a room with windows, lamps, wall panels and furniture; the table stands well inside."""
-    size = (float(rng.uniform(3.5, 9.0)), float(rng.uniform(3.5, 9.0)), float(rng.uniform(2.4, 3.6)))
-    eye = (size[0] * float(rng.uniform(0.35, 0.65)), size[1] * float(rng.uniform(0.35, 0.65)), TABLE_HEIGHT)
+    size = (float(rng.uniform(*_ROOM_SIDE)), float(rng.uniform(*_ROOM_SIDE)), float(rng.uniform(*_ROOM_HEIGHT)))
+    eye = (size[0] * float(rng.uniform(*_TABLE_PLACE)), size[1] * float(rng.uniform(*_TABLE_PLACE)), TABLE_HEIGHT)
     windows = _draw_windows(rng, size)
     return RoomEnvironment(
         size=size,
@@ -39,112 +80,41 @@ def draw_room(rng: np.random.Generator) -> RoomEnvironment:
         windows=windows,
         panels=_draw_panels(rng, size, windows),
         blocks=_draw_blocks(rng, size, windows),
-        board_width=float(rng.choice([0.0, rng.uniform(0.08, 0.25)])),
+        board_width=float(rng.choice([0.0, rng.uniform(*_BOARD_WIDTH)])),
         seed=int(rng.integers(2**31)),
         rotation=float(rng.uniform(0.0, 2.0 * np.pi)),
     )
 
 
-def bake_room(environment: RoomEnvironment, height: int = 512) -> np.ndarray:
-    """Return the radiance of a room seen from its table, without ``rotation`` and ``strength``.
-
-    Parameters
-    ----------
-    environment : RoomEnvironment
-        The room.
-    height : int
-        Rows of the map.
-
-    Returns
-    -------
-    (height, 2 * height, 3) float32
-        Linear Rec.709 [kcd/m^2], laid out as `sphere` says; each texel is the mean of 2 x 2 rays.
-    """
-    boxes = boxes_of(environment)
-    grids = solve(environment, boxes)
-    eye = np.array([environment.eye], dtype=np.float32)
-    places = (np.arange(_SUPERSAMPLING) + 0.5) / _SUPERSAMPLING
-    out = np.zeros((height, 2 * height, 3), dtype=np.float32)
-    for start in range(0, height, _STRIP):
-        rows = slice(start, min(start + _STRIP, height))
-        for offset in ((u, v) for u in places for v in places):
-            directions = texel_directions(height, rows, offset).reshape(-1, 3)
-            out[rows] += _radiance(environment, boxes, grids, eye, directions).reshape(out[rows].shape)
-    return out / np.float32(_SUPERSAMPLING**2)
-
-
-def _radiance(
-    room: RoomEnvironment, boxes: Boxes, grids: np.ndarray, eye: np.ndarray, directions: np.ndarray
-) -> np.ndarray:
-    faces, points = cast(boxes, eye, directions)
-    coordinates = face_coordinates(faces, points)
-    irradiance = sample(grids, boxes, faces, coordinates)
-    radiance = irradiance * _reflectance(room, boxes, faces, points, coordinates) / np.float32(np.pi)
-    for window in room.windows:
-        on = np.flatnonzero(faces == WALL_FACES[window.wall])
-        shining, kind = glow(window, coordinates[on], directions[on], room.seed)
-        radiance[on[kind == 1]] = shining[kind == 1]
-        radiance[on[kind == 2]] = bar_radiance(irradiance[on[kind == 2]])
-    return radiance
-
-
-def _reflectance(
-    room: RoomEnvironment, boxes: Boxes, faces: np.ndarray, points: np.ndarray, coordinates: np.ndarray
-) -> np.ndarray:
-    """Return the reflectance with its small variation, (n, 3) float32."""
-    reflectance = boxes.reflectance[faces]
-    for panel in room.panels:
-        on = np.flatnonzero(faces == WALL_FACES[panel.wall])
-        on = on[in_rectangle(coordinates[on], panel.centre, panel.size)]
-        reflectance[on] = np.array(panel.colour, dtype=np.float32)
-    # Plaster and paint differ by some percent over decimetres.
-    factor = 0.94 + 0.12 * fractal_noise(points * 3.0, room.seed, 3)
-    if room.board_width > 0.0:
-        floor = faces == 5
-        factor[floor] *= _boards(points[floor], room.board_width, room.seed)
-    return np.clip(reflectance * factor[:, None], 0.0, 1.0)
-
-
-def _boards(points: np.ndarray, width: float, seed: int) -> np.ndarray:
-    """Return the factor of floor boards along x: each board its own shade, grain along it, a dark joint."""
-    across = points[:, 1] / width
-    board = np.floor(across).astype(np.int64)
-    shade = 0.75 + 0.5 * lattice(np.stack([board, 0 * board, 0 * board], axis=1), seed + 7)
-    grain = 0.85 + 0.3 * fractal_noise(points * np.array([2.0, 40.0, 1.0]) + board[:, None] * 17.0, seed + 8, 2)
-    # The joint is 3 mm wide.
-    joint = np.abs(across - np.round(across)) * width < 0.0015
-    return shade * grain * np.where(joint, 0.3, 1.0)
-
-
 def _draw_colours(rng: np.random.Generator) -> tuple[Reflectance, ...]:
-    """Draw the reflectance of walls, ceiling and floor: light paint, one wall perhaps of a strong colour."""
-    wall = _paint(rng, (0.45, 0.8), 0.08)
+    """Draw the reflectance of walls, ceiling and floor: light paint, in some rooms one wall of a strong colour."""
+    wall = _paint(rng, _WALL_PAINT, _WALL_CHROMA)
     walls = [wall] * 4
-    if rng.uniform() < 0.4:
-        walls[int(rng.integers(4))] = _paint(rng, (0.1, 0.5), 0.4)
-    return (*walls, _paint(rng, (0.75, 0.85), 0.02), _wood(rng))
+    if rng.uniform() < _ACCENT_PROBABILITY:
+        walls[int(rng.integers(4))] = _paint(rng, _ACCENT_PAINT, _ACCENT_CHROMA)
+    return (*walls, _paint(rng, _CEILING_PAINT, _CEILING_CHROMA), _wood(rng))
 
 
 def _paint(rng: np.random.Generator, level: tuple[float, float], chroma: float) -> Reflectance:
-    """Draw a paint: a grey of some reflectance, each primary off by up to a share."""
+    """Draw a paint: a grey level from a range, with each primary off by up to the fraction ``chroma``."""
     colour = rng.uniform(*level) * (1.0 + chroma * rng.uniform(-1.0, 1.0, size=3))
-    red, green, blue = np.clip(colour, 0.02, 0.9)
+    red, green, blue = np.clip(colour, *_PAINT_LIMITS)
     return float(red), float(green), float(blue)
 
 
 def _wood(rng: np.random.Generator) -> Reflectance:
     """Draw a brown from pale ash to dark walnut."""
-    level, warmth = rng.uniform(0.08, 0.45), rng.uniform(0.2, 0.6)
-    return float(level * (1.0 + 0.4 * warmth)), float(level), float(level * (1.0 - 0.8 * warmth))
+    level, warmth = rng.uniform(*_WOOD_LEVEL), rng.uniform(*_WOOD_WARMTH)
+    return float(level * (1.0 + _WOOD_RED * warmth)), float(level), float(level * (1.0 - _WOOD_BLUE * warmth))
 
 
 def _draw_windows(rng: np.random.Generator, size: tuple[float, float, float]) -> tuple[Window, ...]:
-    """Draw windows on one or two walls, ceiling lamps, and perhaps a soft box: at least one shines."""
-    lamps = _ceiling_lamps(rng, size) if rng.uniform() < 0.6 else []
-    walls = rng.permutation(4)[: int(rng.integers(0 if lamps else 1, 3))]
-    sky = black_body(rng.uniform(5500.0, 8000.0)) * rng.uniform(2.5, 8.0)
+    """Draw windows on up to two walls, ceiling lamps and a soft box; at least one window or lamp."""
+    lamps = _ceiling_lamps(rng, size) if rng.uniform() < _LAMP_PROBABILITY else []
+    walls = rng.permutation(4)[: int(rng.integers(0 if lamps else 1, _MOST_WINDOW_WALLS + 1))]
+    sky = black_body(rng.uniform(*_SKY_TEMPERATURE)) * rng.uniform(*_SKY_RADIANCE)
     windows = [item for wall in walls for item in _wall_windows(rng, size, _SIDES[wall], sky)]
-    if rng.uniform() < 0.3:
+    if rng.uniform() < _SOFT_BOX_PROBABILITY:
         free: list[Wall] = [side for number, side in enumerate(_SIDES) if number not in walls]
         windows.append(_soft_box(rng, size, free[int(rng.integers(len(free)))]))
     return tuple(windows + lamps)
@@ -153,14 +123,14 @@ def _draw_windows(rng: np.random.Generator, size: tuple[float, float, float]) ->
 def _wall_windows(
     rng: np.random.Generator, size: tuple[float, float, float], wall: Wall, sky: np.ndarray
 ) -> list[Window]:
-    """Draw a row of equal windows that share a wall's length."""
+    """Draw a row of equal windows, evenly spaced along a wall."""
     length = _length(size, wall)
-    count = int(rng.integers(1, max(2, int(length / 1.5))))
+    count = int(rng.integers(1, max(2, int(length / _WINDOW_PITCH))))
     pitch = length / count
-    width = pitch * rng.uniform(0.45, 0.85)
-    sill = rng.choice([0.1, rng.uniform(0.7, 1.0)])
-    high = min(size[2] - 0.25, sill + rng.uniform(1.2, 2.2)) - sill
-    bars = int(rng.integers(0, 4))
+    width = pitch * rng.uniform(*_WINDOW_FILL)
+    sill = rng.choice([_LOW_SILL, rng.uniform(*_SILL)])
+    high = min(size[2] - _LINTEL, sill + rng.uniform(*_WINDOW_HEIGHT)) - sill
+    bars = int(rng.integers(0, _MOST_BARS + 1))
     return [
         Window(
             wall=wall, centre=(pitch * (k + 0.5), sill + high / 2), size=(width, high), radiance=_triple(sky), bars=bars
@@ -170,10 +140,10 @@ def _wall_windows(
 
 
 def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -> list[Window]:
-    """Draw a regular field of equal ceiling panels."""
-    side = ((0.6, 0.6), (1.2, 0.3), (0.3, 1.2), (1.2, 0.6))[int(rng.integers(4))]
-    counts = [max(1, int(size[axis] / rng.uniform(1.8, 3.0))) for axis in (0, 1)]
-    radiance = _triple(black_body(rng.uniform(3300.0, 5500.0)) * rng.uniform(2.0, 6.0))
+    """Draw a regular grid of equal ceiling panels."""
+    side = _LAMP_SIZES[int(rng.integers(len(_LAMP_SIZES)))]
+    counts = [max(1, int(size[axis] / rng.uniform(*_LAMP_SPACING))) for axis in (0, 1)]
+    radiance = _triple(black_body(rng.uniform(*_LAMP_TEMPERATURE)) * rng.uniform(*_LAMP_RADIANCE))
     return [
         Window(
             kind="lamp",
@@ -188,9 +158,10 @@ def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -
 
 
 def _soft_box(rng: np.random.Generator, size: tuple[float, float, float], wall: Wall) -> Window:
-    width, high = rng.uniform(0.5, 1.2), rng.uniform(0.5, 1.2)
-    centre = (_length(size, wall) * rng.uniform(0.25, 0.75), rng.uniform(1.2, size[2] - 0.7))
-    radiance = _triple(black_body(rng.uniform(4000.0, 6500.0)) * rng.uniform(4.0, 12.0))
+    width, high = rng.uniform(*_SOFT_BOX_SIDE), rng.uniform(*_SOFT_BOX_SIDE)
+    along = _length(size, wall) * rng.uniform(*_SOFT_BOX_PLACE)
+    centre = (along, rng.uniform(_SOFT_BOX_HEIGHT, size[2] - _SOFT_BOX_TOP))
+    radiance = _triple(black_body(rng.uniform(*_SOFT_BOX_TEMPERATURE)) * rng.uniform(*_SOFT_BOX_RADIANCE))
     return Window(kind="lamp", wall=wall, centre=centre, size=(width, high), radiance=radiance)
 
 
@@ -198,43 +169,45 @@ def _draw_panels(
     rng: np.random.Generator, size: tuple[float, float, float], windows: tuple[Window, ...]
 ) -> tuple[Panel, ...]:
     """Draw a door and pictures on the walls that have no window."""
-    taken = {window.wall for window in windows}
+    with_windows = {window.wall for window in windows}
     panels: list[Panel] = []
     for wall in _SIDES:
-        if wall in taken:
+        if wall in with_windows:
             continue
-        length, x = _length(size, wall), rng.uniform(0.2, 0.6)
-        while x < length - 0.6:
-            if rng.uniform() < 0.25:
-                width, high, centre = 0.9, 2.05, 1.025
+        length, x = _length(size, wall), rng.uniform(*_PANEL_START)
+        while x < length - _PANEL_ROOM:
+            if rng.uniform() < _DOOR_PROBABILITY:
+                width, high, centre = _DOOR_WIDTH, _DOOR_HEIGHT, 0.5 * _DOOR_HEIGHT
                 colours = [_wood(rng)]
             else:
-                width, high, centre = rng.uniform(0.3, 1.1), rng.uniform(0.3, 0.9), rng.uniform(1.3, 1.7)
-                colours = [_paint(rng, (0.05, 0.2), 0.2), _paint(rng, (0.1, 0.7), 0.35)]
-            for shrink, colour in enumerate(colours):
-                # The picture lies inside its frame, 3 cm wide.
-                inner = (width - 0.06 * shrink, high - 0.06 * shrink)
+                width, high = rng.uniform(*_PICTURE_WIDTH), rng.uniform(*_PICTURE_HEIGHT)
+                centre = rng.uniform(*_PICTURE_CENTRE)
+                colours = [_paint(rng, _FRAME_PAINT, _FRAME_CHROMA), _paint(rng, _PICTURE_PAINT, _PICTURE_CHROMA)]
+            for layer, colour in enumerate(colours):
+                # The picture lies inside its frame.
+                inner = (width - 2 * _FRAME_WIDTH * layer, high - 2 * _FRAME_WIDTH * layer)
                 panels.append(Panel(wall=wall, centre=(x + width / 2, centre), size=inner, colour=colour))
-            x += width + rng.uniform(0.3, 1.5)
+            x += width + rng.uniform(*_PANEL_GAP)
     return tuple(panels)
 
 
 def _draw_blocks(
     rng: np.random.Generator, size: tuple[float, float, float], windows: tuple[Window, ...]
 ) -> tuple[Block, ...]:
-    """Draw furniture along the walls, clear of the table (1.2 m away at least), and low under windows."""
-    lit = {window.wall for window in windows}
+    """Draw furniture along the walls, away from the table, and low in front of windows."""
+    with_windows = {window.wall for window in windows}
     blocks: list[Block] = []
-    for _ in range(int(rng.integers(3, 8))):
+    for _ in range(int(rng.integers(_BLOCK_COUNT[0], _BLOCK_COUNT[1] + 1))):
         axis, far = int(rng.integers(2)), bool(rng.integers(2))
-        depth, width, high = rng.uniform(0.3, 0.7), rng.uniform(0.4, 1.8), float(rng.choice([0.45, 0.8, 1.2, 1.9]))
+        depth, width = rng.uniform(*_BLOCK_DEPTH), rng.uniform(*_BLOCK_WIDTH)
+        high = float(rng.choice(_BLOCK_HEIGHTS))
         start = rng.uniform(0.0, size[1 - axis] - width)
         wall: Wall = _SIDES[2 * axis + (not far)]
-        high = min(high * rng.uniform(0.85, 1.1), 0.8 if wall in lit else size[2])
+        high = min(high * rng.uniform(*_BLOCK_SPREAD), _BLOCK_UNDER_WINDOW if wall in with_windows else size[2])
         lower, upper = [0.0, 0.0, 0.0], [0.0, 0.0, high]
         lower[axis], upper[axis] = (size[axis] - depth, size[axis]) if far else (0.0, depth)
         lower[1 - axis], upper[1 - axis] = start, start + width
-        colour = _wood(rng) if rng.uniform() < 0.5 else _paint(rng, (0.1, 0.7), 0.2)
+        colour = _wood(rng) if rng.uniform() < _BLOCK_WOOD_PROBABILITY else _paint(rng, _BLOCK_PAINT, _BLOCK_CHROMA)
         blocks.append(Block(lower=_triple(lower), upper=_triple(upper), colour=colour))
     return tuple(blocks)
 

@@ -12,7 +12,7 @@ from .colour import black_body, rgb_of_xyy
 from .preetham import sky_xyy, zenith_xyy
 from .sphere import cosine_weights, texel_directions
 
-# The sun's disc is even out to this share of its radius and fades to 0 at the radius.
+# The sun's disc is even out to this fraction of its radius and fades to 0 at the radius.
 _SUN_CORE = 0.5
 # Height of the clouds over their typical width.
 _CLOUD_HEIGHT = 1.4
@@ -106,6 +106,15 @@ def _sun_colour(environment: SkyEnvironment) -> np.ndarray:
 
 def _clouds(environment: SkyEnvironment, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return cover (0 none, 1 full) and thickness (0 to 1) of the clouds, each (h, w)."""
+    cover, thickness = (np.zeros(directions.shape[:-1], np.float32) for _ in range(2))
+    if environment.cloudiness == 0.0:
+        return cover, thickness
+    above = directions[:, 0, 2] > 0.0
+    cover[above], thickness[above] = _clouds_above(environment, directions[above])
+    return cover, thickness
+
+
+def _clouds_above(environment: SkyEnvironment, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     up = np.maximum(directions[..., 2], 0.03)
     plane = directions[..., :2] / up[..., None] * _CLOUD_HEIGHT
     points = np.concatenate([plane, np.zeros_like(plane[..., :1])], axis=-1)
@@ -113,22 +122,19 @@ def _clouds(environment: SkyEnvironment, directions: np.ndarray) -> tuple[np.nda
     bend = np.stack([fractal_noise(points * 0.7, environment.seed + k, 3) for k in (31, 37)], axis=-1)
     points[..., :2] += 1.6 * (bend - 0.5)
     density = fractal_noise(points, environment.seed, 6)
-    seen = directions[..., 2] > 0.0
-    if environment.cloudiness == 0.0:
-        return np.zeros_like(density), np.zeros_like(density)
-    weights = np.where(seen, np.sqrt(1.0 - directions[..., 2] ** 2), 0.0)
-    threshold = _weighted_quantile(density[seen], weights[seen], 1.0 - environment.cloudiness)
+    weights = np.sqrt(1.0 - directions[..., 2] ** 2)
+    threshold = _weighted_quantile(density.ravel(), weights.ravel(), 1.0 - environment.cloudiness)
     thickness = np.clip((density - threshold) / 0.25, 0.0, 1.0)
     # Haze swallows clouds within some degrees of the horizon.
     haze = np.clip(directions[..., 2] / 0.35, 0.0, 1.0)
     edge = np.clip((density - threshold) / 0.14 + 0.5, 0.0, 1.0)
-    return edge * edge * (3.0 - 2.0 * edge) * haze * seen, thickness
+    return edge * edge * (3.0 - 2.0 * edge) * haze, thickness
 
 
-def _weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
+def _weighted_quantile(values: np.ndarray, weights: np.ndarray, fraction: float) -> float:
     order = np.argsort(values)
     total = np.cumsum(weights[order], dtype=np.float64)
-    return float(values[order][np.searchsorted(total, share * total[-1])])
+    return float(values[order][np.searchsorted(total, fraction * total[-1])])
 
 
 def _cloud_radiance(
@@ -154,16 +160,26 @@ def _with_ground(environment: SkyEnvironment, directions: np.ndarray, sky: np.nd
     flat = directions * np.array([1.0, 1.0, 0.0], dtype=np.float32)
     flat /= np.linalg.norm(flat, axis=-1, keepdims=True)
     seed, elevation = environment.seed, np.arcsin(directions[..., 2])
-    crowns = fractal_noise(flat * 12.0, seed + 53, 5)
-    skyline = _TREES * fractal_noise(flat * 2.0, seed + 51, 2) ** 2 * (0.4 + 1.2 * crowns)
+    # Noise is worked out in the rows where it shows: trees from their feet to the highest top, ground below them.
+    texel = math.pi / len(sky)
+    belt = (elevation[:, 0] > -0.03 - texel) & (elevation[:, 0] < 1.6 * _TREES + texel)
+    crowns = _noise_in(belt, flat * 12.0, seed + 53, 5)
+    skyline = _TREES * _noise_in(belt, flat * 2.0, seed + 51, 2) ** 2 * (0.4 + 1.2 * crowns)
     # Patches of a metre at an eye height of 1.7 m; they fade into the distance.
     depth = np.maximum(-directions[..., 2:], 0.02)
-    patches = fractal_noise(directions / depth * 6.0, seed + 59, 5) - 0.5
+    patches = _noise_in(elevation[:, 0] < texel, directions / depth * 6.0, seed + 59, 5) - 0.5
     near = np.clip(depth[..., 0] / 0.3, 0.0, 1.0)
     ground = white * np.array(environment.ground) * (1.0 + 0.8 * patches * near)[..., None]
-    leaves = fractal_noise(directions * 30.0, seed + 61, 4) ** 2 * 3.0 * np.clip(0.5 + elevation / 0.2, 0.3, 1.0)
+    leaves = _noise_in(belt, directions * 30.0, seed + 61, 4) ** 2 * 3.0 * np.clip(0.5 + elevation / 0.2, 0.3, 1.0)
     trees = white * _LEAVES * leaves[..., None]
     # The trees' feet and tops are one texel soft.
     feet = np.clip((elevation + 0.03 * crowns) * len(sky) / math.pi + 0.5, 0.0, 1.0)[..., None]
     tops = np.clip((elevation - skyline) * len(sky) / math.pi + 0.5, 0.0, 1.0)[..., None]
     return tops * sky + (1.0 - tops) * (feet * trees + (1.0 - feet) * ground)
+
+
+def _noise_in(rows: np.ndarray, points: np.ndarray, seed: int, octaves: int) -> np.ndarray:
+    """Return `fractal_noise` in some rows of a map, (h,) bool and (h, w, 3) -> (h, w) float32, and 0 in the others."""
+    out = np.zeros(points.shape[:-1], np.float32)
+    out[rows] = fractal_noise(points[rows], seed, octaves)
+    return out

@@ -11,7 +11,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.procedural.description.surroundings import Environment, PictureEnvironment, RoomEnvironment
 from glassware.procedural.surroundings.environments import bake_environment, draw_environment
-from glassware.procedural.surroundings.rooms import bake_room
+from glassware.procedural.surroundings.room_map import bake_room
 from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.procedural.surroundings.sphere import solid_angles
 
