@@ -102,7 +102,7 @@ def test_trimesh_reads_the_mesh_files(tmp_path, rng):
     ball = trimesh.creation.icosphere(subdivisions=2)
     mesh = Mesh("ball", ball.vertices, ball.faces, ball.vertex_normals, rng.random((len(ball.vertices), 2)))
     write_mesh(mesh, tmp_path / "ball.ply")
-    again = trimesh.load_mesh(tmp_path / "ball.ply", process=False)
+    again = trimesh.load(tmp_path / "ball.ply", process=False)
     assert isinstance(again, trimesh.Trimesh)
     assert isinstance(again.visual, TextureVisuals)
     assert again.visual.uv is not None
