@@ -104,8 +104,8 @@ def _row(scene: Scene, spp: int, reference_spp: int) -> tuple[float, float, floa
     noisy = trace_picture(loaded, camera, "left", 2)
     seconds = process_time() - start
     reference = trace_picture(load(scene.model_copy(update={"picture": many})), camera, "left", 3).radiance
-    errors = [_relative(found, reference, camera.exposure) for found in (noisy.radiance, denoise_image(noisy))]
-    return seconds, *errors
+    before = _relative(noisy.radiance, reference, camera.exposure)
+    return seconds, before, _relative(denoise_image(noisy), reference, camera.exposure)
 
 
 def _relative(found: np.ndarray, reference: np.ndarray, exposure: float) -> float:
@@ -127,7 +127,7 @@ def _check_camera(scene: Scene) -> None:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Compare a room as a map at infinity with the room as geometry.")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 4, 7], help="seeds whose scenes are rooms")
     parser.add_argument("--width", type=int, default=64, help="width of the pictures [px]")
     parser.add_argument("--height", type=int, default=48, help="height of the pictures [px]")
