@@ -23,11 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean, median
 from time import perf_counter, sleep
-from typing import Annotated, Literal
+from typing import Literal
 
 import cv2
 import numpy as np
-import tyro
+from command import Output, run
 from rich.console import Console
 from table import Row, report
 
@@ -63,8 +63,8 @@ print(time.perf_counter() - start, scenes, rows)
 """
 
 
-@dataclass(frozen=True)
-class Options:
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
     """What to measure."""
 
     parts: tuple[Part, ...] = ("start", "speed", "memory", "index")
@@ -77,13 +77,10 @@ class Options:
     """Scenes of `memory`."""
     seed: int = 1
     """Seed of all scenes."""
-    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
-    """File to write the figures to."""
 
 
-def main() -> int:
+def main(options: Options) -> int:
     """Measure and print."""
-    options = tyro.cli(Options, description=__doc__)
     parts = {"start": _start, "speed": _speed, "stages": _stages, "memory": _memory, "index": _index}
     rows: list[Row] = []
     for name in options.parts:
@@ -283,4 +280,4 @@ def _at_most(name: str, measured: float, unit: str, bound: float, note: str) -> 
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

@@ -1,6 +1,6 @@
-"""Rays a second inside the integrator against Dr.Jit's bare `ray_intersect`, in one run, taking turns.
+"""Rays a second inside the integrator against Dr.Jit's bare `ray_intersect`, alternating in one run.
 
-python bench/integrator.py [--scene filled] [--spp 8] [--rounds 5] [--json FILE]
+python bench/integrator.py [--scene filled] [--spp 8] [--repeats 5] [--json FILE]
 
 The integrator's rays are the segments of its paths and its shadow rays. The bare ones are the rays of the same paths
 after the first hit, recorded in the order in which they were traced: the same distribution in the same scene, and
@@ -10,23 +10,28 @@ incoherent, because they have left surfaces in all directions.
 from __future__ import annotations
 
 import sys
-from argparse import ArgumentParser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 from unittest.mock import patch
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
-from scenes import NAMES, bench_scene
+from command import Output, run
+from ours import VARIANT
+from scenes import bench_scene
 from table import Row, report
 
-from glassware.render.backend.variant import activate
+from glassware.render.pictures.integrator import trace
+from glassware.render.pictures.picture import camera_paths
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole
 
-#: Least share of the bare rate that the integrator must reach.
+#: Least fraction of the bare rate that the integrator must reach.
 BOUND = 0.5
 WIDTH, HEIGHT = 320, 240
 #: Most rays that are recorded; 24 bytes each.
@@ -35,7 +40,7 @@ CAPACITY = 1 << 23
 
 @dataclass
 class Taken:
-    """Seconds of each round."""
+    """Seconds of each measurement."""
 
     wall: list[float]
     cpu: list[float]
@@ -48,28 +53,31 @@ class Taken:
         self.cpu.append(process_time() - cpu)
 
 
-def main() -> int:
-    """Measure and print; 1 where the bound is broken."""
-    options = ArgumentParser(description=__doc__)
-    options.add_argument("--scene", choices=NAMES, default="filled")
-    options.add_argument("--spp", type=int, default=8)
-    options.add_argument("--rounds", type=int, default=5)
-    options.add_argument("--json", type=Path)
-    given = options.parse_args()
-    variant = activate()
-    from glassware.render.scene.loaded_scene import load
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
+    """What to measure."""
 
+    scene: str = "filled"
+    """Name of the scene."""
+    spp: int = 8
+    """Samples per pixel."""
+    repeats: int = 5
+    """Measurements of each, alternating."""
+
+
+def main(given: Options) -> int:
+    """Measure and print; 1 where the bound is broken."""
     scene = bench_scene(given.scene, WIDTH, HEIGHT)
-    kernel = load(scene)
+    loaded = load(scene)
     with _recording() as record:
-        segments = _traced(kernel, given.spp)
+        segments = _traced(loaded, given.spp)
     rays, shadows = record.rays(), record.shadows()
     ours, bare = Taken([], []), Taken([], [])
-    _traced(kernel, given.spp)  # compiles
-    _bare(kernel, rays)
-    for _ in range(given.rounds):
-        ours.add(lambda: _traced(kernel, given.spp))
-        bare.add(lambda: _bare(kernel, rays))
+    _traced(loaded, given.spp)  # compiles
+    _bare(loaded, rays)
+    for _ in range(given.repeats):
+        ours.add(lambda: _traced(loaded, given.spp))
+        bare.add(lambda: _bare(loaded, rays))
     recorded = len(rays.maxt)
     rows = [
         Row("segments", segments / 1e6, "M"),
@@ -84,37 +92,22 @@ def main() -> int:
             Row(f"bare ray_intersect, {name} time", bare_rate, "M rays/s"),
             Row(f"integrator / bare, {name} time", rate / bare_rate, "", **judged),
         ]
-    facts = {"scene": given.scene, "size": f"{WIDTH}x{HEIGHT}", "spp": given.spp, "variant": variant}
-    return report("Rays inside the integrator", rows, given.json, rounds=given.rounds, **facts)
+    facts = {"scene": given.scene, "size": f"{WIDTH}x{HEIGHT}", "spp": given.spp, "variant": VARIANT}
+    return report("Rays inside the integrator", rows, given.json_file, repeats=given.repeats, **facts)
 
 
-def _traced(kernel: Any, spp: int) -> int:
+def _traced(loaded: Any, spp: int) -> int:
     """Trace the picture once and return the number of segments."""
-    import drjit as dr
-    import mitsuba as mi
-
-    from glassware.render.pictures.integrator import trace
-    from glassware.render.pictures.sampler import sample_4d, sobol_sampler
-    from glassware.render.scene.rays import pinhole, pixel_rays
-    from glassware.render.scene.spectrum import draw_wavelengths
-
-    lane = dr.arange(mi.UInt32, WIDTH * HEIGHT * spp)
-    pixel = lane // dr.opaque(mi.UInt32, spp)
-    points = sobol_sampler(pixel, lane - pixel * dr.opaque(mi.UInt32, spp), spp, 1)
-    u, v, *_ = sample_4d(points, mi.UInt32(0))
-    ray, _ = pixel_rays(pinhole(kernel.description.cameras[0]), pixel, mi.Point2f(u, v) - 0.5)
-    ray.wavelengths, weight = draw_wavelengths(sample_4d(points, mi.UInt32(1))[0])
-    result = trace(kernel, ray, weight, points, kernel.description.picture)
+    pixel, view = np.arange(WIDTH * HEIGHT, dtype=np.uint32), pinhole(loaded.description.cameras[0])
+    ray, weight, sampler = camera_paths(view, pixel, np.zeros_like(pixel), spp, spp, seed=1)
+    result = trace(loaded, ray, weight, sampler, loaded.description.picture)
     dr.eval(result)
     return int(np.array(result.segments).sum(dtype=np.int64))
 
 
-def _bare(kernel: Any, rays: Any) -> None:
+def _bare(loaded: Any, rays: Any) -> None:
     """Intersect the rays with the scene and read what a path needs of the hit."""
-    import drjit as dr
-    import mitsuba as mi
-
-    si = kernel.mi_scene.ray_intersect(rays, mi.RayFlags.All, False)
+    si = loaded.mi_scene.ray_intersect(rays, mi.RayFlags.All, False)
     dr.eval(si.t + dr.sum(si.p) + dr.sum(si.n) + dr.sum(si.sh_frame.n) + dr.sum(si.uv))
     dr.sync_thread()
 
@@ -123,17 +116,11 @@ class _Record:
     """Rays that left surfaces, and the number of shadow rays."""
 
     def __init__(self) -> None:
-        import drjit as dr
-        import mitsuba as mi
-
         self._next, self._shadows = dr.zeros(mi.UInt32, 1), dr.zeros(mi.UInt32, 1)
         self._o, self._d = dr.zeros(mi.Point3f, CAPACITY), dr.zeros(mi.Vector3f, CAPACITY)
 
     def bounce(self, ray: Any, coherent: Any, active: Any) -> None:
         """Keep the rays that are active and no camera rays."""
-        import drjit as dr
-        import mitsuba as mi
-
         wanted = mi.Bool(active) & ~mi.Bool(coherent)
         slot = dr.scatter_inc(self._next, mi.UInt32(0), wanted)
         wanted &= slot < CAPACITY
@@ -142,16 +129,10 @@ class _Record:
 
     def shadow(self, active: Any) -> None:
         """Count shadow rays."""
-        import drjit as dr
-        import mitsuba as mi
-
         dr.scatter_add(self._shadows, mi.UInt32(1), mi.UInt32(0), mi.Bool(active))
 
     def rays(self) -> Any:
         """Return the recorded rays."""
-        import drjit as dr
-        import mitsuba as mi
-
         index = dr.arange(mi.UInt32, min(int(self._next[0]), CAPACITY))
         ray = mi.Ray3f(dr.gather(mi.Point3f, self._o, index), dr.gather(mi.Vector3f, self._d, index))
         ray.maxt = dr.full(mi.Float, dr.largest(mi.Float), len(index))
@@ -166,8 +147,6 @@ class _Record:
 @contextmanager
 def _recording() -> Iterator[_Record]:
     """Record what the integrator asks of Mitsuba's scene; for one trace, which is not timed."""
-    import mitsuba as mi
-
     record, intersect, test = _Record(), mi.Scene.ray_intersect, mi.Scene.ray_test
 
     def intersected(scene: Any, ray: Any, flags: Any, coherent: Any, active: Any) -> Any:
@@ -183,4 +162,4 @@ def _recording() -> Iterator[_Record]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

@@ -1,4 +1,4 @@
-"""Time and memory of training and inference, corrected and released network in turns, and the data loader.
+"""Time and memory of training and inference, of the corrected and the released network, and of the data loader.
 
 python bench/learn.py [--rounds 2] [--threads 1] [--data DIR] [--json FILE]
 
@@ -13,15 +13,16 @@ import resource
 import subprocess
 import sys
 import tempfile
-from argparse import ArgumentParser, Namespace
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 import torch
+from command import Output, run
 from table import Row, report
 
+import glassware as gw
 from glassware.core.randomness import stream
-from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.loading import load_batches
 from glassware.learn.data.samples import SampleDataset
@@ -36,19 +37,27 @@ DEPTH_RANGE = (0.25, 3.0)
 FASTER, MEMORY, LOADER = 2.0, 0.6, 5.0
 
 
-def main() -> int:
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
+    """What to measure."""
+
+    rounds: int = 2
+    """Processes of each network, alternating; each figure is the least of them."""
+    steps: int = 2
+    """Measured steps of a process."""
+    threads: int = torch.get_num_threads()
+    """Threads of PyTorch."""
+    data: Path | None = None
+    """Data set at 640 x 480; by default one is rendered."""
+    only: str | None = None
+    """Internal: the measurement of a child process."""
+
+
+def main(given: Options) -> int:
     """Measure and print; 1 where a bound is broken."""
-    options = ArgumentParser(description=__doc__)
-    options.add_argument("--rounds", type=int, default=2)
-    options.add_argument("--steps", type=int, default=2)
-    options.add_argument("--threads", type=int, default=torch.get_num_threads())
-    options.add_argument("--data", type=Path, help="a data set at 640 x 480; one is rendered unless given")
-    options.add_argument("--json", type=Path)
-    options.add_argument("--only", help="one job of a child process")
-    given = options.parse_args()
     if given.only:
         torch.set_num_threads(given.threads)
-        sys.stdout.write(json.dumps(_job(given)) + "\n")
+        sys.stdout.write(json.dumps(_job(given.only, given.steps)) + "\n")
         return 0
     found: dict[str, list[dict[str, float]]] = {}
     for _ in range(given.rounds):
@@ -60,10 +69,10 @@ def main() -> int:
     rows += _inference(best)
     rows += _loading(given, best["corrected"]["seconds"])
     facts = {"size": f"{WIDTH} x {HEIGHT}, {VIEWS} views, 1 sample", "rounds": given.rounds, "threads": given.threads}
-    return report("training, inference and loading", rows, given.json, **facts, torch=torch.__version__)
+    return report("training, inference and loading", rows, given.json_file, **facts, torch=torch.__version__)
 
 
-def _child(job: str, given: Namespace) -> dict[str, float]:
+def _child(job: str, given: Options) -> dict[str, float]:
     command = [sys.executable, __file__, "--only", job, "--steps", str(given.steps), "--threads", str(given.threads)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     return json.loads(done.stdout.splitlines()[-1])
@@ -108,7 +117,7 @@ def _inference(best: dict[str, dict[str, float]]) -> list[Row]:
     return rows
 
 
-def _loading(given: Namespace, step: float) -> list[Row]:
+def _loading(given: Options, step: float) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         data = given.data or _rendered(Path(folder))
         samples = SampleDataset(data, "all", ViewSettings(count=VIEWS), CORRECTED, augment=AugmentSettings())
@@ -132,25 +141,21 @@ def _loading(given: Namespace, step: float) -> list[Row]:
 
 
 def _rendered(folder: Path) -> Path:
-    config = folder / "config.yaml"
-    config.write_text("cameras: {views: 3}\npicture: {spp: 1, layers: 0, refraction: no, light: path}\n")
-    assert (
-        render_scene(
-            ["--seed", "7", "--out", str(folder / "data"), "--config", str(config), "--width", "640", "--height", "480"]
-        )
-        == 0
-    )
+    picture = {"spp": 1, "layers": 0, "refraction": False, "light": "path"}
+    cameras = {"views": VIEWS + 1, "width": WIDTH, "height": HEIGHT}
+    scene = gw.draw(seed=7, cameras=cameras, picture=picture)
+    gw.write(folder / "data", scene, gw.Renderer(scene))
     return folder / "data"
 
 
-def _job(given: Namespace) -> dict[str, float]:
+def _job(job: str, steps: int) -> dict[str, float]:
     torch.manual_seed(0)
     variants = {"reference": {"variant": "reference"}, "corrected": {}, "recompute": {"recompute": "features"}}
-    if given.only in variants:
-        settings = NetworkSettings.model_validate({"depth_range": DEPTH_RANGE, **variants[given.only]})
-        seconds = _steps(settings, given.steps)
+    if job in variants:
+        settings = NetworkSettings.model_validate({"depth_range": DEPTH_RANGE, **variants[job]})
+        seconds = _steps(settings, steps)
     else:
-        seconds = _forward(given.only, given.steps)
+        seconds = _forward(job, steps)
     # Linux reports kilobytes.
     return {"seconds": seconds, "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9}
 
@@ -202,4 +207,4 @@ def _forward(job: str, count: int) -> float:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

@@ -16,18 +16,18 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
 
 import mitsuba as mi
 import numpy as np
-import tyro
-from rich.console import Console
+from command import Output, run
 from table import Row, report
 
 from glassware.core.errors import InputError
 from glassware.render.backend.variant import activate
 
-# The measurements are test code, which no package holds.
+# The variant is set before the modules of the renderer are imported: their types depend on it. The measurements are
+# test code, which no package holds.
+VARIANT = activate()
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
 from proofs import derivatives, energy, fresnel, lenses, microsurface, picture_derivatives, snell, vessels
 from proofs.check import Check
@@ -71,28 +71,20 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
 }
 
 
-@dataclass(frozen=True)
-class Options:
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
     """What to measure."""
 
     only: tuple[str, ...] = ()
     """Topics to measure; all by default."""
-    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
-    """File to write the figures to."""
 
 
-def main() -> int:
+def main(options: Options) -> int:
     """Measure and print."""
-    options = tyro.cli(Options, description=__doc__)
-    try:
-        chosen = _chosen(options.only)
-        variant = activate()
-    except InputError as error:
-        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
-        return 2
+    chosen = _chosen(options.only)
     start = perf_counter()
     rows = [_row(check) for topic in chosen for measure in TOPICS[topic] for check in measure()]
-    facts = {"variant": variant, "mitsuba": mi.__version__, "seconds": round(perf_counter() - start)}
+    facts = {"variant": VARIANT, "mitsuba": mi.__version__, "seconds": round(perf_counter() - start)}
     return report("The renderer against the laws of optics", rows, options.json_file, **facts)
 
 
@@ -121,4 +113,4 @@ def _row(check: Check) -> Row:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

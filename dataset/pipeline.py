@@ -13,13 +13,14 @@ from pathlib import Path
 from ..annotate.keypoints import scene_keypoints
 from ..annotate.labels import Labels, label
 from ..core.errors import InputError
+from ..core.images import srgb8
 from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..render.frame import Frame, LightCheck
 from ..render.renderer import Renderer
 from .format import layout
 from .format.dataset_file import installed_versions, new_head
-from .format.pictures import srgb8, write_png
+from .format.pictures import write_png
 from .format.views_table import ViewRow
 from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
 from .writer import finish_dataset, scene_writer, start_dataset

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Literal, TypeVar, get_args
 
@@ -15,6 +16,7 @@ from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
 from ..annotate.projection import transformed, unproject
 from ..core.errors import InputError
+from ..core.html import html_images
 from ..core.json_file import check_schema, parsed, read_json
 from ..core.model import Model
 from ..procedural.description.scene import Scene
@@ -31,6 +33,7 @@ from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
+from .preview.gallery import gallery
 
 M = TypeVar("M", bound=Model)
 _Frame = Literal["camera", "world"]
@@ -162,6 +165,13 @@ class Dataset:
         if not path.is_dir():
             raise InputError(path, "the folder of a data set", "none")
         return cls(path, read_head(path))
+
+    def _repr_html_(self) -> str:
+        """Show the first left picture of up to 48 scenes in a notebook."""
+        count = len(layout.scene_ids(self.root))
+        text = f"<p>{escape(self.head.name)}: {count} scenes in {escape(str(self.root))}</p>"
+        sheet = gallery(self.root)
+        return text if sheet is None else text + html_images([("", sheet)], width=sheet.shape[1])
 
     @property
     def scenes(self) -> tuple[StoredScene, ...]:

@@ -15,6 +15,7 @@ from ..annotate.labels import Labels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
 from ..core.errors import InputError
+from ..core.images import srgb8
 from ..core.json_file import json_text
 from ..core.model import Model
 from ..procedural.description.scene import Scene
@@ -28,7 +29,7 @@ from .format.dataset_file import DatasetFile, read_head, write_head
 from .format.exr import unstacked, write_exr
 from .format.light_file import write_light
 from .format.objects_file import objects_file
-from .format.pictures import srgb8, write_png
+from .format.pictures import write_png
 from .format.ray_files import write_layers, write_refraction
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 from .output_checks import check_output

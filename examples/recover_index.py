@@ -2,12 +2,12 @@
 
     python examples/recover_index.py [--out docs/recover_index.png]
 
-The picture is path-traced with everything that light does. Derivatives come from a model that knows less: for each
-pixel the refracted ray, dimmed by Fresnel and absorption, and the first mirror image. What it leaves out, light that is
-mirrored inside the ball, some 4 %, is rendered at the present estimate every few steps and added; so the right answer
-is where picture and model agree, not beside it. The ball hangs before a smooth pattern, because a derivative only sees
-as far as the pattern is monotonic. The loss is over the ball's inner part: the derivative of the refracted ray does not
-know that silhouettes move.
+The picture is path-traced, with all light transport. Derivatives come from a simpler model: for each pixel the
+refracted ray, attenuated by Fresnel and absorption, and the first reflection. The model leaves out light that is
+reflected inside the ball, some 4 %. That light is rendered at the current estimate every few steps and added, so that
+model and picture agree at the right answer. The ball is in front of a smooth pattern, because a gradient only helps
+where the pattern is monotonic. The loss is over the ball's inner part: the derivative of the refracted ray ignores
+that silhouettes move.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from rich.console import Console
 
 from glassware.core.assets import asset
 from glassware.dataset.format.exr import write_exr
-from glassware.procedural.description.scene import Picture, Scene
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import Scene
 from glassware.procedural.description.surroundings import PictureEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives.bodies import ball
@@ -33,15 +34,15 @@ from glassware.render.backend.variant import activate
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-#: What is to be found, and where the search begins.
+#: The index to recover, and the initial estimate.
 TRUTH, START = 1.45, 1.30
-#: The same of its absorption for red, green and blue [1/m].
+#: The same for its absorption of red, green and blue [1/m].
 COLOUR, COLOUR_START = (1.0, 4.0, 2.5), 2.0
 STEPS, RATE, COLOUR_RATE = 120, 0.01, 0.1
-#: Steps between two renderings of what the model leaves out.
+#: Steps between two renderings of the light that the model leaves out.
 RENEWED = 10
 SIZE, RADIUS, HEIGHT = 96, 0.1, 2.0
-#: Part of the ball's radius, as the eye sees it, that the loss looks at.
+#: Fraction of the ball's apparent radius that the loss covers.
 INNER = 0.8
 
 
@@ -62,7 +63,7 @@ def main() -> int:
 
 
 def write_pattern(path: Path) -> None:
-    """Write the surroundings: waves of red, green and blue as broad as the ball shows whole."""
+    """Write the environment map: waves of red, green and blue, as wide as the part that the ball shows."""
     row, column = np.mgrid[:64, :128]
     azimuth, height = 2 * np.pi * (column + 0.5) / 128, np.cos(np.pi * (row + 0.5) / 64)
     planes = [0.5 + 0.35 * np.cos(3 * azimuth), 0.5 + 0.35 * np.sin(2.0 * height), 0.5 + 0.35 * np.sin(2 * azimuth)]
@@ -70,7 +71,7 @@ def write_pattern(path: Path) -> None:
 
 
 def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) -> Scene:
-    """Return a ball of dyed liquid before a pattern; the table that every scene has lies far below."""
+    """Return a ball of dyed liquid in front of a pattern; the table, which every scene has, is far below."""
     liquid = Medium(name="dyed liquid", eta=index, sigma_a=colour)
     eye = camera((0.0, -0.5, HEIGHT), (0.0, 0.0, HEIGHT), width=SIZE, height=SIZE, focal=2.0 * SIZE)
     return scene(
@@ -84,7 +85,7 @@ def ball_scene(index: float, colour: tuple[float, float, float], pattern: Path) 
 
 
 def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]:
-    """Return the picture, index and loss after each step, and what the model shows at the end."""
+    """Return the picture, index, loss and absorption after each step, and the final picture of the model."""
     import drjit as dr
     import mitsuba as mi
 
@@ -121,7 +122,7 @@ def fit(pattern: Path) -> tuple[np.ndarray, list[tuple[float, ...]], np.ndarray]
 
 
 def model(kernel, ray, index, colour):
-    """Return the light of the refracted rays and of the first mirror image, differentiable by index and colour."""
+    """Return the light of the refracted rays and of the first reflection, differentiable by index and colour."""
     import drjit as dr
     import mitsuba as mi
 

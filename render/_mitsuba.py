@@ -30,11 +30,15 @@ class _LazyModule:
         try:
             return getattr(module, attribute)
         except (AttributeError, RuntimeError):
-            # Types such as `mi.Float` exist once a variant is set.
-            if import_module("mitsuba").variant() is None:
-                expected = "a variant that is set: make a glassware.Renderer, or call render.backend.variant.activate()"
-                raise InputError("backend", expected, "none") from None
+            require_variant()  # types such as `mi.Float` exist once one is set
             raise
+
+
+def require_variant() -> None:
+    """Raise InputError where no variant of Mitsuba is set."""
+    if _loaded("mitsuba").variant() is None:
+        expected = "a variant that is set: make a glassware.Renderer, or call render.backend.variant.activate()"
+        raise InputError("backend", expected, "none")
 
 
 @functools.cache

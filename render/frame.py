@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from ..core.html import html_images
+from ..core.images import depth_colours, id_colours, normal_colours, srgb8
 from ..core.model import Model
 
 #: One eye of a stereo camera.
@@ -125,3 +127,18 @@ class Frame:
     sampling: tuple[PictureNoise, PictureNoise] | None = None  #: of left and right; None without pictures
     layers: Layers | None = None  #: of the left camera; None if not requested
     refraction: Refraction | None = None  #: of the left camera; None if not requested
+    exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
+
+    def _repr_html_(self) -> str:
+        """Show both pictures, depth, normals and ids in a notebook."""
+        geometry = self.geometry
+        depth, (near, far) = depth_colours(geometry.Z, geometry.id)
+        return html_images(
+            [
+                (f"view {self.view}, left", srgb8(self.left, self.exposure)),
+                ("right", srgb8(self.right, self.exposure)),
+                (f"depth Z, {near:.2f} to {far:.2f} m", depth),
+                ("normals", normal_colours(geometry.normal)),
+                ("instance ids", id_colours(geometry.id)),
+            ]
+        )

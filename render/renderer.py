@@ -172,6 +172,7 @@ class Renderer:
             sampling=(left.sampling, right.sampling),
             layers=layers if picture.layers else None,
             refraction=refraction,
+            exposure=camera.exposure,
         )
 
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from glassware.render.backend.variant import activate
 
@@ -53,6 +56,26 @@ def temp_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
     left = sorted(path.name for path in folder.iterdir() if not path.name.startswith(KEPT_IN_TEMP))
     assert not left, "left in the temp folder"
+
+
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], None]], Path]:
+    """(name, make) -> a folder that `make` fills once a run, for all processes of pytest-xdist; do not change it."""
+    root = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent  # a process's own folder lies in that of the run
+
+    def folder(name: str, make: Callable[[Path], None]) -> Path:
+        path, done = root / f"once-{name}", root / f"once-{name}.done"
+        with FileLock(root / f"once-{name}.lock"):
+            if not done.exists():
+                shutil.rmtree(path, ignore_errors=True)  # what an attempt that failed has left
+                path.mkdir()
+                make(path)
+                done.touch()
+        return path
+
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,9 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 DOCUMENTS = sorted([*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")])
 
 each_document = pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(REPOSITORY)))
+
+#: Longest line of a page outside tables, as in the code [characters].
+LONGEST_LINE = 120
 
 #: [text](target), ![text](target "title") and <img src="target">.
 LINK = re.compile(r"\]\(\s*<?([^)\s>]+)[^)]*\)|<(?:img|a)\s[^>]*?(?:src|href)=\"([^\"]+)\"")
@@ -66,6 +70,34 @@ def test_commands_in_documents_exist(path: Path) -> None:
         elif name.startswith("python"):
             programs = [word for word in words[1:] if word.endswith(".py")]
             assert all((REPOSITORY / word).is_file() for word in programs), " ".join(words)
+
+
+@each_document
+def test_lines_are_short_except_in_tables(path: Path) -> None:
+    lines = path.read_text("utf-8").splitlines()
+    assert [line for line in lines if len(line) > LONGEST_LINE and not line.startswith("|")] == []
+
+
+def test_every_dependency_has_a_row_with_its_reason() -> None:
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+    required = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
+    names = {re.split(r"[\[<>=]", item)[0] for item in required} - {project["name"]}
+    text = (REPOSITORY / "docs" / "dependencies.md").read_text("utf-8")
+    rows = [[cell.strip() for cell in row.split("|")] for row in re.findall(r"^\|(.+)\|$", text, re.MULTILINE)]
+    explained = {name for first, second, *_, reason in rows if reason for name in (first, second)}
+    assert len(names) > 20
+    assert names <= explained
+
+
+def test_the_glossary_names_files_of_this_repository() -> None:
+    text = (REPOSITORY / "CONTRIBUTING.md").read_text("utf-8")
+    rows = re.findall(r"^\| .+ \|$", text.split("| word | meaning here | where |")[1].split("\n\n")[0], re.MULTILINE)
+    assert len(rows) > 30
+    missing = []
+    for row in rows[1:]:  # the first is the line below the head
+        named = re.findall(r"`([^`]+)`", row.split("|")[-2])
+        missing += [row] if not named else [name for name in named if not (REPOSITORY / name).is_file()]
+    assert not missing
 
 
 def test_the_checks_see_links_anchors_and_commands() -> None:

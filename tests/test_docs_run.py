@@ -1,8 +1,9 @@
 """What the documents show is run: every Python block, and every command at a small size.
 
 Each page's Python blocks share one namespace. Commands run in this process, with the options of `SMALL` behind their
-own; a block of commands runs in a folder of its own, which has the small data sets that pages speak of. What needs
-root, a network, a cluster or hours is listed in `NOT_RUN` and `PARSED_ONLY` with the reason.
+own; a block of commands runs in a folder of its own, which has the small data sets that pages speak of. In Python,
+`glassware.draw` takes `SMALL_PICTURES` on top of a page's settings. What needs root, a network, a cluster or hours is
+listed in `NOT_RUN` and `PARSED_ONLY` with the reason.
 """
 
 from __future__ import annotations
@@ -26,8 +27,11 @@ import numpy as np
 import pytest
 import trimesh
 
+import glassware as gw
 from glassware.dataset.commands import build_dataset, glassware, render_scene
-from glassware.dataset.settings.config import layered, parsed
+from glassware.dataset.settings.config import merged, parse_request
+from glassware.dataset.settings.draw import draw
+from glassware.procedural.description.scene import Scene
 from glassware.render.backend.variant import activate
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -40,6 +44,14 @@ SMALL = shlex.split(
     "--width 32 --height 24 --views 1 --spp 2 --vessel-count 1 1 --prop-count 1 1 --vessels.chord-error 1e-4"
     " --hdri-dir hdri"
 )
+#: What makes a scene from Python fast to render; its objects stay the same.
+SMALL_PICTURES = {
+    "vessels": {"chord_error": 1e-4},
+    "cameras": {"width": 32, "height": 24},
+    "picture": {"spp": 2},
+}
+#: How such a scene prints the size of its pictures, and how a page shows it: the size of the preset `fast`.
+SIZE_HERE, SIZE_SHOWN = "32x24", "320x240"
 #: A training run of two steps, and one sample a step.
 SHORT_RUN = shlex.split("--steps 2 --batch 1")
 #: Scenes that a build on a page is cut to; three have one of each split of the networks' page.
@@ -53,7 +65,7 @@ NOT_RUN = {
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
-    ".venv/bin/python examples/": "takes minutes, and has no size to make smaller",
+    ".venv/bin/python examples/": "takes minutes and has no smaller size; its options are compared with its --help",
 }
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
@@ -63,10 +75,6 @@ REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected grea
 PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
 #: Python blocks that compile large kernels, by a line of theirs: run among the longer proofs alone.
 PYTHON_SLOW = ("trace_stokes(", "picture_and_gradients(", "refract(")
-#: Python blocks that fail where the light of `out` was stored, by a line of theirs, and why. They have to fail.
-PYTHON_RED = {
-    'print(np.array_equal(frame.left, stored.radiance("left")))': "`render_view` traces paths where light was stored"
-}
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")
@@ -182,7 +190,7 @@ def out(inputs: Path, backend: str) -> Path:
 
 @pytest.fixture(scope="module")
 def out_shared(inputs: Path, backend: str) -> Path:
-    """The same with stored light."""
+    """The same with an irradiance cache."""
     with contextlib.chdir(inputs):
         words = ["render-scene", "--seed", "7", "--out", "out-shared", "--picture.light", "shared"]
         assert run(smaller(words)) == (0, "")
@@ -197,10 +205,16 @@ def data(inputs: Path, backend: str) -> Path:
     return inputs / "data"
 
 
+def draw_small_pictures(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:
+    """Draw a scene as `glassware.draw` does, with `SMALL_PICTURES` on top of the settings."""
+    return draw(seed, scene, preset, **merged(settings, SMALL_PICTURES))
+
+
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """An empty folder to work in; the variant that a page chose is given back."""
+    """An empty folder to work in, where `glassware.draw` makes small pictures; the variant is reset afterwards."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(gw, "draw", draw_small_pictures)
     monkeypatch.setenv("SLURM_ARRAY_TASK_ID", "1")
     yield tmp_path
     activate("llvm_ad_rgb")
@@ -228,7 +242,7 @@ def test_every_setting_that_a_page_gives_a_command_is_accepted(inputs: Path, mon
                 module = SCENE_COMMANDS[program]
                 kind = {"render-scene": "RenderScene", "build-dataset": "BuildDataset"}[program]
                 model = getattr(module, kind)
-                parsed(model, layered(model, arguments), arguments, program, page)
+                parse_request(model, arguments, program, page)
                 seen += 1
     assert seen > 20
 
@@ -276,47 +290,64 @@ def shown_and_printed(block: Block, page: str, names: dict[str, Any]) -> Iterato
             yield comment.strip(), printed.getvalue().strip()
 
 
-def failing(page: str, left_out: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Run the Python blocks of a page, one after the other; yield the text and the fault of each that fails."""
+def failing(page: str, left_out: Iterable[str]) -> Iterator[str]:
+    """Run the Python blocks of a page, one after the other; yield the fault of each that fails."""
     names: dict[str, Any] = {"__name__": "__main__"}
     for block in blocks(PAGES[page].read_text("utf-8")):
         if block.kind != "python" or any(line in block.text for line in left_out):
             continue
         try:
-            for shown, printed in shown_and_printed(block, page, names):
+            for shown, output in shown_and_printed(block, page, names):
+                printed = output.replace(SIZE_HERE, SIZE_SHOWN)
                 assert printed == shown, f"the page shows {shown!r}, and what is printed is {printed!r}"
         except Exception as error:
-            yield block.text, f"{page}:{block.line}: {type(error).__name__}: {error}"
+            yield f"{page}:{block.line}: {type(error).__name__}: {error}"
 
 
 PYTHON_PAGES = [name for name, path in PAGES.items() if "```python" in path.read_text("utf-8")]
 COMMAND_PAGES = [name for name in PAGES if runnable(name)]
 
 
+def programs() -> dict[str, list[list[str]]]:
+    """Return the commands on all pages that run a Python file of ours, by the file."""
+    found: dict[str, list[list[str]]] = {}
+    for path in PAGES.values():
+        for words in (words for block in blocks(path.read_text("utf-8")) for words in commands(block)):
+            for word in words:
+                if word.endswith(".py") and "python" in words[words.index(word) - 1]:
+                    found.setdefault(word, []).append(words)
+    return found
+
+
+PROGRAMS = programs()
+
+
 #: pycocotools 2.0.10 hands NumPy an array of its own that has no `copy`.
 ignore_copy = pytest.mark.filterwarnings("ignore:__array__ implementation doesn't accept a copy keyword")
+
+
+def provide(page: str, *data_sets: tuple[Path, str]) -> None:
+    """Copy data sets to this folder, except those that the Python of a page writes itself."""
+    for path, name in data_sets:
+        if f'gw.write("{name}"' not in PAGES[page].read_text("utf-8"):
+            shutil.copytree(path, name)
 
 
 @ignore_copy
 @pytest.mark.parametrize("page", [page for page in PYTHON_PAGES if page != "building.md"])
 def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Path, here: Path) -> None:
-    shutil.copytree(out, here / "out")
+    provide(page, (out, "out"))
     assert list(failing(page, [*PYTHON_NOT_RUN, *PYTHON_SLOW])) == []
 
 
 @ignore_copy
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PYTHON_PAGES)
-def test_the_python_of_a_page_works_on_stored_light_as_well(
+def test_the_python_of_a_page_works_on_a_scene_with_an_irradiance_cache_as_well(
     page: str, out_shared: Path, data: Path, here: Path
 ) -> None:
-    shutil.copytree(out_shared, here / "out")
-    shutil.copytree(data, here / "data")
-    red = list(failing(page, PYTHON_NOT_RUN))
-    mended = [line for line in PYTHON_RED if line in PAGES[page].read_text("utf-8")]
-    mended = [line for line in mended if not any(line in block for block, _ in red)]
-    assert not [fault for block, fault in red if not any(line in block for line in PYTHON_RED)]
-    assert not mended, "these work now: take them out of PYTHON_RED"
+    provide(page, (out_shared, "out"), (data, "data"))
+    assert list(failing(page, PYTHON_NOT_RUN)) == []
 
 
 @pytest.mark.slow
@@ -329,6 +360,15 @@ def test_the_commands_of_a_page_work(page: str, out: Path, data: Path, here: Pat
             shutil.copytree(data, folder / "parts" / "1")
         with contextlib.chdir(folder):
             check_commands(block)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_the_options_that_pages_give_a_program_are_in_its_help(program: str) -> None:
+    command = [sys.executable, str(REPOSITORY / program), "--help"]
+    text = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
+    given = {word for words in PROGRAMS[program] for word in words if word.startswith("--")}
+    assert given <= set(re.findall(r"--[\w-]+", text))
 
 
 def test_the_command_that_shows_the_backend_works() -> None:

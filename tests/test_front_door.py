@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import subprocess
 import sys
 import threading
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 import glassware as gw
+from glassware.procedural.scene.validate import check_scene
 
 #: Small enough for a test.
 SMALL = {"cameras": {"views": 2, "width": 48, "height": 36}, "picture": {"spp": 2}}
@@ -38,6 +41,7 @@ def _python(code: str, *arguments: str) -> str:
 def test_importing_loads_no_renderer_starts_no_process_and_changes_no_variable():
     code = """
 import os, subprocess, sys
+import cv2  # extends LD_LIBRARY_PATH, whoever imports it
 before = dict(os.environ)
 def refuse(*_, **__):
     raise AssertionError("a process is started")
@@ -198,3 +202,59 @@ def test_a_setting_that_cannot_be_is_one_clear_line(settings, words):
 def test_a_missing_data_set_is_one_clear_line(tmp_path):
     with pytest.raises(gw.InputError, match="expected the folder of a data set, found none"):
         gw.Dataset.open(tmp_path / "missing")
+
+
+def test_scene_frame_and_data_set_show_themselves_in_a_notebook(scene, renderer, tmp_path):
+    shown = scene._repr_html_()
+    assert repr(scene) == "Scene(seed 7/0: 1 vessel, 1 prop, room, 2 cameras 48x36)"
+    assert shown.startswith(f"<p>{scene!r}</p><svg ")
+    assert shown.count("<polygon ") == 3  # the table and both objects
+    assert all(f"<td>{item.name}</td>" in shown for item in scene.objects)
+    frame = renderer.frame(0)
+    pictures = [base64.b64decode(part.partition('"')[0]) for part in frame._repr_html_().split("base64,")[1:]]
+    assert len(pictures) == 5
+    gw.write(tmp_path / "out", scene, renderer)
+    left = gw.Dataset.open(tmp_path / "out").views()[0].picture("left")
+    decoded = cv2.imdecode(np.frombuffer(pictures[0], np.uint8), cv2.IMREAD_COLOR)
+    np.testing.assert_array_equal(decoded[..., ::-1], left)
+    assert "1 scenes in " in gw.Dataset.open(tmp_path / "out")._repr_html_()
+
+
+def test_a_changed_copy_has_its_change_everywhere(scene):
+    (vessel,) = scene.vessels
+    crystal = scene.with_glass(vessel.name, "lead crystal").with_dye(vessel.name, "brilliant blue FCF", 0.01)
+    moved = crystal.with_camera(0, eye=(0.0, -0.5, 0.4), target=(0.0, 0.0, 0.05))
+    (changed,) = moved.vessels
+    media = {part.part: (part.front.name, part.back.name) for part in changed.interfaces}
+    assert changed.glass.name == "lead crystal"
+    assert media["outside"] == ("air", "lead crystal")
+    assert media["wet_wall"] == (changed.liquid.medium.name, "lead crystal")
+    assert "brilliant blue FCF" in changed.liquid.medium.name
+    # Blue passes a blue dye, red does not.
+    assert changed.liquid.medium.sigma_a[0] > 10 * changed.liquid.medium.sigma_a[2]
+    assert changed.liquid.medium.eta == vessel.liquid.medium.eta
+    pose = moved.cameras[0].world_T_camera
+    np.testing.assert_allclose(pose[:3, 3], (0.0, -0.5, 0.4))
+    # The target lies on the optical axis.
+    np.testing.assert_allclose(np.cross(pose[:3, 2], np.array([0.0, 0.5, -0.35])), 0.0, atol=1e-12)
+    check_scene(moved)
+    assert scene.vessels[0].glass.name != "lead crystal"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda s: s.with_glass("vessel-0", "acrylic"), r"^vessel: expected one of vessel-00 \(is it vessel-00\?\)"),
+        (lambda s: s.with_glass("vessel-00", "acryl"), r"^glass: expected one of .*\(is it acrylic\?\), found 'acryl'"),
+        (lambda s: s.with_dye("vessel-00", "erythrosin", 0.1), r"^dye: expected one of .*\(is it erythrosine\?\)"),
+        (
+            lambda s: s.with_dye("vessel-00", "erythrosine", -1.0),
+            "^concentration of the dye: expected a number",
+        ),
+        (lambda s: s.with_camera(2, eye=(0, 0, 1)), "^view: expected a whole number from 0 to 1, found 2"),
+        (lambda s: s.with_camera(0, eye=(0, 0, 0)), "^camera, target: expected a point away from the eye"),
+    ],
+)
+def test_a_change_that_cannot_be_is_one_clear_line(scene, change, words):
+    with pytest.raises(gw.InputError, match=words):
+        change(scene)

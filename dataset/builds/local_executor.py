@@ -11,7 +11,7 @@ from .messages import Attempt, WorkerConfig, WorkerInfo, WorkerInputError
 from .worker_process import WorkerProcess
 
 #: Workers that may die in a row before one is ready; after that the installation is at fault.
-_MAX_FAILED_STARTS = 5
+_MAX_FAILED_LAUNCHES = 5
 #: Interval at which silent workers are looked for while no message arrives [s].
 _POLL_INTERVAL = 5.0
 
@@ -47,7 +47,7 @@ class LocalExecutor:
         self._queue: deque[tuple[int, bool]] = deque()  # scenes, and whether each requires a new process
         self._workers: dict[int, WorkerProcess] = {}  # by slot, which decides the device
         self._selector = selectors.DefaultSelector()
-        self._failed_starts = 0
+        self._failed_launches = 0
         self._info: WorkerInfo | None = None
 
     def __enter__(self) -> LocalExecutor:
@@ -159,12 +159,12 @@ class LocalExecutor:
         if worker.scene is not None:
             yield Attempt(scene=worker.scene, state="failed", reason=reason, process=worker.pid, served=worker.served)
         elif not worker.ready:
-            self._failed_starts += 1
-            if self._failed_starts >= _MAX_FAILED_STARTS:
-                raise RuntimeError(f"{_MAX_FAILED_STARTS} workers in a row died before they were ready; {reason}")
+            self._failed_launches += 1
+            if self._failed_launches >= _MAX_FAILED_LAUNCHES:
+                raise RuntimeError(f"{_MAX_FAILED_LAUNCHES} workers in a row died before they were ready; {reason}")
 
     def _mark_ready(self, worker: WorkerProcess, info: WorkerInfo) -> None:
-        worker.ready, self._failed_starts = True, 0
+        worker.ready, self._failed_launches = True, 0
         self._info = self._info or info
         check_same_software(self._info, info)
 

@@ -82,8 +82,8 @@ def prepare_output(root: Path, head: DatasetFile, scenes: Collection[int], overw
     old = read_head(root) if path.exists() else None
     existing = set(layout.scene_ids(root))
     to_delete = existing & set(scenes) if overwrite else set()
-    starts_over = overwrite and existing == to_delete
-    if old is not None and not starts_over:
+    replaces_all = overwrite and existing == to_delete
+    if old is not None and not replaces_all:
         check_same_head(path, old, head)
     for scene in sorted(existing.difference(scenes)):  # they stay, and the index will list them
         scene_views(root, scene)
@@ -91,7 +91,7 @@ def prepare_output(root: Path, head: DatasetFile, scenes: Collection[int], overw
         remove_leftovers(folder)
     for scene in sorted(to_delete):
         remove_folder(layout.scene_folder(root, scene))
-    listed = [] if old is None or starts_over else parse_scenes(old.scenes, str(path))
+    listed = [] if old is None or replaces_all else parse_scenes(old.scenes, str(path))
     whole = {*listed, *scenes, *layout.scene_ids(root)}
     head = head.model_copy(update={"scenes": format_scenes(whole), "assets": () if old is None else old.assets})
     if head != old:

@@ -57,9 +57,11 @@ class BuildDataset(Model):
     threads: int | None = Field(
         default=None, ge=1, le=1024, description="Threads of each worker; by default the cores divided by the workers"
     )
-    recycle: int = Field(default=50, ge=1, description="Scenes after which a worker process is replaced by a new one")
+    max_tasks_per_child: int = Field(
+        default=50, ge=1, description="Scenes after which a worker process is replaced by a new one"
+    )
     memory: float | None = Field(default=None, gt=0.0, description="Limit on the memory of each worker [GiB]")
-    patience: float = Field(
+    timeout: float = Field(
         default=3600.0, gt=0.0, description="Longest time without a message from a worker before it is killed [s]"
     )
     devices: tuple[Device, ...] = Field(
@@ -177,10 +179,10 @@ def _executor(request: BuildDataset, config: WorkerConfig) -> AbstractContextMan
     if request.executor == "ray":
         from ..builds.ray_executor import RayExecutor  # Ray is an extra
 
-        return RayExecutor(config, request.address, request.gpus, request.patience)
+        return RayExecutor(config, request.address, request.gpus, request.timeout)
     if request.address is not None:
         raise InputError("build-dataset: address", "--executor ray with it", f"--executor {request.executor}")
-    return LocalExecutor(config, request.workers, request.recycle, request.patience, request.devices)
+    return LocalExecutor(config, request.workers, request.max_tasks_per_child, request.timeout, request.devices)
 
 
 def _cores() -> int:

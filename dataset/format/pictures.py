@@ -11,28 +11,6 @@ from ...core.errors import InputError
 from ...core.silence import quiet
 
 
-def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
-    """Return the 8-bit picture of a pinhole camera.
-
-    Radiance times exposure, clipped to [0, 1], through the sRGB curve (IEC 61966-2-1:1999), rounded to 255 steps.
-
-    Parameters
-    ----------
-    linear : (H, W, 3) float32
-        Linear Rec.709 radiance.
-    exposure : float
-        Factor from radiance to the linear value that sRGB encodes.
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        Red, green, blue.
-    """
-    value = np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)
-    encoded = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
-    return np.rint(encoded * 255.0).astype(np.uint8)
-
-
 def write_png(path: Path, picture: np.ndarray) -> None:
     """Write (H, W, 3) uint8 red, green, blue, or (H, W) uint16 ids."""
     if (picture.dtype, picture.ndim) not in ((np.uint8, 3), (np.uint16, 2)):

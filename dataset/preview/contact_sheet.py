@@ -11,7 +11,7 @@ import numpy as np
 from ...annotate.boxes import EDGES
 from ...annotate.labels import Labels, ObjectLabel
 from ...annotate.projection import project_camera
-from ...procedural.description.scene import FIRST_OBJECT_ID, TABLE_ID
+from ...core.images import depth_colours, id_colour, id_colours, normal_colours
 from ...procedural.description.surroundings import Camera
 from ...render.frame import Geometry
 
@@ -20,25 +20,6 @@ MAX_VIEWS = 5
 #: Width of a picture in the sheet, gap between pictures, height of a line of captions, width of the row captions [px].
 _CELL, _GAP, _CAPTION, _GUTTER = 320, 6, 30, 56
 _BACKGROUND, _TEXT_COLOUR, _EMPTY = (24, 24, 27), (225, 225, 228), (45, 45, 48)
-_TABLE_COLOUR = (105, 105, 110)
-#: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
-_COLOURS = (
-    (230, 80, 70),
-    (70, 150, 235),
-    (250, 190, 50),
-    (90, 200, 100),
-    (185, 105, 225),
-    (60, 205, 205),
-    (245, 130, 45),
-    (240, 120, 185),
-    (165, 210, 60),
-    (115, 115, 235),
-    (200, 155, 105),
-    (25, 145, 125),
-    (255, 215, 150),
-    (175, 65, 110),
-    (160, 195, 235),
-)
 _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
@@ -84,20 +65,6 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
     return np.concatenate(bands)
 
 
-def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
-    hit = np.isfinite(Z)
-    shown = hit & (ids >= FIRST_OBJECT_ID) if (hit & (ids >= FIRST_OBJECT_ID)).any() else hit
-    if not shown.any():
-        return np.full((*Z.shape, 3), _EMPTY, np.uint8), (0.0, 0.0)
-    near, far = float(Z[shown].min()), float(Z[shown].max())
-    level = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
-    level = np.rint(255 * np.clip(level, 0.0, 1.0)).astype(np.uint8)
-    colours = cv2.applyColorMap(level, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
-    colours[~hit] = _EMPTY
-    return colours, (near, far)
-
-
 def depth_caption(Z: np.ndarray, near: float, far: float) -> str:
     """Return the depths [m] of the ends of the colour range, with <= or >= where surfaces lie beyond."""
     hit = Z[np.isfinite(Z)]
@@ -124,19 +91,6 @@ def number_position(region: np.ndarray, width: int, height: int) -> tuple[tuple[
     fits = bool(fitting.any())
     y, x = np.unravel_index(np.argmax(np.where(fitting, distance, 0.0) if fits else distance), distance.shape)
     return (int(x) - 1, int(y) - 1), fits
-
-
-def normal_colours(normal: np.ndarray) -> np.ndarray:
-    """Return normals as colours, (H, W, 3) uint8: right is red, up is green, towards the camera is blue."""
-    colours = np.rint(127.5 * (1.0 + normal * np.array([1.0, -1.0, -1.0]))).astype(np.uint8)
-    colours[(normal == 0.0).all(axis=-1)] = _EMPTY
-    return colours
-
-
-def id_colours(ids: np.ndarray) -> np.ndarray:
-    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
-    table = np.array([_EMPTY, _TABLE_COLOUR, *(_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
-    return table[ids]
 
 
 def _cells(row: PreviewRow) -> list[np.ndarray]:
@@ -187,7 +141,7 @@ def _draw_box(picture: np.ndarray, label: ObjectLabel, camera: Camera, scale: fl
     if (Z <= 0.0).any():
         return
     for a, b in EDGES:
-        _line(picture, pixels[a], pixels[b], scale, _colour(label.id), 1)
+        _line(picture, pixels[a], pixels[b], scale, id_colour(label.id), 1)
 
 
 def _draw_axes(picture: np.ndarray, label: ObjectLabel, camera: Camera, scale: float) -> None:
@@ -259,10 +213,6 @@ def _text(
     """Write text whose baseline starts at a point; return the x coordinate of its end."""
     cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)
     return at[0] + cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, size, 1)[0][0]
-
-
-def _colour(object_id: int) -> tuple[int, int, int]:
-    return _COLOURS[(object_id - FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > TABLE_ID else _TABLE_COLOUR
 
 
 def _left(column: int) -> int:

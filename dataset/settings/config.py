@@ -113,7 +113,7 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
         for name in ("preset", "config"):
             if name in loaded:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
-        _check_booleans(model, loaded, path)
+        check_booleans(model, loaded, path)
         settings, where = merged(settings, loaded), path
     return validated(model, settings, where)
 
@@ -127,7 +127,7 @@ def _flat_groups(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
     }
 
 
-def _check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str, prefix: str = "") -> None:
+def check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str, prefix: str = "") -> None:
     """Raise InputError where a number or text is yes or no.
 
     Pydantic takes a boolean for the number 1 or 0. Its strict mode does not, but refuses 1e-4 as well, which YAML 1.1
@@ -140,7 +140,7 @@ def _check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str
         kind, place = kinds.get(name), f"{prefix}{name}"
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             if isinstance(value, dict):
-                _check_booleans(kind, value, where, f"{place}.")
+                check_booleans(kind, value, where, f"{place}.")
         elif name in kinds and not _is_boolean(kind):
             values = value if isinstance(value, list) else [value]
             if any(isinstance(one, bool) for one in values):

@@ -8,7 +8,7 @@ from ...core.errors import InputError
 from ...procedural.description.scene import Scene
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
-from .config import check_switches, merged, validated
+from .config import check_booleans, merged, validated
 from .config import preset as preset_named
 
 #: Largest seed (a signed 64-bit integer, as Parquet stores it) and largest number of a scene (folders have six digits).
@@ -38,6 +38,6 @@ def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Sc
     for name, value, most in (("seed", seed, MOST_SEED), ("scene", scene, MOST_SCENE)):
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
             raise InputError(f"draw: {name}", f"a whole number from 0 to {most}", repr(value))
-    asked = merged(preset_named(preset), settings)
-    check_switches(SceneSettings, settings, "draw")
-    return draw_scene(validated(SceneSettings, asked, "draw"), seed, scene)
+    requested = merged(preset_named(preset), settings)
+    check_booleans(SceneSettings, settings, "draw")
+    return draw_scene(validated(SceneSettings, requested, "draw"), seed, scene)

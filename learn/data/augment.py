@@ -9,7 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from ...dataset.format.pictures import srgb8
+from ...core.images import srgb8
 from .settings import AugmentSettings
 
 

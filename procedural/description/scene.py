@@ -6,15 +6,23 @@ in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` 
 
 from __future__ import annotations
 
+from html import escape
 from typing import Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+import numpy as np
+from pydantic import Discriminator, Field, Tag
 
 from ...core.errors import InputError
+from ...core.html import convex_outline, html_table, svg_plan
+from ...core.images import id_colour
 from ...core.mesh import Mesh, joined, turned
 from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
+from ...core.pose import look_at
+from ...core.setting_errors import suggest
+from ..optics.catalogue import dyed, glass_named
 from ..optics.medium import AIR, Medium
 from .material import OpaqueMaterial
+from .picture import Picture
 from .surroundings import AreaLight, Camera, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
@@ -129,51 +137,6 @@ class Prop(Model):
     __str__ = __repr__
 
 
-class Picture(Model):
-    """How the pictures are computed."""
-
-    spp: int = Field(
-        default=64,
-        ge=1,
-        le=1_048_576,
-        description="Mean samples per pixel of a picture; with `noise`, of each pass",
-    )
-    noise: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=1.0,
-        description="Relative error of the picture before the denoiser at which passes stop; none takes `spp` samples",
-    )
-    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: most samples per pixel")
-    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples")
-    light: Literal["auto", "path", "shared"] = Field(
-        default="auto",
-        description="Path tracing for every picture (path), an irradiance cache filled once per scene (shared), or "
-        "whichever takes less time (auto)",
-    )
-    keep_light: bool = Field(
-        default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"
-    )
-    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
-    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
-    denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
-    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
-    refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
-    spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
-    dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
-
-    @model_validator(mode="after")
-    def _fit_together(self) -> Picture:
-        if self.dispersion and not self.spectral:
-            raise ValueError("dispersion: expected spectral to be on as well, found it off")
-        if self.light == "shared" and self.spectral:
-            raise ValueError("light: expected path or auto where spectral is on, found shared")
-        if self.keep_light and (self.light == "path" or self.spectral):
-            found = "path" if self.light == "path" else "spectral on"
-            raise ValueError(f"keep_light: expected light to be stored, found {found}")
-        return self
-
-
 def _millimetres(size: Vector3) -> str:
     """Return an extent as text, such as ``80x80x120 mm``."""
     return "x".join(f"{1e3 * side:.0f}" for side in size) + " mm"
@@ -208,6 +171,81 @@ class Scene(Model):
         """Glass bodies and props in the order of their ids."""
         return tuple(sorted((*self.vessels, *self.props), key=lambda item: item.id))
 
+    def with_glass(self, name: str, glass: Medium | str, roughness: float | None = None) -> Scene:
+        """Return a copy in which a vessel is of another glass.
+
+        Parameters
+        ----------
+        name : str
+            Name of the vessel.
+        glass : Medium or str
+            A medium, or its name in the catalogue (`optics.catalogue.glasses`), such as ``"lead crystal"``.
+        roughness : float, optional
+            GGX alpha of the glass; unchanged by default.
+
+        Raises
+        ------
+        InputError
+            Where there is no such vessel or glass.
+        """
+        medium = glass_named(glass) if isinstance(glass, str) else glass
+        return self._with_body(self._body(name).with_media(glass=medium, roughness=roughness))
+
+    def with_dye(self, name: str, dye: str, concentration: float) -> Scene:
+        """Return a copy in which a dye is dissolved in a vessel's liquid (`optics.catalogue.dyed`).
+
+        Parameters
+        ----------
+        name : str
+            Name of the vessel.
+        dye : str
+            Name of the dye (`optics.dyes.DYES`), such as ``"brilliant blue FCF"``.
+        concentration : float
+            Of the dye [kg/m^3]; a soft drink has 0.002 to 0.1.
+
+        Raises
+        ------
+        InputError
+            Where there is no such vessel or dye, or the vessel is empty.
+        """
+        body = self._body(name)
+        if body.liquid is None:
+            raise InputError(f"{name}, liquid", "a vessel that holds one", "an empty one")
+        return self._with_body(body.with_media(liquid=dyed(body.liquid.medium, dye, concentration)))
+
+    def with_camera(self, view: int, eye: Vector3, target: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
+        """Return a copy in which a camera is at another place and looks at a point, +z up in the picture.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera.
+        eye, target : (float, float, float)
+            Place of its left eye, and the point in the middle of its picture, world frame [m].
+
+        Raises
+        ------
+        InputError
+            Where there is no such camera, or eye and target are the same point.
+        """
+        if not 0 <= view < len(self.cameras):
+            raise InputError("view", f"a whole number from 0 to {len(self.cameras) - 1}", repr(view))
+        if np.allclose(eye, target, rtol=0.0, atol=1e-9):
+            raise InputError("camera, target", "a point away from the eye", list(target))
+        moved = self.cameras[view].model_copy(update={"world_T_camera": look_at(np.array(eye), np.array(target))})
+        return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
+
+    def _body(self, name: str) -> GlassBody:
+        names = [body.name for body in self.vessels]
+        if name not in names:
+            known = ", ".join(names) or "nothing, as the scene has no vessel"
+            raise InputError("vessel", f"one of {known}{suggest(name, names)}", repr(name))
+        return self.vessels[names.index(name)]
+
+    def _with_body(self, body: GlassBody) -> Scene:
+        vessels = tuple(body if other.id == body.id else other for other in self.vessels)
+        return self.model_copy(update={"vessels": vessels})
+
     def __repr__(self) -> str:
         """Return one line: the seed, what is in the scene, and the pictures' size."""
         counts = (("vessel", self.vessels), ("prop", self.props), ("camera", self.cameras))
@@ -218,6 +256,19 @@ class Scene(Model):
         return f"Scene({seed}: {vessels}, {props}, {surroundings}, {cameras} {' '.join(sizes)})"
 
     __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Show a plan of the table from above and a list of the objects in a notebook; nothing is rendered."""
+        length, width, _ = self.table.size
+        board = 0.5 * np.array([[-length, -width], [length, -width], [length, width], [-length, width]])
+        outlines = [("", board, "#e8e0d4")]
+        for item in self.objects:
+            mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+            places = mesh.vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3]
+            outlines.append((str(item.id), convex_outline(places[:, :2]), "#" + bytes(id_colour(item.id)).hex()))
+        rows = [(item.id, item.name, repr(item).partition(": ")[2].rstrip(")")) for item in self.objects]
+        text = f"<p>{escape(repr(self))}</p>"
+        return text + svg_plan(outlines) + html_table(("id", "name", "what"), rows)
 
 
 #: Everything with an instance id of its own.

@@ -1,6 +1,6 @@
-"""Materials drawn at random: what things on tables, and tables, are made of.
+"""Materials of props and tables, drawn at random.
 
-Reflectances of dielectrics stay between sRGB 30 and 240, and metals take measured colours at normal incidence, as
+Reflectances of dielectrics stay between sRGB 30 and 240, and metals have measured colours at normal incidence, as
 W. McDermott, "The PBR Guide" (Adobe, 2018) and Lagarde & de Rousiers, "Moving Frostbite to PBR" (SIGGRAPH 2014
 course notes) advise from measurements. Roughness is Burley's perceptual one ("Physically-based shading at Disney",
 SIGGRAPH 2012): about 0.05-0.2 for glaze and polish, 0.3-0.6 for lacquer, plastic and brushed metal, 0.7-1 for raw
@@ -32,13 +32,24 @@ METALS: dict[str, Reflectance] = {
     "copper": (0.955, 0.638, 0.538),
     "brass": (0.910, 0.778, 0.423),
 }
-#: Share of props that take a picture where the user gives a folder: enough to be seen, and most stay procedural.
-PICTURE_SHARE = 0.25
-#: Side of a picture on a table or prop where the file does not say [m]: table-top pictures show 0.3-1 m.
+#: Probability that a prop has a picture from the user's folder [1]: pictures are common, most props stay procedural.
+PICTURE_PROBABILITY = 0.25
+#: Range of the side of a picture on a table or prop [m]; files do not state it. Table-top photographs show 0.3-1 m.
 PICTURE_SIDE = (0.3, 1.0)
-#: Standard deviation of a colour's overall and of its channels' reflectance between two specimens, relative: about
-#: what two batches of the same wood or stone differ by to the eye.
+#: Range of the roughness of a picture's material [1], lacquered to raw; pictures do not state it.
+PICTURE_ROUGHNESS = (0.3, 0.7)
+#: Standard deviation of a specimen's reflectance, relative: of all channels together, and of each channel beside that.
+#: Two batches of the same wood or stone differ by about this much (judged by eye).
 BATCH_SPREAD, CHANNEL_SPREAD = 0.15, 0.04
+#: Range of the reflectance of one coat of paint where it is brightest over where it is darkest [1]: just visible.
+UNEVEN_COAT = (1.08, 1.25)
+#: Paint colours, HSV of sRGB [1]. The most saturated pigments reach 0.85; the exponent puts half of the draws below a
+#: saturation of 0.3, because most household paints and plastics are muted; black and white paint are 0.25 and 0.95.
+MAX_SATURATION, SATURATION_EXPONENT, PAINT_VALUE = 0.85, 1.5, (0.25, 0.95)
+#: Families of one colour, for meshes with texture charts that no pattern fits.
+PLAIN_FAMILIES = ("painted wood", "matte plastic", "glazed ceramic")
+#: Seeds of procedural textures are below this: they fit a signed 32-bit integer.
+SEED_END = 2**31
 
 
 Kind = Literal["uniform", "wood", "marble", "checker", "stripes", "noise", "tiles", "terrazzo", "fabric"]
@@ -51,11 +62,11 @@ class Family:
     Parameters
     ----------
     name : str
-        What it imitates.
+        The imitated material.
     textures : tuple of str
-        Kinds of texture, each as likely; "uniform" is one colour.
+        Kinds of texture, equally probable; "uniform" is one colour.
     palettes : tuple
-        Sets of colours to choose from, linear Rec.709; empty draws paint colours instead.
+        Sets of colours, equally probable, linear Rec.709; if empty, paint colours are drawn.
     roughness : (float, float)
         Range of the principled roughness.
     tile : (float, float)
@@ -72,7 +83,7 @@ class Family:
     metallic: float = 0.0
 
 
-# Palettes: tones read from sight of common specimens and kept in DIELECTRIC_RANGE; woods run light to dark.
+# Palettes: tones of common specimens, matched by eye and inside DIELECTRIC_RANGE; woods run from light to dark.
 _OAK = ((0.45, 0.29, 0.15), (0.17, 0.085, 0.036))
 _WALNUT = ((0.17, 0.088, 0.045), (0.045, 0.022, 0.013))
 _BEECH = ((0.60, 0.40, 0.24), (0.33, 0.19, 0.10))
@@ -128,21 +139,21 @@ def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) 
     rng : numpy.random.Generator
         Source of all draws.
     texture_files : sequence of Path
-        Pictures that it may take instead (`PICTURE_SHARE` of the time).
+        Pictures, used with `PICTURE_PROBABILITY`; may be empty.
 
     Returns
     -------
     OpaqueMaterial
-        Its `repeats` are per metre; who maps texture coordinates otherwise scales them.
+        Its `repeats` are per metre; they have to be scaled for texture coordinates in another unit.
     """
-    picture = rng.random() < PICTURE_SHARE
+    picture = rng.random() < PICTURE_PROBABILITY
     if texture_files and picture:
         return _picture_material(rng, texture_files)
     return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
 
 
 def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
-    """Draw the material of a table, a picture where any is given; `repeats` are per metre."""
+    """Draw the material of a table, with a picture if there are any; `repeats` are per metre."""
     if texture_files:
         return _picture_material(rng, texture_files)
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
@@ -150,7 +161,7 @@ def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] 
 
 def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     """Draw a material of one colour: painted, plastic or glazed."""
-    plain = [item for item in PROP_FAMILIES if item.name in ("painted wood", "matte plastic", "glazed ceramic")]
+    plain = [item for item in PROP_FAMILIES if item.name in PLAIN_FAMILIES]
     family = plain[int(rng.integers(len(plain)))]
     colour = UniformTexture(colour=_paint(rng))
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
@@ -162,7 +173,7 @@ def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> Opaque
         name=f"picture {path.stem}",
         base_colour=PictureTexture(asset=asset(path)),
         repeats=1.0 / rng.uniform(*PICTURE_SIDE),
-        roughness=rng.uniform(0.3, 0.7),  # lacquered to raw: a picture does not tell
+        roughness=rng.uniform(*PICTURE_ROUGHNESS),
     )
 
 
@@ -185,28 +196,26 @@ def _texture(rng: np.random.Generator, family: Family, kind: Kind) -> Texture:
         colours = _paints(rng, kind)
     if kind == "uniform":
         return UniformTexture(colour=colours[0])
-    return ProceduralTexture(kind=kind, colours=colours, seed=int(rng.integers(2**31)))
+    return ProceduralTexture(kind=kind, colours=colours, seed=int(rng.integers(SEED_END)))
 
 
 def _specimen(rng: np.random.Generator, palette: Sequence[Reflectance]) -> tuple[Reflectance, ...]:
-    """Return a palette with the spread between specimens: all colours shift together."""
+    """Return a palette with the variation between specimens: all its colours are scaled by the same factors."""
     factor = np.exp(rng.normal(0.0, BATCH_SPREAD) + rng.normal(0.0, CHANNEL_SPREAD, 3))
     return tuple(_dielectric(np.array(colour) * factor) for colour in palette)
 
 
 def _paints(rng: np.random.Generator, kind: Kind) -> tuple[Reflectance, ...]:
-    """Return the colours of something painted, dyed or printed."""
+    """Return the colours of a painted, dyed or printed surface."""
     first = _paint(rng)
     if kind == "noise":
-        # One coat, a little uneven.
-        return first, _dielectric(np.array(first) * rng.uniform(1.08, 1.25))
+        return first, _dielectric(np.array(first) * rng.uniform(*UNEVEN_COAT))
     return first, _paint(rng), *((_paint(rng),) if kind == "fabric" else ())
 
 
 def _paint(rng: np.random.Generator) -> Reflectance:
-    """Return a pigment: any hue, more often muted than saturated, from dark to light (HSV of sRGB)."""
-    # The power puts half of the draws below a saturation of 0.3: household paints and plastics are mostly muted.
-    saturation, value = 0.85 * rng.random() ** 1.5, rng.uniform(0.25, 0.95)
+    """Return the colour of a pigment: any hue, more often muted than saturated, from dark to light."""
+    saturation, value = MAX_SATURATION * rng.random() ** SATURATION_EXPONENT, rng.uniform(*PAINT_VALUE)
     return _dielectric(srgb_to_linear(np.array(colorsys.hsv_to_rgb(rng.random(), saturation, value))))
 
 

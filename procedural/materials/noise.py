@@ -1,6 +1,13 @@
-"""Periodic noise on the unit tile: what is drawn at u = 0 continues at u = 1."""
+"""Noise: gradient noise and Voronoi cells, periodic on the unit tile, and hashed value noise in space.
+
+The two kinds of noise serve two purposes. A texture is a tile that repeats, so its lattice is periodic and small, and
+its gradients are drawn. An environment is a field over directions or points without a period, so its lattice values
+are hashed from the coordinates and a seed.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -8,6 +15,11 @@ from scipy.spatial import cKDTree
 #: Largest magnitude of two-dimensional gradient noise with unit gradients (at a cell's centre, all four pointing to
 #: it: four corners, each with weight 1/4 and dot product sqrt(1/2)).
 GRADIENT_PEAK = np.sqrt(0.5)
+
+# Odd 32-bit multipliers that spread lattice coordinates over the hash (Teschner et al., "Optimized Spatial Hashing
+# for Collision Detection of Deformable Objects", VMV 2003) and the multipliers of Murmur3's 32-bit finaliser.
+_HASH_MULTIPLIERS = np.array([73856093, 19349663, 83492791], dtype=np.uint32)
+_MIX_MULTIPLIERS = (np.uint32(0x85EBCA6B), np.uint32(0xC2B2AE35))
 
 
 def tile_grid(resolution: int) -> tuple[np.ndarray, np.ndarray]:
@@ -40,25 +52,58 @@ def gradient_noise(u: np.ndarray, v: np.ndarray, cells: tuple[int, int], rng: np
     corners = {}
     for dx in (0, 1):
         for dy in (0, 1):
-            place = rows[dy] * cells[0] + columns[dx]
-            corners[dx, dy] = cosines[place] * (fx - dx) + sines[place] * (fy - dy)
+            index = rows[dy] * cells[0] + columns[dx]
+            corners[dx, dy] = cosines[index] * (fx - dx) + sines[index] * (fy - dy)
     sx, sy = _fade(fx), _fade(fy)
     low = corners[0, 0] + sx * (corners[1, 0] - corners[0, 0])
     high = corners[0, 1] + sx * (corners[1, 1] - corners[0, 1])
     return (low + sy * (high - low)) / GRADIENT_PEAK
 
 
-def fractal_noise(
+def fractal_gradient_noise(
     u: np.ndarray, v: np.ndarray, cells: tuple[int, int], octaves: int, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return a sum of `gradient_noise`, each octave twice as fine and half as strong, within [-1, 1].
+    """Return a sum of octaves of `gradient_noise`, each twice as fine and half as strong, within [-1, 1].
 
     Half the strength per octave gives the 1/f spectrum of Perlin, "An image synthesizer" (SIGGRAPH 1985).
     """
-    total = np.zeros(np.broadcast(u, v).shape)
-    for octave in range(octaves):
-        total += gradient_noise(u, v, (cells[0] << octave, cells[1] << octave), rng) * 0.5**octave
-    return total / (2.0 - 0.5 ** (octaves - 1))
+    return _fractal(lambda k: gradient_noise(u, v, (cells[0] << k, cells[1] << k), rng), octaves)
+
+
+def value_noise(points: np.ndarray, seed: int) -> np.ndarray:
+    """Return value noise: random values on the integer lattice, joined by smooth steps.
+
+    Parameters
+    ----------
+    points : (..., 3) float
+        Where to evaluate; features are about one unit wide.
+    seed : int
+        Selects the lattice values.
+
+    Returns
+    -------
+    (...) float32
+        In [0, 1], mean 1/2.
+    """
+    base = np.floor(points)
+    f = (points - base).astype(np.float32)
+    f = f * f * (3.0 - 2.0 * f)
+    # The hash takes one axis after the other, so the eight corners have its first steps in common.
+    bits, cell = np.full(f.shape[:-1], seed & 0xFFFFFFFF, dtype=np.uint32), base.astype(np.int64)
+    return _interpolated(bits, cell, f, 0)
+
+
+def fractal_value_noise(points: np.ndarray, seed: int, octaves: int) -> np.ndarray:
+    """Return a sum of octaves of `value_noise`, each twice as fine and half as strong; in [0, 1], (...) float32."""
+    return _fractal(lambda k: value_noise(points * 2.0**k, seed + k), octaves)
+
+
+def lattice(cell: np.ndarray, seed: int) -> np.ndarray:
+    """Return a random value in [0, 1) for each lattice point (..., 3) int, (...) float32."""
+    bits = np.full(cell.shape[:-1], seed & 0xFFFFFFFF, dtype=np.uint32)
+    for axis in range(3):
+        bits = _hash_step(bits, cell[..., axis], axis)
+    return _unit(bits)
 
 
 def cellular(u: np.ndarray, v: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -91,3 +136,36 @@ def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
 def _fade(t: np.ndarray) -> np.ndarray:
     # Perlin 2002: its first and second derivatives vanish at the lattice, so no creases show.
     return t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+
+
+def _fractal(octave: Callable[[int], np.ndarray], octaves: int) -> np.ndarray:
+    """Return the sum of octaves k = 0, 1, ... with weights 2^-k, divided by the sum of the weights."""
+    total = octave(0)
+    for k in range(1, octaves):
+        total += octave(k) * 0.5**k
+    return total / (2.0 - 0.5 ** (octaves - 1))
+
+
+def _interpolated(bits: np.ndarray, cell: np.ndarray, f: np.ndarray, axis: int) -> np.ndarray:
+    """Return the lattice values interpolated along this axis and those after it."""
+    if axis == 3:
+        return _unit(bits)
+    low = _interpolated(_hash_step(bits, cell[..., axis], axis), cell, f, axis + 1)
+    high = _interpolated(_hash_step(bits, cell[..., axis] + 1, axis), cell, f, axis + 1)
+    return low + (high - low) * f[..., axis]
+
+
+def _hash_step(bits: np.ndarray, coordinate: np.ndarray, axis: int) -> np.ndarray:
+    return _mixed(bits ^ (coordinate.astype(np.uint32) * _HASH_MULTIPLIERS[axis]))
+
+
+def _unit(bits: np.ndarray) -> np.ndarray:
+    # 24 bits are what a float32 holds exactly.
+    return (bits >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
+
+
+def _mixed(bits: np.ndarray) -> np.ndarray:
+    """Return bits mixed by the 32-bit finaliser of Murmur3."""
+    bits = (bits ^ (bits >> np.uint32(16))) * _MIX_MULTIPLIERS[0]
+    bits = (bits ^ (bits >> np.uint32(13))) * _MIX_MULTIPLIERS[1]
+    return bits ^ (bits >> np.uint32(16))

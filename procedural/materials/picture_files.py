@@ -1,4 +1,4 @@
-"""Pictures from a user's folder: which there are, and how one is read."""
+"""Pictures from a user's folder: listing and reading them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...core.errors import InputError
 from ...core.folders import files_in
 from ...core.silence import quiet
 
-#: Formats that OpenCV's wheel reads on every platform and that hold 8 or 16 bits a channel.
+#: Formats that OpenCV's wheel reads on every platform and that have 8 or 16 bits per channel.
 PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
 #: Longest side of a texture [px]. A prop or a table fills a view of at most a few thousand pixels; 4096 is 200 MB.
 LONGEST_SIDE = 4096
@@ -24,7 +24,7 @@ def picture_files(folder: Path) -> tuple[Path, ...]:
     Raises
     ------
     InputError
-        Where the folder is missing, holds no picture, or holds a file that is named like one but is none.
+        If the folder is missing, has no picture, or has a file with the suffix of a picture that is not one.
     """
     files = files_in(folder, "pictures", PICTURE_SUFFIXES, below=True)
     for path in files:
@@ -36,7 +36,7 @@ def picture_files(folder: Path) -> tuple[Path, ...]:
 def read_picture(path: Path) -> np.ndarray:
     """Return an sRGB picture as linear reflectances, first row at the top.
 
-    Grey becomes three equal channels, transparency is ignored, and what is larger than `LONGEST_SIDE` is reduced.
+    Grey becomes three equal channels, transparency is ignored, and pictures larger than `LONGEST_SIDE` are reduced.
 
     Returns
     -------
@@ -46,11 +46,11 @@ def read_picture(path: Path) -> np.ndarray:
     Raises
     ------
     InputError
-        Where the file is missing, broken, or does not hold 8 or 16 bits a channel.
+        If the file is missing or broken, or does not have 8 or 16 bits per channel.
     """
     stored = _decoded(path)
     if stored.dtype not in (np.uint8, np.uint16):
-        raise InputError(path, "a picture of 8 or 16 bits a channel", f"{stored.dtype}")
+        raise InputError(path, "a picture of 8 or 16 bits per channel", f"{stored.dtype}")
     if stored.ndim == 2 or stored.shape[2] < 3:
         # Grey, or grey with transparency.
         grey = stored if stored.ndim == 2 else stored[..., 0]
@@ -66,7 +66,7 @@ def read_picture(path: Path) -> np.ndarray:
 
 
 def check_pictures(files: Iterable[Path]) -> None:
-    """Read every picture once, so that a bad one is refused before any scene is drawn; InputError names it."""
+    """Read every picture once, to refuse a bad one before any scene is drawn; InputError names the file."""
     for path in files:
         read_picture(path)
 

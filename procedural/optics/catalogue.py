@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from math import radians
 
 import numpy as np
 
 from ...core.errors import InputError
+from ...core.setting_errors import suggest
 from .colour import LIQUID_LENGTH, WALL_LENGTH, rgb_absorption
 from .dispersion import D_LINE, SODIUM_LINE, Cauchy, Dispersion, Power, Scaled, Sellmeier, abbe_number, index
+from .dyes import DYES
 from .medium import ETA_DIGITS, Absorber, Medium
 
 SODA_LIME = Cauchy(
@@ -227,6 +230,42 @@ def _named(solvent: str, dyes: tuple[Absorber, ...]) -> str:
 def _clear_liquid(name: str, formula: Cauchy, density: float, tension: float, angle: float) -> Medium:
     fields = {"density": density, "surface_tension": tension, "contact_angle": angle, "source": formula.source}
     return _medium(name, formula, (), LIQUID_LENGTH, **fields)
+
+
+def dyed(medium: Medium, dye: str, concentration: float) -> Medium:
+    """Return a liquid with a dye dissolved in it; its index and its surface tension stay the same.
+
+    Parameters
+    ----------
+    medium : Medium
+        A liquid whose absorption is known by wavelength, or that has none.
+    dye : str
+        Name in `dyes.DYES`, such as ``"brilliant blue FCF"``.
+    concentration : float
+        Of the dye [kg/m^3]; a soft drink has 0.002 to 0.1.
+
+    Raises
+    ------
+    InputError
+        For an unknown dye, a negative concentration, or a medium of which only `sigma_a` is known.
+    """
+    if dye not in DYES:
+        raise InputError("dye", f"one of {', '.join(DYES)}{suggest(dye, list(DYES))}", repr(dye))
+    if not 0.0 <= concentration < math.inf:
+        raise InputError("concentration of the dye", "a number of at least 0 kg/m^3", concentration)
+    if any(medium.sigma_a) and not medium.absorbers:
+        raise InputError(f"medium {medium.name}", "absorbers, to add a dye to them", "sigma_a alone")
+    parts = (*medium.absorbers, Absorber(spectrum=dye, amount=concentration))
+    changes = {"absorbers": parts, "sigma_a": rgb_absorption(parts, LIQUID_LENGTH)}
+    return medium.model_copy(update={"name": _named(medium.name, parts[-1:]), **changes})
+
+
+def glass_named(name: str) -> Medium:
+    """Return a glass or plastic by its name; InputError with the nearest name where the catalogue has none."""
+    known = {medium.name: medium for medium in glasses()}
+    if name not in known:
+        raise InputError("glass", f"one of {', '.join(known)}{suggest(name, list(known))}", repr(name))
+    return known[name]
 
 
 def catalogue() -> dict[str, Medium]:

@@ -8,10 +8,11 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
+from ...core.pose import look_at
 from ..description.material import OpaqueMaterial, UniformTexture
-from ..description.scene import GlassBody, Picture, Prop, Scene
+from ..description.picture import Picture
+from ..description.scene import GlassBody, Prop, Scene
 from ..description.surroundings import AreaLight, Camera, ConstantEnvironment, Environment, Table
-from ..surroundings.cameras import look_at
 from ..surroundings.environments import bake_environment
 from ..surroundings.metering import exposure, irradiance
 from .bodies import Point, box_mesh

@@ -1,4 +1,4 @@
-"""Solids that are no solids of revolution: rounded boxes, extrusions, superellipsoids, stones."""
+"""Solids other than solids of revolution: rounded boxes, extrusions, superellipsoids, stones."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from .normals import creased
 EDGE_STEPS = 6
 #: Steps across each of the six faces of a sphere-like solid: 90 degrees in 32 steps of under 3 degrees.
 ROUND_STEPS = 32
+#: Plane waves in the surface of a stone, and the range of their frequencies [rad of phase per unit of direction]. Their
+#: longest wave makes one lobe; 48 are enough that no single wave is seen, and 7 is still smooth over `ROUND_STEPS`.
+STONE_WAVES, STONE_FREQUENCIES = 48, (1.0, 7.0)
 
 
 def rounded_box(name: str, size: tuple[float, float, float], radius: float) -> tuple[Mesh, float]:
@@ -27,7 +30,7 @@ def rounded_box(name: str, size: tuple[float, float, float], radius: float) -> t
     """
     half = np.array(size) / 2 - radius
     quarter = np.tan(np.linspace(0.0, np.pi / 4, EDGE_STEPS + 1))
-    quarter[-1] = 1.0  # to the last bit, so that neighbouring faces meet
+    quarter[-1] = 1.0  # exact, so that neighbouring faces meet
     slope = np.concatenate([-quarter[::-1], quarter])
     side = np.repeat([-1.0, 1.0], EDGE_STEPS + 1)
     vertices, normals, uv, faces = [], [], [], []
@@ -70,8 +73,8 @@ def stone(
 ) -> tuple[Mesh, float]:
     """Return an ellipsoid with bumps, scaled to an extent, and the length of a texture unit [m].
 
-    The radius varies as a sum of plane waves over the sphere of directions with 1/frequency amplitudes, as worn
-    stones have few and shallow fine features.
+    The radius varies as a sum of plane waves over the sphere of directions. Their amplitudes are 1/frequency, because
+    worn stones have few and shallow fine features.
 
     Parameters
     ----------
@@ -80,21 +83,22 @@ def stone(
     size : (x, y, z)
         Extent [m].
     roughness : float
-        Standard deviation of the radius, relative; below 0.15 the solid keeps its distance from its centre.
+        Standard deviation of the radius, relative; below 0.15 the radius stays well above 0.
     rng : numpy.random.Generator
         Source of the waves.
     """
     direction, faces, uv = _sphere()
-    frequency = np.exp(rng.uniform(np.log(1.0), np.log(7.0), 48))
-    heading = rng.normal(size=(48, 3))
-    waves = direction @ (frequency[:, None] * heading / _length(heading)).T + rng.uniform(0, 2 * np.pi, 48)
+    low, high = np.log(STONE_FREQUENCIES)
+    frequency = np.exp(rng.uniform(low, high, STONE_WAVES))
+    heading = rng.normal(size=(STONE_WAVES, 3))
+    waves = direction @ (frequency[:, None] * heading / _length(heading)).T + rng.uniform(0, 2 * np.pi, STONE_WAVES)
     bumps = np.cos(waves) @ (1.0 / frequency)
     bumps *= roughness / np.sqrt(0.5 * np.sum(frequency**-2.0))
-    # exp keeps the radius positive however high the waves add up.
+    # The exponential keeps the radius positive for any sum of the waves.
     vertices = direction * np.exp(bumps)[:, None]
     low, high = vertices.min(0), vertices.max(0)
     vertices = (vertices - (low + high) / 2) * (np.array(size) / (high - low))
-    # Welding compares positions: round them to what the mesh will hold.
+    # Welding compares positions, so they are rounded to the float32 of the mesh.
     vertices, faces, normals, uv = creased(vertices.astype(np.float32).astype(float), faces, uv, np.pi)
     return Mesh(name, vertices, faces, normals, uv), np.pi / 4 * max(size)
 
@@ -107,7 +111,7 @@ def extrusion(name: str, outline: np.ndarray, height: float) -> tuple[Mesh, floa
     name : str
         Name of the mesh.
     outline : (n, 2) float
-        Counter-clockwise outline [m]; every point of it is seen from the middle of its bounding box.
+        Counter-clockwise outline [m], star-shaped about the centre of its bounding box.
     height : float
         Height [m].
     """
@@ -116,11 +120,11 @@ def extrusion(name: str, outline: np.ndarray, height: float) -> tuple[Mesh, floa
     longest = max(height, *(high - low))
     count = len(outline)
     ring = np.concatenate([outline, outline[:1]])
-    walked = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
     vertices, uv, faces = [], [], []
     for z in (-height / 2, height / 2):
         vertices.append(np.column_stack([ring, np.full(count + 1, z)]))
-        uv.append(np.column_stack([walked, np.full(count + 1, z)]) / longest)
+        uv.append(np.column_stack([along, np.full(count + 1, z)]) / longest)
     for z in (-height / 2, height / 2):
         cap = np.concatenate([ring[:-1], [[0.0, 0.0]]])
         vertices.append(np.column_stack([cap, np.full(count + 1, z)]))
@@ -142,7 +146,7 @@ def _cube_faces() -> list[tuple[int, float]]:
 
 
 def _face_grid(axis: int, sign: float, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of one face of the cube [-1, 1]^3 with given steps along both ways, (n^2, 3), and its faces."""
+    """Return a grid with given steps over one face of the cube [-1, 1]^3: points (n^2, 3), and faces."""
     count = len(steps)
     first, second = _face_axes(axis, sign)
     grid = np.empty((count, count, 3))
@@ -186,5 +190,5 @@ def _sphere() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _length(vectors: np.ndarray) -> np.ndarray:
-    # Written out: the order of the sum must not depend on which face a shared point belongs to.
+    # Written out, because the order of the sum must be the same for all faces that a point is part of.
     return np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2 + vectors[:, 2] ** 2)[:, None]

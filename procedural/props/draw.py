@@ -1,4 +1,4 @@
-"""An opaque prop, drawn at random: a made shape, or a mesh from the user's folder."""
+"""Opaque props, drawn at random: a procedural shape, or a mesh from the user's folder."""
 
 from __future__ import annotations
 
@@ -6,14 +6,31 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from pydantic import Field, model_validator
 
 from ...core.mesh import Mesh
+from ...core.model import Model
 from ..description.material import OpaqueMaterial
 from ..description.scene import Prop
 from ..materials.draw import draw_material, draw_plain_material
 from .mesh_files import MeshFile, box_mapped, read_mesh
-from .settings import PropSettings
 from .shapes import draw_shape
+
+
+class PropSettings(Model):
+    """How opaque props are drawn."""
+
+    smallest: float = Field(default=0.05, ge=0.03, le=0.3, description="Least longest side of a drawn shape [m]")
+    largest: float = Field(default=0.16, ge=0.03, le=0.3, description="Greatest longest side of a drawn shape [m]")
+    file_share: float = Field(
+        default=0.6, ge=0.0, le=1.0, description="Probability that a prop comes from the mesh folder, if one is given"
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> PropSettings:
+        if self.smallest > self.largest:
+            raise ValueError(f"smallest: expected at most largest ({self.largest} m), found {self.smallest} m")
+        return self
 
 
 def draw_prop(
@@ -25,33 +42,33 @@ def draw_prop(
     mesh_files: Sequence[MeshFile] = (),
     texture_files: Sequence[Path] = (),
 ) -> Prop:
-    """Draw a prop at the world's origin; placement gives it its pose.
+    """Draw a prop at the world's origin; placement sets its pose.
 
     Parameters
     ----------
     rng : numpy.random.Generator
         Source of all draws.
     settings : PropSettings
-        Sizes and shares.
+        Range of sizes, and the probability of a mesh file.
     id : int
         Instance id.
     name : str
         Name of the prop and of its mesh, unique in the scene.
     mesh_files : sequence of MeshFile
-        What `mesh_files.mesh_files` found; may be empty.
+        Result of `mesh_files.mesh_files`; may be empty.
     texture_files : sequence of Path
-        What `picture_files.picture_files` found; may be empty.
+        Result of `picture_files.picture_files`; may be empty.
 
     Raises
     ------
     InputError
-        Where the drawn file is unusable.
+        If the drawn file is unusable.
     """
     longest = rng.uniform(settings.smallest, settings.largest)
     from_file = rng.random() < settings.file_share
     if mesh_files and from_file:
         file = mesh_files[int(rng.integers(len(mesh_files)))]
-        mesh, material = _from_file(rng, file, name, longest, texture_files)
+        mesh, material = _prop_from_file(rng, file, name, longest, texture_files)
         category, symmetric = file.name, False
     else:
         shape = draw_shape(rng, longest, name)
@@ -70,24 +87,24 @@ def draw_prop(
     )
 
 
-def _from_file(
+def _prop_from_file(
     rng: np.random.Generator, file: MeshFile, name: str, longest: float, texture_files: Sequence[Path]
 ) -> tuple[Mesh, OpaqueMaterial]:
     found = read_mesh(file, name, longest)
-    mesh, look = found.mesh, found.look
+    mesh, stored = found.mesh, found.material
     if mesh.uv is None:
         mesh = box_mapped(mesh)
         material = _whole_repeats(draw_material(rng, texture_files), float(np.ptp(mesh.bounds, axis=0).max()))
     else:
-        # The file's own charts: no pattern of ours would fit them.
+        # A procedural pattern would not fit the charts of the file.
         material = draw_plain_material(rng)
-    said = {"base_colour": look.texture, "roughness": look.roughness, "metallic": look.metallic}
-    said = {field: value for field, value in said.items() if value is not None}
-    if look.texture is not None:
-        said |= {"name": f"of {file.name}", "repeats": 1.0, "metallic": look.metallic or 0.0}
-    return mesh, material.model_copy(update=said)
+    fields = {"base_colour": stored.texture, "roughness": stored.roughness, "metallic": stored.metallic}
+    fields = {field: value for field, value in fields.items() if value is not None}
+    if stored.texture is not None:
+        fields |= {"name": f"of {file.name}", "repeats": 1.0, "metallic": stored.metallic or 0.0}
+    return mesh, material.model_copy(update=fields)
 
 
 def _whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
-    """Return a material whose repeats per metre became a whole number per texture unit of `unit` metres."""
+    """Return a material with its repeats per metre rounded to a whole number per texture unit of `unit` metres."""
     return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})

@@ -1,4 +1,4 @@
-"""Meshes from a user's folder: which there are, and how one becomes a prop's surface."""
+"""Meshes from a user's folder: listing them, and reading one as the surface of a prop."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ import trimesh
 from ...core.errors import InputError
 from ...core.folders import files_in
 from ...core.mesh import Mesh
-from .file_looks import Look, default_picture_folder, glb_look, obj_look
+from .mesh_material import MeshMaterial, default_picture_folder, glb_material, obj_material
 from .normals import creased
 
 #: Formats that are read.
 MESH_SUFFIXES = (".glb", ".obj", ".ply", ".stl")
-#: A file whose longest side lies in this range is taken to be in metres and keeps its size [m]: things on tables.
-#: Anything else is in another unit, or in none, and gets a drawn size.
+#: A file whose longest side is in this range is taken to be in metres and keeps its size [m]: objects on tables. Any
+#: other file has another unit or none, and gets a drawn size.
 TRUE_SIZES = (0.02, 0.40)
-#: Least ratio of the shortest to the longest side. Thinner than a thousandth (0.1 mm at 10 cm), a prop could not be
-#: told from the table that it lies on.
+#: Least ratio of the shortest to the longest side [1]. A prop thinner than a thousandth (0.1 mm at 10 cm) cannot be
+#: distinguished from the table under it.
 LEAST_THICKNESS = 1e-3
-#: Share of corners whose stored normal may look away from their face (slivers do) before all are computed anew.
+#: Fraction of corners whose stored normal may point into their face, as at slivers; above it all normals are computed.
 STRAY_NORMALS = 0.01
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh file that may be used.
+    """A mesh file in the user's folder.
 
     Parameters
     ----------
     path : Path
         The file.
     root : Path
-        The folder that it was found under; whatever it refers to must lie inside.
+        The user's folder; all files that the mesh file refers to must be inside.
     pictures : Path
-        Folder for pictures that are packed inside the file.
+        Folder to which pictures inside the file are written.
     """
 
     path: Path
@@ -55,29 +55,29 @@ class MeshFile:
 
 @dataclass(frozen=True)
 class FileMesh:
-    """A mesh from a file, and what the file says of its look.
+    """A mesh from a file, and the file's material.
 
     Parameters
     ----------
     mesh : Mesh
-        Centred on its bounding box, with normals; `uv` only where the file has them.
-    look : Look
-        What the file says of its material.
+        Centred on its bounding box, with normals; with `uv` if the file has them.
+    material : MeshMaterial
+        The material in the file.
     """
 
     mesh: Mesh
-    look: Look
+    material: MeshMaterial
 
 
 def mesh_files(folder: Path, pictures: Path | None = None) -> tuple[MeshFile, ...]:
-    """Return the meshes under a folder, ordered by their relative paths; InputError where there is none.
+    """Return the meshes under a folder, ordered by their relative paths; InputError if there are none.
 
     Parameters
     ----------
     folder : Path
         Searched with its subfolders for `MESH_SUFFIXES`.
     pictures : Path, optional
-        Folder for pictures packed inside GLB files; the user's cache unless given.
+        Folder for pictures inside GLB files; by default in the user's cache.
     """
     kept = pictures or default_picture_folder()
     return tuple(MeshFile(path, folder, kept) for path in files_in(folder, "meshes", MESH_SUFFIXES, below=True))
@@ -86,9 +86,9 @@ def mesh_files(folder: Path, pictures: Path | None = None) -> tuple[MeshFile, ..
 def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
     """Return a file's surface, all its parts as one.
 
-    The surface may be open or of several parts. A GLB's y axis points up by its standard and is turned to z; other
-    formats say nothing, and keep their axes. Normals are the file's where it has usable ones, else computed with
-    edges at `normals.CREASE`.
+    The surface may be open and may have several parts. The y axis of a GLB points up by its standard and is turned to
+    z; other formats do not define it and keep their axes. Usable normals of the file are kept; otherwise they are
+    computed, with creases at `normals.CREASE`.
 
     Parameters
     ----------
@@ -102,14 +102,14 @@ def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
     Raises
     ------
     InputError
-        Where the file cannot be read, has no faces, has coordinates that are no finite numbers, or is flat.
+        If the file cannot be read, has no faces, has coordinates that are not finite, or is flat.
     """
     content = _content(file.path)
     vertices, faces, normals, uv = _surface(file, content)
     if file.path.suffix.lower() == ".glb":
         vertices, normals = _z_up(vertices), None if normals is None else _z_up(normals)
     vertices = _centred(file, vertices, faces, longest)
-    # What the mesh will hold: welding and slivers are judged on these positions.
+    # The precision of the mesh: welding and the search for slivers use these positions.
     vertices = vertices.astype(np.float32).astype(np.float64)
     faces = _proper(file, vertices, faces)
     if normals is None or not _agree(vertices, faces, normals):
@@ -119,17 +119,17 @@ def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
         faces = faces.reshape(-1, 3)
         vertices, normals, uv = vertices[used], normals[used], None if uv is None else uv[used]
         normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return FileMesh(Mesh(name, vertices, faces, normals, uv), _look(file, content))
+    return FileMesh(Mesh(name, vertices, faces, normals, uv), _material(file, content))
 
 
 def check_meshes(files: Iterable[MeshFile]) -> None:
-    """Read every file once, so that a bad one is refused before any scene is drawn; InputError names it."""
+    """Read every file once, to refuse a bad one before any scene is drawn; InputError names the file."""
     for file in files:
         read_mesh(file, "check", 1.0)
 
 
 def box_mapped(mesh: Mesh) -> Mesh:
-    """Return a mesh with texture coordinates from the side that each face looks to, in units of its longest side."""
+    """Return a mesh with box-mapped texture coordinates, by the dominant axis of each face, over its longest side."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(1)
@@ -151,7 +151,7 @@ def _content(path: Path) -> bytes:
 
 
 def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
-    """Return vertices, faces, and normals and texture coordinates where all and any of the parts have them."""
+    """Return vertices, faces, normals if all parts have them, and texture coordinates if any part has them."""
     parts = _parts(file, content)
     offsets = np.cumsum([0] + [len(part.vertices) for part, _ in parts[:-1]])
     vertices = np.concatenate([trimesh.transform_points(part.vertices, pose) for part, pose in parts])
@@ -179,13 +179,13 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
 def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.ndarray]]:
     """Return a file's parts that have faces, each with ``file_T_part``."""
     kind = file.path.suffix.lower()[1:]
-    # MTL is read by `file_looks`, which checks where it leads. (A GLB would lose its texture coordinates.)
+    # MTL is read by `mesh_material`, which checks the paths in it. (A GLB would lose its texture coordinates.)
     options: dict[str, Any] = {"skip_materials": True} if kind == "obj" else {}
     try:
-        # From memory and without a resolver: nothing that the file names is opened here.
+        # From memory and without a resolver: no other file is opened here.
         scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
         nodes = [scene.graph[node] for node in sorted(scene.graph.nodes_geometry)]
-    except Exception as error:  # the readers raise whatever a malformed file leads them into
+    except Exception as error:  # the readers raise exceptions of many types for malformed files
         raise InputError(file.path, f"a readable {kind.upper()} mesh", "one that cannot be read") from error
     parts = [(scene.geometry[name], pose) for pose, name in nodes]
     parts = [(part, pose) for part, pose in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
@@ -195,10 +195,10 @@ def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.nda
 
 
 def _stored_normals(part: trimesh.Trimesh, pose: np.ndarray) -> np.ndarray | None:
-    """Return the normals that the file holds, turned by the pose, or None (trimesh would compute smooth ones)."""
+    """Return the normals in the file, turned by the pose, or None (trimesh would compute smooth ones)."""
     if "vertex_normals" not in part._cache.cache:
         return None
-    # Normals turn with the inverse transpose, which scalings that differ by axis make unlike the pose itself.
+    # Normals transform by the inverse transpose, which differs from the pose under anisotropic scaling.
     return part.vertex_normals @ np.linalg.inv(pose[:3, :3])
 
 
@@ -234,7 +234,7 @@ def _proper(file: MeshFile, vertices: np.ndarray, faces: np.ndarray) -> np.ndarr
 
 
 def _agree(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> bool:
-    """Return whether stored normals are vectors that look out of their faces."""
+    """Return whether stored normals are usable vectors that point out of their faces."""
     if not np.isfinite(normals).all() or np.linalg.norm(normals, axis=1)[np.unique(faces)].min() < 0.5:
         return False
     corners = vertices[faces]
@@ -242,11 +242,11 @@ def _agree(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> bool
     return float(np.mean(np.einsum("fi,fci->fc", cross, normals[faces]) <= 0)) <= STRAY_NORMALS
 
 
-def _look(file: MeshFile, content: bytes) -> Look:
+def _material(file: MeshFile, content: bytes) -> MeshMaterial:
     match file.path.suffix.lower():
         case ".obj":
-            return obj_look(file.path, file.root, content)
+            return obj_material(file.path, file.root, content)
         case ".glb":
-            return glb_look(file.path, file.root, content, file.pictures)
+            return glb_material(file.path, file.root, content, file.pictures)
         case _:
-            return Look()
+            return MeshMaterial()

@@ -1,4 +1,4 @@
-"""Shading normals of a triangle surface, split where it is creased."""
+"""Shading normals of a triangle surface, split at creases."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 import trimesh
 
 #: Faces that meet at a larger angle keep an edge between them [rad]. 40 degrees lies between the 30 degrees of a
-#: coarse (12-sided) round and the 45 degrees of a bevel.
+#: coarse (12-sided) cylinder and the 45 degrees of a bevel.
 CREASE = np.radians(40.0)
 
 
 def creased(
     vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None = None, crease: float = CREASE
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]:
-    """Return a surface with shading normals: smooth where it bends little, split where it is creased.
+    """Return a surface with shading normals: smooth where it bends little, split at creases.
 
     Around each position, faces that share an edge there and meet at `crease` or less form one fan, and a fan has one
     normal: the mean of its faces' normals weighted by area, so that a large flat face stays flat beside a bevel.
@@ -21,11 +21,11 @@ def creased(
     Parameters
     ----------
     vertices : (n, 3) float
-        Positions; equal positions count as one.
+        Positions; equal positions are welded.
     faces : (m, 3) int
         Indices into `vertices`.
     uv : (n, 2) float, optional
-        Texture coordinates, carried along.
+        Texture coordinates of the vertices.
     crease : float
         Largest angle between the normals of two faces of one fan [rad].
 
@@ -57,7 +57,7 @@ def _corner_links(position: np.ndarray, face_normal: np.ndarray, least_cosine: f
     low, high = np.where(swap, end, start), np.where(swap, start, end)
     order = np.lexsort((ends[high], ends[low]))
     low, high = low[order], high[order]
-    # Sorted edges that are equal stand side by side; three or more faces at an edge are linked in a chain.
+    # Equal edges are neighbours after sorting; three or more faces at an edge are linked in a chain.
     same = (ends[low[1:]] == ends[low[:-1]]) & (ends[high[1:]] == ends[high[:-1]])
     cosine = np.sum(face_normal[low[1:] // 3] * face_normal[low[:-1] // 3], axis=1)
     linked = np.flatnonzero(same & (cosine >= least_cosine))
@@ -67,7 +67,7 @@ def _corner_links(position: np.ndarray, face_normal: np.ndarray, least_cosine: f
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    """Return unit vectors; where a length vanishes (a sliver, a fan folded flat), +z stands in."""
+    """Return unit vectors; +z replaces vectors of length 0 (of slivers and of fans folded flat)."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     vanishing = length[:, 0] <= np.finfo(float).tiny
     unit = vectors / np.where(vanishing[:, None], 1.0, length)

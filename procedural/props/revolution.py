@@ -9,18 +9,18 @@ import numpy as np
 
 from ...core.mesh import Mesh
 
-#: Steps round the axis. The chord of 1/96 of a turn lies 0.05 % of the radius inside the circle: 0.05 mm at 10 cm.
-#: A multiple of four, so that the bounding box is that of the round solid.
+#: Steps around the axis. The chord of 1/96 of a turn lies 0.05 % of the radius inside the circle: 0.05 mm at 10 cm.
+#: A multiple of four, so that the bounding box is that of the exact solid.
 SEGMENTS = 96
 #: Greatest turn of an arc between two points of the profile [rad].
 ARC_STEP = np.radians(7.5)
-#: Lengths below this are nothing [m].
-NOTHING = 1e-9
+#: Lengths below this count as zero [m]: a millionth of a millimetre, far below float32 at 10 cm.
+ZERO_LENGTH = 1e-9
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A smooth part of a profile: points (k, 2) as (r, z) [m], and unit normals (k, 2) to the right of its way."""
+    """A smooth part of a profile: points (k, 2) as (r, z) [m], and unit normals (k, 2) on its right side."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -33,7 +33,7 @@ def line(start: np.ndarray, end: np.ndarray) -> Piece:
 
 
 def arc(centre: tuple[float, float], radius: float, start: float, end: float) -> Piece:
-    """Return a circular piece between two angles [rad]; clockwise ones (end < start) are hollow."""
+    """Return a circular piece between two angles [rad]; clockwise arcs (end < start) are concave."""
     steps = max(2, int(np.ceil(abs(end - start) / ARC_STEP - 1e-6)))
     angle = np.linspace(start, end, steps + 1)
     radial = np.stack([np.cos(angle), np.sin(angle)], 1)
@@ -48,27 +48,31 @@ def rounded(corners: list[tuple[float, float]], radii: list[float]) -> list[Piec
     corners : list of (r, z)
         The polyline [m].
     radii : list of float
-        Radius at each corner but the first and the last [m]; 0 keeps it sharp. ValueError where an arc would reach
-        past the neighbouring corner or its arc.
+        Radius at each corner but the first and the last [m]; 0 keeps it sharp.
+
+    Raises
+    ------
+    ValueError
+        If an arc does not fit between the neighbouring corners or arcs.
     """
     pieces, points = [], np.array(corners, float)
     here = points[0]
     for before, corner, after, radius in zip(points[:-2], points[1:-1], points[2:], radii, strict=True):
-        come, go = _direction(before, corner), _direction(corner, after)
-        turn = np.arctan2(come[0] * go[1] - come[1] * go[0], come @ go)
+        inward, outward = _direction(before, corner), _direction(corner, after)
+        turn = np.arctan2(inward[0] * outward[1] - inward[1] * outward[0], inward @ outward)
         reach = radius * abs(np.tan(turn / 2))
-        touch, leave = corner - reach * come, corner + reach * go
-        if (touch - here) @ come < -NOTHING or (after - leave) @ go < -NOTHING:
+        first_point, last_point = corner - reach * inward, corner + reach * outward
+        if (first_point - here) @ inward < -ZERO_LENGTH or (after - last_point) @ outward < -ZERO_LENGTH:
             raise ValueError(f"expected a radius that fits between its neighbours at corner {corner}, got {radius}")
-        if np.linalg.norm(touch - here) > NOTHING:
-            pieces.append(line(here, touch))
+        if np.linalg.norm(first_point - here) > ZERO_LENGTH:
+            pieces.append(line(here, first_point))
         if radius > 0:
             side = np.sign(turn)
-            centre = touch + radius * side * np.array([-come[1], come[0]])
-            first = np.arctan2(*(touch - centre)[::-1])
+            centre = first_point + radius * side * np.array([-inward[1], inward[0]])
+            first = np.arctan2(*(first_point - centre)[::-1])
             pieces.append(arc((centre[0], centre[1]), radius, first, first + turn))
-        here = leave
-    if np.linalg.norm(points[-1] - here) > NOTHING:
+        here = last_point
+    if np.linalg.norm(points[-1] - here) > ZERO_LENGTH:
         pieces.append(line(here, points[-1]))
     return pieces
 
@@ -81,15 +85,15 @@ def revolve(name: str, pieces: list[Piece], closed: bool = False) -> tuple[Mesh,
     name : str
         Name of the mesh.
     pieces : list of Piece
-        The profile, the solid to its left: from the axis below, up the outside, to the axis; each starts where the
-        one before ends. Edges between pieces are sharp unless their normals agree.
+        The profile, with the solid on its left: from the bottom of the axis along the outside to its top. Each piece
+        begins at the end of the one before. Edges between pieces are sharp unless their normals agree.
     closed : bool
         Whether the profile is a loop that does not touch the axis.
 
     Returns
     -------
     Mesh
-        Watertight (doubled vertices have identical positions). u runs once round the axis, v along the profile in the
+        Watertight (doubled vertices have identical positions). u runs once around the axis, v along the profile in the
         same unit of length.
     float
         Length of that unit: the greatest circumference [m].
@@ -101,7 +105,7 @@ def revolve(name: str, pieces: list[Piece], closed: bool = False) -> tuple[Mesh,
     turn = 2 * np.pi * (np.arange(SEGMENTS + 1) % SEGMENTS) / SEGMENTS
     around = np.stack([np.cos(turn), np.sin(turn)], 1)
     # Quarter turns exactly on the axes make the extent exact.
-    around[np.abs(around) < NOTHING] = 0.0
+    around[np.abs(around) < ZERO_LENGTH] = 0.0
     parts, offset, travelled = [], 0, 0.0
     for points, piece in zip(joined, pieces, strict=True):
         lengths = travelled + np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
@@ -116,10 +120,10 @@ def _direction(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _snapped(pieces: list[Piece], closed: bool) -> list[np.ndarray]:
-    """Return the pieces' points with ends that agree to the last bit, and exactly on the axis where they touch it."""
+    """Return the pieces' points with ends that are exactly equal, and exactly on the axis where they touch it."""
     joined = [piece.points.copy() for piece in pieces]
     for points in joined:
-        points[np.abs(points[:, 0]) < NOTHING, 0] = 0.0
+        points[np.abs(points[:, 0]) < ZERO_LENGTH, 0] = 0.0
     for before, after in pairwise(joined):
         after[0] = before[-1]
     if closed:

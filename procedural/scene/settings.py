@@ -8,9 +8,9 @@ from pydantic import Field
 
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
-from ..description.scene import Picture
+from ..description.picture import Picture
 from ..placement.placement import PlacementSettings
-from ..props.settings import PropSettings
+from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
 from ..vessels.settings import VesselSettings

@@ -35,7 +35,7 @@ class SplitSettings(Model):
     )
 
     @model_validator(mode="after")
-    def _shares(self) -> SplitSettings:
+    def _fractions_fit(self) -> SplitSettings:
         if self.val + self.test > 1.0:
             raise ValueError(f"test: expected at most 1 together with val ({self.val}), found {self.test}")
         return self

@@ -3,7 +3,7 @@
 Syn-TODD has 57 views: the zenith and 4 rings of 14 azimuths (Wang et al., "MVTrans", 2023). The elevations of the
 rings are not published; the lowest is called parallel to the table. Here the rings follow in equal steps from the
 zenith down to `CameraSettings.lowest_elevation`, by default at 70, 50, 30 and 10 degrees: 10 degrees still looks over
-the table's edge, and the eye stays above the top. Rings are aligned in azimuth, and view 1 + 14 k lies at azimuth 0.
+the table's edge, and the camera stays above it. Rings are aligned in azimuth, and view 1 + 14 k lies at azimuth 0.
 """
 
 from __future__ import annotations
@@ -13,16 +13,14 @@ import math
 import numpy as np
 
 from ...core.errors import InputError
+from ...core.pose import look_at
 from ..description.surroundings import Camera
-from .aim import aimed_frame
 from .settings import CameraSettings
 
 RINGS, RING_VIEWS = 4, 14
 GRID_VIEWS = 1 + RINGS * RING_VIEWS
 #: Picture width that `CameraSettings.focal` is given for [px].
 FOCAL_WIDTH = 640
-# Below this share of the distance a horizontal offset is rounding: the camera stands at the zenith.
-_AT_ZENITH = 1e-9
 
 
 def draw_cameras(
@@ -41,9 +39,9 @@ def draw_cameras(
     Parameters
     ----------
     rng : numpy.random.Generator
-        Takes the same draws for any number of views.
+        Source of all draws; their number does not depend on the number of views.
     settings : CameraSettings
-        What is asked for.
+        Ranges of the draws.
     workspace_centre : (3,) float
         Centre of the objects' bounding sphere, world frame [m].
     workspace_radius : float
@@ -59,7 +57,7 @@ def draw_cameras(
     Raises
     ------
     InputError
-        Where ``min_height`` cannot be reached at the distance drawn.
+        If ``min_height`` is out of reach at the drawn distance.
     """
     distance = rng.uniform(*settings.slack) * _fit_distance(settings, workspace_radius)
     order = spread_order(settings, int(rng.integers(GRID_VIEWS)))
@@ -72,7 +70,7 @@ def draw_cameras(
 
 
 def reach(settings: CameraSettings, workspace_centre: np.ndarray, workspace_radius: float) -> float:
-    """Return a bound on the distance of every eye, left or right, from the world's origin [m].
+    """Return an upper bound of the distance of all cameras, left and right, from the world's origin [m].
 
     It holds for every draw with these settings, so lights can be placed before the cameras are.
     """
@@ -130,34 +128,6 @@ def fit_distance(width: int, height: int, focal: float, baseline: float, radius:
     return max((radius + baseline * math.cos(across)) / math.sin(across), radius / math.sin(up))
 
 
-def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarray:
-    """Return the pose of a camera that looks at a point, with +z up in the picture.
-
-    Straight above or below the target, where +z has no direction in the picture, up is -x: the limit of a camera that
-    climbs (above: from azimuth 0) to the zenith.
-
-    Parameters
-    ----------
-    eye, target : (3,) float
-        World frame [m], at different places.
-    roll : float
-        Turn of the camera about its optical axis, clockwise as the camera sees it [rad].
-
-    Returns
-    -------
-    (4, 4) float64
-        ``world_T_camera``, OpenCV axes: x right, y down, z forward.
-    """
-    offset = np.asarray(target, float) - np.asarray(eye, float)
-    distance = np.linalg.norm(offset)
-    if not distance > 0.0:
-        raise ValueError("eye and target: expected two different points")
-    forward = offset / distance
-    above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
-    right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    return aimed_frame(np.asarray(eye, float), forward, right, roll)
-
-
 def _camera(
     settings: CameraSettings,
     index: int,
@@ -194,7 +164,7 @@ def _lowest(settings: CameraSettings, target_height: float, distance: float) -> 
 
 
 def _fit_distance(settings: CameraSettings, radius: float) -> float:
-    # A sphere round a jittered target that holds the workspace: larger by the jitter's diagonal.
+    # A sphere around a jittered target that contains the workspace: larger by the diagonal of the jitter.
     radius = radius + math.sqrt(3.0) * settings.target_jitter
     fit = fit_distance(settings.width, settings.height, _focal(settings), settings.baseline, radius)
     return max(fit, settings.min_distance)

@@ -1,7 +1,7 @@
 """Environment maps from files.
 
 A file holds a panorama as a camera sees it: row 0 is up, and the azimuth grows clockwise (seen from above) from the
-left edge to the right. Our maps (`sphere`) grow counter-clockwise, so the columns are turned round: the picture's left
+left edge to the right. Our maps (`sphere`) grow counter-clockwise, so the columns are reversed: the picture's left
 edge is at azimuth 0 (+x), its middle at azimuth pi (-x), and what stands to the right in the picture stands to the
 right in the scene.
 """
@@ -27,15 +27,15 @@ SUFFIXES = (".exr", ".hdr")
 #: Widest map that is read [px]; 16384 x 8192 pixels already take 1.5 GB.
 MAX_WIDTH = 16384
 #: Largest value that is read. Skies of most maps are about 1, and the unblocked disc of the sun is about 1e5 times as
-#: bright (1.6e9 cd/m^2 over 1e4). A thousand times more than that is no light but damage.
-BRIGHTEST = 1e8
+#: bright (1.6e9 cd/m^2 over 1e4). Values over a thousand times more than that are damage.
+MAX_RADIANCE = 1e8
 # First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
 _EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
 # The line of a Radiance picture's size, after the empty line that ends its header.
 _HDR_SIZE = re.compile(rb"\n\n-Y ([0-9]{1,9}) \+X ([0-9]{1,9})\n")
 # Sharpening filters (Lanczos) and lossy compression (DWA, B44) leave dips below zero beside bright lamps. The
-# first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are taken for
-# such up to this share of the brightest value within so many pixels; the deepest of twelve Poly Haven maps is 0.2.
+# first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are accepted up
+# to this fraction of the brightest value within so many pixels; the deepest of twelve Poly Haven maps is 0.2.
 _DIP, _DIP_RANGE = 0.25, 8
 
 
@@ -63,8 +63,8 @@ def read_hdri(item: Asset) -> np.ndarray:
     Raises
     ------
     InputError
-        For a file that is missing, changed, unreadable, cut short, of other channels, not twice as wide as high,
-        with values that are not finite, far below zero or above `BRIGHTEST`, or without light on a table.
+        If the file is missing, changed, unreadable or truncated, has other channels, is not twice as wide as high,
+        has values that are not finite, far below zero or above `MAX_RADIANCE`, or gives no light on a table.
     """
     path = checked_path(item)
     pixels = _read_exr(path) if path.suffix.lower() == ".exr" else _read_hdr(path)
@@ -72,17 +72,17 @@ def read_hdri(item: Asset) -> np.ndarray:
     bad = np.count_nonzero(~np.isfinite(pixels))
     if bad:
         raise InputError(path, "finite pixels", f"{bad} values that are NaN or infinite")
-    if pixels.max() > BRIGHTEST:
-        raise InputError(path, f"pixels of at most {BRIGHTEST:g}", f"{pixels.max():.6g}")
+    if pixels.max() > MAX_RADIANCE:
+        raise InputError(path, f"pixels of at most {MAX_RADIANCE:g}", f"{pixels.max():.6g}")
     pixels = np.ascontiguousarray(_without_dips(path, pixels)[:, ::-1], dtype=np.float32)
     _check_light(path, pixels)
     return pixels
 
 
 def _check_light(path: Path, pixels: np.ndarray) -> None:
-    """Raise InputError where the map throws no light on a table, or less than a normal float holds.
+    """Raise InputError if the map gives no light on a table, or less than the smallest normal float.
 
-    The exposure is pi over the irradiance: of a smaller one it would be infinite.
+    The exposure is pi over the irradiance: for a smaller one it would be infinite.
     """
     light = float(luminance(irradiance(pixels, 1.0, ())))
     if not pixels.any():

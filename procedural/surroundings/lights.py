@@ -1,4 +1,4 @@
-"""Random area lights round the table."""
+"""Random area lights around the table."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from ...core.pose import aimed_frame
 from ..description.surroundings import AreaLight
-from .aim import aimed_frame
 from .colour import black_body
 from .metering import form_factor
 from .settings import LightSettings
@@ -16,27 +16,27 @@ from .settings import LightSettings
 def draw_lights(
     rng: np.random.Generator, settings: LightSettings, reach: float, ambient: float
 ) -> tuple[AreaLight, ...]:
-    """Draw the rectangles that shine on the table beside the environment.
+    """Draw the rectangular lights that light the table in addition to the environment.
 
     Every point of a light is farther from the table's centre than ``reach`` and the margin: straight lines between two
-    points of that ball stay in it, so no light stands between a camera and the objects.
+    points of that ball stay in it, so no light occludes the objects.
 
     Parameters
     ----------
     rng : numpy.random.Generator
         The stream ``"lights"``.
     settings : LightSettings
-        What is asked for.
+        Ranges of the draws.
     reach : float
         Largest distance of a camera from the table's centre [m] (`cameras.reach`).
     ambient : float
-        Luminance of the environment's irradiance at the table's centre (`metering.irradiance`); a light adds a share
-        of it.
+        Luminance of the environment's irradiance at the table's centre (`metering.irradiance`); a light adds a
+        drawn multiple of it.
 
     Returns
     -------
     tuple of AreaLight
-        None to ``settings.max_count``.
+        0 to ``settings.max_count`` lights.
     """
     return tuple(_light(rng, settings, reach, ambient) for _ in range(int(rng.integers(settings.max_count + 1))))
 
@@ -53,14 +53,14 @@ def _light(rng: np.random.Generator, settings: LightSettings, reach: float, ambi
     aim_radius = min(settings.aim, 0.5 * distance) * math.sqrt(rng.uniform())
     aim = aim_radius * np.array([math.cos(aim_angle), math.sin(aim_angle), 0.0])
     pose = aimed(centre, aim, rng.uniform(0.0, 2.0 * math.pi))
-    colour, share = black_body(rng.uniform(*settings.temperature)), rng.uniform(*settings.share)
+    colour, illuminance_ratio = black_body(rng.uniform(*settings.temperature)), rng.uniform(*settings.share)
     unlit = AreaLight(world_T_light=pose, size=tuple(size), radiance=(0.0, 0.0, 0.0))
-    radiance = colour * share * ambient / (math.pi * form_factor(unlit))
+    radiance = colour * illuminance_ratio * ambient / (math.pi * form_factor(unlit))
     return unlit.model_copy(update={"radiance": tuple(map(float, radiance))})
 
 
 def aimed(centre: np.ndarray, target: np.ndarray, turn: float) -> np.ndarray:
-    """Return the pose of a rectangle at a point whose +z axis looks at another.
+    """Return the pose of a rectangle at a point whose +z axis points at a target.
 
     Parameters
     ----------
@@ -75,6 +75,6 @@ def aimed(centre: np.ndarray, target: np.ndarray, turn: float) -> np.ndarray:
         ``world_T_light``.
     """
     ahead = (target - centre) / np.linalg.norm(target - centre)
-    # Any axis that is far from `ahead` starts the frame; the turn decides the rest.
-    start = np.eye(3)[int(np.argmin(np.abs(ahead)))]
-    return aimed_frame(centre, ahead, np.cross(start, ahead), turn)
+    # The axis farthest from `ahead` defines the frame before the turn.
+    axis = np.eye(3)[int(np.argmin(np.abs(ahead)))]
+    return aimed_frame(centre, ahead, np.cross(axis, ahead), turn)

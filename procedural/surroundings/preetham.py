@@ -25,7 +25,7 @@ def sky_xyy(directions: np.ndarray, sun: np.ndarray, turbidity: float) -> np.nda
     Parameters
     ----------
     directions : (..., 3) float
-        Unit vectors; those below the horizon take the horizon's value.
+        Unit vectors; those below the horizon have the value at the horizon.
     sun : (3,) float
         Unit vector to the sun, above the horizon.
     turbidity : float

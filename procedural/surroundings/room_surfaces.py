@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 
 from ..description.surroundings import Panel, RoomEnvironment, Window
-from .noise import fractal_noise, lattice
+from ..materials.noise import fractal_value_noise as fractal_noise
+from ..materials.noise import lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, face_frames, face_points, in_rectangle
 from .room_light import solve
 from .windows import BAR_REFLECTANCE, Outside, coverage, outside_of, window_radiance

@@ -1,4 +1,4 @@
-"""What a user may ask of environment, area lights and cameras."""
+"""Settings of the environment, the area lights and the cameras."""
 
 from __future__ import annotations
 
@@ -10,36 +10,42 @@ from pydantic import Field
 from ...core.model import Model, Ordered, Unit
 from ...core.user_text import UserPath
 
-# Smallest and largest value of a uniform draw, with the limits of both.
+# Ranges of uniform draws: smallest and largest value, with the limits of both.
 # Sides from a bare LED die to the largest soft boxes [m].
 _Side = Annotated[float, Field(ge=1e-3, le=5.0)]
-# From a light that no 16-bit picture shows to a spotlight in a dark room.
-_Share = Annotated[float, Field(ge=1e-5, le=1e3)]
+# Illuminance over the environment's: from invisible in a 16-bit picture to a spotlight in a dark room.
+_IlluminanceRatio = Annotated[float, Field(ge=1e-5, le=1e3)]
 _Kelvin = Annotated[float, Field(ge=2000.0, le=20000.0)]
 _Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
 # Ten times as far away, the objects are a hundredth of the picture.
 _Factor = Annotated[float, Field(ge=1.0, le=10.0)]
 SideRange = Annotated[tuple[_Side, _Side], Ordered]
-ShareRange = Annotated[tuple[_Share, _Share], Ordered]
+IlluminanceRatioRange = Annotated[tuple[_IlluminanceRatio, _IlluminanceRatio], Ordered]
 KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], Ordered]
 ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
 FactorRange = Annotated[tuple[_Factor, _Factor], Ordered]
 
 
 class EnvironmentSettings(Model):
-    """Where the surrounding light comes from."""
+    """The environment map: from a file, a procedural room or a procedural sky."""
 
     hdri_dir: UserPath | None = Field(
         default=None, description="Folder of environment maps (EXR, HDR); none by default"
     )
-    hdri_share: Unit = Field(default=1.0, description="Share of scenes lit by a file, where there is a folder, 0 to 1")
-    room_share: Unit = Field(default=0.7, description="Share of rooms among procedural ones; the rest are skies")
+    hdri_share: Unit = Field(
+        default=1.0, description="Probability that a scene is lit by a file, if there is a folder, 0 to 1"
+    )
+    room_share: Unit = Field(
+        default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"
+    )
 
 
 class LightSettings(Model):
-    """Random rectangles that shine on the table."""
+    """Random rectangular lights around the table."""
 
-    max_count: int = Field(default=3, ge=0, le=16, description="Most lights in a scene; 0 to this many are drawn")
+    max_count: int = Field(
+        default=3, ge=0, le=16, description="Largest number of lights in a scene; 0 to this many are drawn"
+    )
     size: SideRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], 0.001 to 5")
     temperature: KelvinRange = Field(
         default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000"
@@ -60,7 +66,7 @@ class LightSettings(Model):
         le=2.0,
         description="Largest distance of the aimed-at point from the centre [m], 0 to 2; at most half the light's own",
     )
-    share: ShareRange = Field(
+    share: IlluminanceRatioRange = Field(
         default=(0.1, 0.8),
         description="Range of a light's illuminance at the table's centre over the environment's, 0.00001 to 1000",
     )

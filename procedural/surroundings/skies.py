@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from ..description.surroundings import SkyEnvironment
+from ..materials.noise import fractal_value_noise as fractal_noise
 from .colour import black_body, rgb_of_xyy
-from .noise import fractal_noise
 from .preetham import sky_xyy, zenith_xyy
 from .sphere import cosine_weights, texel_directions
 
-# The sun's disc is even out to this share of its radius and fades to 0 at the radius.
+# The sun's disc is even out to this fraction of its radius and fades to 0 at the radius.
 _SUN_CORE = 0.5
 # Height of the clouds over their typical width.
 _CLOUD_HEIGHT = 1.4
@@ -131,10 +131,10 @@ def _clouds_above(environment: SkyEnvironment, directions: np.ndarray) -> tuple[
     return edge * edge * (3.0 - 2.0 * edge) * haze, thickness
 
 
-def _weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
+def _weighted_quantile(values: np.ndarray, weights: np.ndarray, fraction: float) -> float:
     order = np.argsort(values)
     total = np.cumsum(weights[order], dtype=np.float64)
-    return float(values[order][np.searchsorted(total, share * total[-1])])
+    return float(values[order][np.searchsorted(total, fraction * total[-1])])
 
 
 def _cloud_radiance(

@@ -17,9 +17,9 @@ def texel_directions(height: int, rows: slice = slice(None), offset: tuple[float
     height : int
         Rows of the whole map; it has twice as many columns.
     rows : slice
-        The rows wanted.
+        The requested rows.
     offset : (float, float)
-        Place within each texel, along the row's and the column's index, in [0, 1); the middle by default.
+        Position within each texel, along the row's and the column's index, in [0, 1); the centre by default.
 
     Returns
     -------

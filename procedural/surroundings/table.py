@@ -18,12 +18,12 @@ from ..props.revolution import revolve, rounded
 
 #: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
 THICKNESS = (0.02, 0.05)
-#: Radius of the edge [m]: from eased with sandpaper to a half round of the thinnest board.
+#: Radius of the edge [m]: from an edge broken with sandpaper to a half circle on the thinnest board.
 EDGE_RADIUS = (0.002, 0.010)
 
 
 class TableSettings(Model):
-    """How the table is drawn."""
+    """Sizes and shape of the table."""
 
     smallest: float = Field(default=0.9, ge=0.3, le=5.0, description="Least side or diameter of the table [m]")
     largest: float = Field(default=1.8, ge=0.3, le=5.0, description="Greatest side or diameter of the table [m]")
@@ -44,9 +44,9 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
     rng : numpy.random.Generator
         Source of all draws.
     settings : TableSettings
-        Sizes.
+        Sizes and the probability of a round table.
     texture_files : sequence of Path
-        Pictures for the top; a procedural material where there is none.
+        Pictures for the top; without them the material is procedural.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def _board(size: tuple[float, float, float], radius: float) -> Mesh:
 
 
 def _round_board(diameter: float, thickness: float, radius: float) -> Mesh:
-    """Return a round board; texture coordinates run on radially over the edge."""
+    """Return a round board; texture coordinates continue radially over the edge."""
     corners = [(0.0, 0.0), (diameter / 2, 0.0), (diameter / 2, thickness), (0.0, thickness)]
     mesh, unit = revolve("table", rounded(corners, [radius, radius]))
     assert mesh.uv is not None
@@ -87,6 +87,6 @@ def _round_board(diameter: float, thickness: float, radius: float) -> Mesh:
 
 def _top_at_zero(mesh: Mesh, uv: np.ndarray) -> Mesh:
     vertices = mesh.vertices.astype(np.float64)
-    # Subtracting the very number that the top's vertices hold leaves exactly 0.
+    # Subtracting the exact value of the top's vertices gives exactly 0.
     vertices[:, 2] -= vertices[:, 2].max()
     return Mesh(mesh.name, vertices, mesh.faces, mesh.normals, uv)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..description.surroundings import RoomEnvironment, Window
-from .noise import fractal_noise
+from ..materials.noise import fractal_value_noise as fractal_noise
 from .room_geometry import in_rectangle
 
 #: Width of a mullion and of a window's frame [m], and reflectance of their paint.

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
-from ...procedural.description.scene import Picture
+from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
 from ..pictures.integrator import (

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...procedural.description.scene import Picture
+from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import InterfaceHit, consistent_normal, scatter
 from ..pictures.integrator import (

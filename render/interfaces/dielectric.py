@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from .._mitsuba import dr, mi, syntax
 from .microsurface import walk
 
 #: Probability of reflection, given `wi`, the shading normal and the Fresnel reflectance: the hook for path guiding.
-ReflectProbability = Callable[[mi.Vector3f, mi.Normal3f, mi.Float], mi.Float]
+#: As a text, since `mi` has no types before a variant is set.
+ReflectProbability: TypeAlias = "Callable[[mi.Vector3f, mi.Normal3f, mi.Float], mi.Float]"
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,8 +145,8 @@ def trace_refraction(loaded: LoadedScene, cameras: Sequence[Camera], eye: Eye = 
     ]
     end = refract(loaded, rays[0] if len(rays) == 1 else _joined(rays))
     dr.eval(end)
-    starts = np.cumsum([0, *sizes])
-    return [_picture(end, eyes[i], cameras[i], int(starts[i])) for i in range(len(cameras))]
+    offsets = np.cumsum([0, *sizes])
+    return [_picture(end, eyes[i], cameras[i], int(offsets[i])) for i in range(len(cameras))]
 
 
 def _joined(rays: list[mi.Ray3f]) -> mi.Ray3f:

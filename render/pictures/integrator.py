@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...procedural.description.scene import Picture
+from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import InterfaceHit, Scattered, scatter
 from ..interfaces.polarised import analyser_of, mueller_to_world, scatter_polarised

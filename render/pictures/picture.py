@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...procedural.description.scene import Picture
+from ...procedural.description.picture import Picture
 from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye, PictureNoise

@@ -62,7 +62,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     Raises
     ------
     InputError
-        If the picture requires dispersion and the active variant is not spectral.
+        If no variant is active, or the picture requires dispersion and the active variant is not spectral.
     """
     check_variant(scene.picture.dispersion)
     bodies = scene_bodies(scene, glass_for_mitsuba)

@@ -11,7 +11,7 @@ from ...core.errors import InputError
 from ...procedural.optics.medium import Medium, eta
 from ...procedural.optics.spectra import absorption
 from ...procedural.surroundings.colour import luminance
-from .._mitsuba import dr, mi
+from .._mitsuba import dr, mi, require_variant
 
 #: Grid of the media's spectra [nm, nm, 1]: Mitsuba samples wavelengths from 360 to 830 nm. At 5 nm, linear
 #: interpolation of the narrowest dye band (a Gaussian of 40 nm full width) is within 0.6 % of its peak.
@@ -19,7 +19,8 @@ FIRST_NM, STEP_NM, GRID = 360.0, 5.0, 95
 
 
 def check_variant(dispersion: bool) -> None:
-    """Raise InputError where the active variant cannot render dispersion although the picture requires it."""
+    """Raise InputError where no variant is active, or it cannot render dispersion although the picture requires it."""
+    require_variant()
     if dispersion and not mi.is_spectral:
         raise InputError("picture.dispersion", "a spectral variant, such as llvm_ad_spectral", mi.variant())
 

@@ -8,6 +8,8 @@ import pytest
 from glassware.annotate.checks import check_view
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
+from glassware.render.labels.geometry import line_of_sight, trace_geometry
+from glassware.render.scene.loaded_scene import load
 
 #: The glass is a prism of 256 sides, the ball 5120 triangles: a silhouette may miss a pixel centre here and there.
 EDGE_PIXELS = 5
@@ -16,8 +18,6 @@ EDGE_PIXELS = 5
 @pytest.mark.parametrize("number", [0, 1, 3])
 def test_rendered_geometry_and_labels_agree_with_closed_forms(analytic, backend, number):
     # Mitsuba can only be imported once a variant is set, which `backend` does.
-    from glassware.render.labels.geometry import line_of_sight, trace_geometry
-    from glassware.render.scene.loaded_scene import load
 
     scene = analytic.scene(views=4)
     camera, points, kernel = scene.cameras[number], scene_keypoints(scene), load(scene)

@@ -1,4 +1,4 @@
-"""The statistics behind the comparisons with other renderers."""
+"""Statistics of the comparisons with other renderers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 BENCH = Path(__file__).resolve().parents[2] / "bench"
+STUDIES = BENCH / "studies"
 
 #: Noise of one pass's pixels in the made-up pictures, relative.
 NOISE = 0.1
@@ -17,9 +18,10 @@ NOISE = 0.1
 
 @pytest.fixture
 def module(monkeypatch: pytest.MonkeyPatch):
-    """Import a file of bench/ by its name, as its commands do."""
+    """Import a file of bench/ or bench/studies/ by its name, as the commands do."""
     before = set(sys.modules)
     monkeypatch.syspath_prepend(str(BENCH))
+    monkeypatch.syspath_prepend(str(STUDIES))
     yield importlib.import_module
     for name in set(sys.modules) - before:
         if str(BENCH) in str(getattr(sys.modules[name], "__file__", "")):
@@ -50,17 +52,21 @@ def test_one_block_that_is_brighter_is_found_and_no_other(module, rng: np.random
 
 
 def test_time_to_an_error_follows_the_power_law_of_a_curve(module) -> None:
-    speed = module("speed")
-    curve = [speed.Point(n, 0.5 * n, 1.0 / n, 0.1 / n) for n in (4, 16, 64)]
-    assert speed.time_to(curve, 0.1 / 32) == (pytest.approx(16.0), True)
-    assert speed.time_to(curve, 0.1 / 256) == (pytest.approx(128.0), False)
-    assert speed.rate(curve, pixels=100) == pytest.approx(200.0)
+    equal_error = module("equal_error")
+    curve = [equal_error.Point(n, 0.5 * n, 1.0 / n, 0.1 / n) for n in (4, 16, 64)]
+    assert equal_error.time_to(curve, 0.1 / 32) == (pytest.approx(16.0), True)
+    assert equal_error.time_to(curve, 0.1 / 256) == (pytest.approx(128.0), False)
+    assert equal_error.rate(curve, pixels=100) == pytest.approx(200.0)
 
 
 def test_a_point_that_is_slower_and_no_better_does_not_bend_the_curve(module) -> None:
-    speed = module("speed")
-    curve = [speed.Point(4, 2.0, 1.0, 0.1), speed.Point(8, 9.0, 1.0, 0.1), speed.Point(16, 8.0, 1.0, 0.025)]
-    assert speed.time_to(curve, 0.05) == (pytest.approx(4.0), True)
+    equal_error = module("equal_error")
+    curve = [
+        equal_error.Point(4, 2.0, 1.0, 0.1),
+        equal_error.Point(8, 9.0, 1.0, 0.1),
+        equal_error.Point(16, 8.0, 1.0, 0.025),
+    ]
+    assert equal_error.time_to(curve, 0.05) == (pytest.approx(4.0), True)
 
 
 def test_a_reference_goes_on_where_it_stopped(module, tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ def test_everything_comes_back_exactly(made, stored):
     assert found.scene().model_dump_json() == scene.model_dump_json()
     assert len(found.views) == len(views)
     for view, again in zip(views, found.views, strict=True):
-        assert again.camera().model_dump_json() == scene.cameras[view.number].model_dump_json()
+        assert again.camera().model_dump_json() == scene.cameras[view.frame.view].model_dump_json()
         assert again.labels().model_dump_json() == view.labels.model_dump_json()
         np.testing.assert_array_equal(again.radiance("left"), view.frame.left)
         np.testing.assert_array_equal(again.radiance("right"), view.frame.right)

@@ -6,8 +6,8 @@ import numpy as np
 
 from glassware.annotate.projection import inverse_pose, pixel_rays
 from glassware.annotate.symmetries import ASYMMETRIC, REVOLUTION
+from glassware.core.pose import look_at
 from glassware.learn.targets.objects import ViewObject, canonical_pose
-from glassware.procedural.surroundings.cameras import look_at
 
 
 def camera(rng: np.random.Generator, height: int, width: int) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import cv2
+import numpy as np
 import pytest
 import torch
 
@@ -59,14 +61,21 @@ def box_scene() -> ModuleType:
 
 
 @pytest.fixture(scope="session")
-def rendered(backend, tmp_path_factory) -> Path:
+def rendered(backend, made_once) -> Path:
     """A data set of two small scenes of five views, by the command; do not change it."""
-    folder = tmp_path_factory.mktemp("learn")
+    return made_once("rendered", _render) / "data"
+
+
+def _render(folder: Path) -> None:
+    (folder / "hdri").mkdir()
+    sky = np.random.default_rng(7).uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
+    assert cv2.imwrite(str(folder / "hdri" / "sky.hdr"), sky)
     config = folder / "small.yaml"
     config.write_text(
         "vessel_count: [1, 2]\n"
         "prop_count: [1, 2]\n"
         "vessels: {chord_error: 1.0e-4}\n"
+        f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 128, height: 96, views: 5}\n"
         "picture: {spp: 4, layers: 0, refraction: no, light: path}\n"
     )
@@ -74,7 +83,6 @@ def rendered(backend, tmp_path_factory) -> Path:
         arguments = ["--seed", "3", "--scene", str(scene), "--out", str(folder / "data"), "--config", str(config)]
         assert render_scene([*arguments]) == 0
     _split(folder / "data", train=(0,), val=(1,))
-    return folder / "data"
 
 
 def _split(root: Path, train: tuple[int, ...], val: tuple[int, ...] = ()) -> None:

@@ -12,7 +12,8 @@ import OpenEXR
 
 from glassware.core.assets import asset
 from glassware.core.mesh import Mesh, joined
-from glassware.procedural.description.scene import GlassBody, Interface, Picture, Prop, Scene
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import GlassBody, Interface, Prop, Scene
 from glassware.procedural.description.surroundings import ConstantEnvironment, PictureEnvironment, Table
 from glassware.procedural.optics.medium import AIR, Medium
 from glassware.procedural.primitives import scenes

@@ -13,6 +13,7 @@ import pytest
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.scene.loaded_scene import load
 
 
 def write_exr_map(path: Path, pixels: np.ndarray) -> Path:
@@ -71,8 +72,6 @@ def glasses(drawn) -> Scene:
 @pytest.fixture(scope="session")
 def loaded_glasses(backend, glasses):
     """The same, loaded."""
-    from glassware.render.scene.loaded_scene import load
-
     return load(glasses)
 
 

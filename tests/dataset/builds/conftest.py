@@ -14,6 +14,8 @@ import cv2
 import numpy as np
 import pytest
 
+from glassware.dataset.commands.build_dataset import main
+
 #: The command as a process of its own.
 COMMAND = [sys.executable, "-P", "-m", "glassware.dataset.commands.build_dataset"]
 #: Longest that a build may take [s]; the whole one takes about ten on an idle core.
@@ -57,16 +59,18 @@ class Builds:
 
 
 @pytest.fixture(scope="session")
-def builds(tmp_path_factory) -> Builds:
+def builds(made_once) -> Builds:
     """The small data set; a scene of it takes half a second. It draws from a folder of three environment maps."""
-    folder = tmp_path_factory.mktemp("tiny")
+    return Builds(made_once("tiny", _write_settings) / "tiny.yaml")
+
+
+def _write_settings(folder: Path) -> None:
     rng = np.random.default_rng(7)
     (folder / "hdri").mkdir()
     for name in "abc":
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / "hdri" / f"{name}.hdr"), pixels)
-    path = folder / "tiny.yaml"
-    path.write_text(
+    (folder / "tiny.yaml").write_text(
         "vessel_count: [1, 1]\n"
         "prop_count: [0, 0]\n"
         "vessels: {chord_error: 1.0e-4, fill_probability: 0.0, radius: [0.015, 0.02], height: [0.04, 0.06]}\n"
@@ -74,16 +78,17 @@ def builds(tmp_path_factory) -> Builds:
         "cameras: {width: 16, height: 12, views: 1}\n"
         "picture: {spp: 2, denoise: false}\n"
     )
-    return Builds(path)
 
 
 @pytest.fixture(scope="session")
-def undisturbed(builds, tmp_path_factory) -> Path:
+def undisturbed(builds, made_once) -> Path:
     """The data set, built by one worker without trouble."""
-    out = tmp_path_factory.mktemp("undisturbed") / "data"
-    ended = builds.run(out)
-    assert ended.returncode == 0, ended.stderr
-    return out
+
+    def build(folder: Path) -> None:
+        ended = builds.run(folder / "data")
+        assert ended.returncode == 0, ended.stderr
+
+    return made_once("undisturbed", build) / "data"
 
 
 @pytest.fixture(scope="session")
@@ -95,6 +100,21 @@ def content():
         return {name: path.read_bytes() for name, path in files.items() if name != "build.jsonl"}
 
     return read
+
+
+@pytest.fixture
+def refused(builds, content, capsys):
+    """Assert that a build into a folder is refused in one line with these words, and has changed nothing."""
+
+    def check(out, *more: object, says: tuple[str, ...], scenes: str = f"0:{SCENES}") -> None:
+        before = content(out)
+        assert main(builds.arguments(out, *more, scenes=scenes)) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        for word in says:
+            assert word in line
+        assert content(out) == before
+
+    return check
 
 
 @pytest.fixture(scope="session")

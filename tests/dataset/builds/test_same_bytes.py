@@ -14,11 +14,14 @@ from glassware.dataset.commands.glassware import main
 from glassware.procedural.scene.settings import SceneSettings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("workers", "scenes", "more"),
     [
-        pytest.param(2, "5,4,3,2,1,0", ("--recycle", 2), id="two workers, backwards, replaced after two scenes"),
-        pytest.param(4, "3,0,5,1,4,2", ("--threads", 2), id="four workers, in disorder", marks=pytest.mark.slow),
+        pytest.param(
+            2, "5,4,3,2,1,0", ("--max-tasks-per-child", 2), id="two workers, backwards, replaced after two scenes"
+        ),
+        pytest.param(4, "3,0,5,1,4,2", ("--threads", 2), id="four workers, in disorder"),
     ],
 )
 def test_workers_and_order_do_not_matter(builds, undisturbed, content, tmp_path, workers, scenes, more):

@@ -11,6 +11,8 @@ import subprocess
 
 import pytest
 
+from glassware.dataset.commands.build_dataset import main
+
 
 @pytest.fixture
 def small_disk(tmp_path):
@@ -58,13 +60,11 @@ def test_a_full_disk_ends_the_build_and_a_larger_one_goes_on(builds, undisturbed
     assert content(out) == content(undisturbed)
 
 
-def test_a_read_only_folder_is_refused_in_one_line(builds, undisturbed, small_disk):
+def test_a_read_only_folder_is_refused_in_one_line(refused, undisturbed, small_disk):
     out = small_disk("size=30m") / "data"
     shutil.copytree(undisturbed, out)
     small_disk("remount,ro")
-    ended = builds.run(out, scenes="0:7")
-    assert ended.returncode == 2
-    assert f"{out}: expected a folder that can be created and written to" in _last_line(ended.stderr)
+    refused(out, scenes="0:7", says=(f"{out}: expected a folder that can be created and written to",))
 
 
 @pytest.mark.slow
@@ -100,7 +100,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 ):
     out = tmp_path / "data"
     assert builds.run(out, scenes="1:6").returncode == 0
-    ended = builds.run(out, "--memory", 0.05, "--patience", 60)
+    ended = builds.run(out, "--memory", 0.05, "--timeout", 60)
     assert ended.returncode == 1
     assert "1 scenes failed (0); build.jsonl" in ended.stderr
     assert hidden(out) == []
@@ -117,12 +117,13 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
     assert content(out) == content(undisturbed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "everyone"),
     [
-        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal", marks=pytest.mark.slow),
+        pytest.param(signal.SIGINT, True, id="Ctrl-C on a terminal"),
         pytest.param(signal.SIGTERM, True, id="a scheduler's SIGTERM to all"),
-        pytest.param(signal.SIGTERM, False, id="SIGTERM to the build alone", marks=pytest.mark.slow),
+        pytest.param(signal.SIGTERM, False, id="SIGTERM to the build alone"),
     ],
 )
 def test_a_build_that_is_stopped_goes_on_later(
@@ -145,13 +146,13 @@ def test_a_build_that_is_stopped_goes_on_later(
     assert content(out) == content(undisturbed)
 
 
-def test_a_folder_is_taken_by_one_build_at_a_time(builds, tmp_path, cleared):
+def test_a_folder_is_taken_by_one_build_at_a_time(builds, tmp_path, capsys, cleared):
     child = builds.started(tmp_path / "data", scenes="0:60")
     cleared(child)
-    _first_scene(child)
-    ended = builds.run(tmp_path / "data")
-    assert ended.returncode == 2
-    assert "expected a folder that no other build works in" in _last_line(ended.stderr)
+    while not (tmp_path / "data" / "dataset.json").exists():  # it is written once the folder is locked
+        assert child.poll() is None
+    assert main(builds.arguments(tmp_path / "data")) == 2
+    assert "expected a folder that no other build works in" in _last_line(capsys.readouterr().err)
 
 
 def _log(out) -> list[dict]:

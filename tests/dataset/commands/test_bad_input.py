@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from glassware.dataset.commands.render_scene import main
+
 #: LLVM 14 aborts the process inside Dr.Jit 1.5; Debian 12 has it first on its path.
 TOO_OLD_LLVM = Path("/usr/lib/llvm-14/lib/libLLVM-14.so")
 
@@ -300,8 +302,6 @@ def _damaged_png(path: Path, rng: np.random.Generator) -> None:
     ],
 )
 def test_a_decoder_says_nothing_beside_our_line(backend, capfd, rng, tmp_path, option, name, written):
-    from glassware.dataset.commands.render_scene import main
-
     folder = tmp_path / "files"
     folder.mkdir()
     written(folder / name, rng)

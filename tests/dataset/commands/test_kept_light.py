@@ -12,6 +12,7 @@ from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import irradiance
 
 
+@pytest.mark.slow
 def test_kept_light_is_what_arrives_and_belongs_to_the_data_set(render_scene, small, tmp_path):
     """On a bare table under the sky alone it is everywhere what the exposure meter finds by its own integral."""
     bare = ("--vessel-count", 0, 0, "--prop-count", 0, 0, "--lights.max-count", 0, "--cameras.views", 1)

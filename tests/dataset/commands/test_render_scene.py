@@ -12,7 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from glassware.dataset.commands.render_scene import main
 from glassware.dataset.reader import Dataset
+from glassware.dataset.settings.config import preset
+from glassware.procedural.scene.scene_file import load_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.renderer import Renderer
 
 #: Longest that a child process may take [s]; it takes about five on an idle core.
 PATIENCE = 120
@@ -27,8 +32,6 @@ def _files(root: Path) -> dict[str, bytes]:
 @pytest.fixture(scope="module")
 def made(backend, small, tmp_path_factory) -> Path:
     """A data set of seed 7, made in this process."""
-    from glassware.dataset.commands.render_scene import main
-
     out = tmp_path_factory.mktemp("made") / "out"
     assert main(["--seed", "7", "--config", str(small), "--out", str(out)]) == 0
     return out
@@ -39,6 +42,7 @@ def test_the_same_seed_gives_the_same_files_bit_for_bit(made, render_scene, smal
     assert _files(tmp_path / "again") == _files(made)
 
 
+@pytest.mark.slow
 def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path):
     cores = sorted(os.sched_getaffinity(0))
     if len(cores) < 2:
@@ -51,9 +55,6 @@ def test_one_core_gives_the_same_files_as_all_bit_for_bit(made, small, tmp_path)
 
 
 def test_a_picture_rendered_again_from_the_scene_file_is_the_first(made):
-    from glassware.procedural.scene.scene_file import load_scene
-    from glassware.render.renderer import Renderer
-
     (stored,) = Dataset.open(made).scenes
     renderer = Renderer(load_scene(made / "scenes" / "000000" / "scene.json"))
     # Last view first: what was rendered before must not matter either.
@@ -68,8 +69,6 @@ def test_a_picture_rendered_again_from_the_scene_file_is_the_first(made):
 @pytest.fixture(scope="module")
 def layered(backend, small, tmp_path_factory) -> Path:
     """A data set of seed 7 again, with settings from a preset, the file and the command line."""
-    from glassware.dataset.commands.render_scene import main
-
     out = tmp_path_factory.mktemp("layered") / "out"
     above = ["--preset", "standard", "--config", str(small), "--views", "1", "--picture.no-denoise"]
     assert main(["--seed", "7", *above, "--out", str(out)]) == 0
@@ -101,9 +100,6 @@ def test_the_number_of_views_changes_nothing_else_of_the_scene(made, layered):
     [("fast", (320, 240), 5), ("standard", (640, 480), 10), ("syn-todd", (640, 480), 57)],
 )
 def test_the_presets_are_those_promised(name, size, views):
-    from glassware.dataset.settings.config import preset
-    from glassware.procedural.scene.settings import SceneSettings
-
     cameras = SceneSettings.model_validate(preset(name)).cameras
     assert ((cameras.width, cameras.height), cameras.views) == (size, views)
     # Syn-TODD's cameras: 613.96 px at 640 x 480, 65 mm apart.

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
-from glassware.dataset.format.pictures import read_png, srgb8, write_png
+from glassware.core.images import srgb8
+from glassware.dataset.format.pictures import read_png, write_png
 
 
 def test_srgb_has_the_values_of_its_standard():

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.dataset.format.pictures import srgb8
+from glassware.core.images import srgb8
 from glassware.dataset.preview.contact_sheet import (
     PreviewRow,
     chosen_views,
@@ -24,8 +24,8 @@ def test_a_sheet_shows_at_most_five_views_evenly_spread():
 def test_a_sheet_has_a_row_per_view_and_draws_on_the_pictures_it_says(made):
     scene, _, views = made
     rows = [
-        PreviewRow(f"{v.number:03d}", srgb8(v.frame.left, 1.0), scene.cameras[v.number], v.frame.geometry, v.labels)
-        for v in views
+        PreviewRow(f"{i:03d}", srgb8(view.frame.left, 1.0), scene.cameras[i], view.frame.geometry, view.labels)
+        for i, view in enumerate(views)
     ]
     one, two = contact_sheet("one", rows[:1]), contact_sheet("two", rows)
     assert two.dtype == np.uint8

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.dataset.format.pictures import srgb8
+from glassware.core.images import srgb8
 from glassware.learn.data.augment import augmented, linear, with_noise
 from glassware.learn.data.settings import AugmentSettings
 
@@ -40,7 +40,7 @@ def test_exposure_is_shared_by_the_views_and_counted_in_stops(rng):
     for _ in range(200):
         first, second = augmented(flat(100, 16), AugmentSettings(**{**NOTHING, "exposure": 0.5}), rng)
         assert first.mean() == second.mean()
-        gains.append(np.log2(linear(first).mean() / linear(np.uint8(100))))
+        gains.append(np.log2(linear(first).mean() / linear(np.array(100, np.uint8))))
     # Half a level of 8 bits at level 100 is 0.02 stops.
     assert -0.53 < min(gains) < -0.4
     assert 0.4 < max(gains) < 0.53

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from glassware.learn.targets.encoding import CORRECTED, REFERENCE
 SCENE = "scenes/000000"
 
 
-def samples(root, split="all", **options) -> SampleDataset:
+def samples(root, split: Any = "all", **options) -> SampleDataset:
     views = ViewSettings(**options.pop("views", {}))
     return SampleDataset(root, split, views, CORRECTED, **options)
 
@@ -38,6 +39,7 @@ def test_a_sample_has_the_views_that_are_asked_for(rendered, count):
     poses = {tuple(pose[:3, 3].round(decimals=4).tolist()) for pose in sample.world_T_camera}
     assert len(poses) == count
     geometry = stored.views[2].geometry()
+    assert sample.ground_truth is not None
     np.testing.assert_array_equal(sample.ground_truth.instances, geometry.id)
     np.testing.assert_array_equal(sample.targets["depth"], np.where(np.isfinite(geometry.Z), geometry.Z, 0))
 
@@ -85,16 +87,18 @@ def test_a_stereo_pair_stands_at_its_baseline(rendered):
 def test_the_views_of_a_sample_show_the_same_table(rendered):
     """Pictures, poses, K and depth fit together: points of the table have one colour in two views."""
     sample = samples(rendered, views={"pool": 1}, ground_truth=True)[(1, 0)]
+    truth = sample.ground_truth
+    assert truth is not None
     K, poses = sample.K.double().numpy(), sample.world_T_camera.double().numpy()
     first, second = (image.movedim(0, -1).numpy() for image in sample.images)
 
     def difference(stretch: float) -> float:
-        points = unproject(sample.ground_truth.Z * stretch, K[0])[sample.ground_truth.instances == 1]
+        points = unproject(truth.Z * stretch, K[0])[truth.instances == 1]
         world = points @ poses[0][:3, :3].T + poses[0][:3, 3]
         pixels, _ = project(world, K[1], poses[1])
         u, v = np.nan_to_num(np.rint(pixels), nan=-1).astype(int).T
         inside = (u >= 0) & (u < 128) & (v >= 0) & (v < 96)
-        return float(np.abs(first[sample.ground_truth.instances == 1][inside] - second[v[inside], u[inside]]).mean())
+        return float(np.abs(first[truth.instances == 1][inside] - second[v[inside], u[inside]]).mean())
 
     assert difference(1.0) < 0.8 * min(difference(0.85), difference(1.15))
 

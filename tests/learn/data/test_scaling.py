@@ -63,9 +63,12 @@ def test_samples_come_at_the_size_that_is_asked_for(rendered):
     assert sample.targets["depth"].shape == (64, 96)
     for ours, theirs in zip(sample.K.double().numpy(), stored.K.double().numpy(), strict=True):
         np.testing.assert_allclose(ours, scaled_K(theirs, (96, 128), (64, 96)), rtol=1e-6)
-    assert [item.id for item in sample.ground_truth.objects] == [item.id for item in stored.ground_truth.objects]
-    for ours, theirs in zip(sample.ground_truth.objects, stored.ground_truth.objects, strict=True):
-        assert ours.visible == (sample.ground_truth.instances == ours.id).sum()
+    truth, whole = sample.ground_truth, stored.ground_truth
+    assert truth is not None
+    assert whole is not None
+    assert [item.id for item in truth.objects] == [item.id for item in whole.objects]
+    for ours, theirs in zip(truth.objects, whole.objects, strict=True):
+        assert ours.visible == (truth.instances == ours.id).sum()
         # Both count the same area, up to the pixels along its outline.
         assert ours.visible == pytest.approx(theirs.visible / 2, abs=4 * (1 + np.sqrt(theirs.visible)))
         np.testing.assert_array_equal(ours.corners, theirs.corners)

@@ -12,9 +12,11 @@ from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
+from glassware.learn.decoding.decode import decode
 from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
+from glassware.learn.metrics.pose import PoseErrors
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.targets.objects import ViewObject
 from glassware.learn.targets.view import OPAQUE, detectable
@@ -71,7 +73,7 @@ def test_a_network_that_sees_nothing_misses_everything(samples):
 
 def test_damaged_weights_are_one_clear_line(samples, tiny):
     net = build_network(tiny)
-    torch.nn.init.constant_(net.vertex_head.predictor.bias, float("nan"))
+    torch.nn.init.constant_(net.get_parameter("vertex_head.predictor.bias"), float("nan"))
     with pytest.raises(InputError, match=r"scenes/000000/000: vertex: expected finite numbers from the network"):
         score_all(net, samples, "corrected", lambda _line: None)
 
@@ -81,8 +83,11 @@ def test_depth_errors_are_over_the_pixels_of_their_kind(samples):
     wrong = perfect(sample)
     wrong["depth"] = wrong["depth"] + 0.03 * (sample.targets["seg"] == OPAQUE)[None]
     score = score_sample(sample.name, wrong, sample.K[0], sample.ground_truth, CORRECTED)
-    assert score.full["transparent"].mae == 0.0
-    assert score.full["opaque"].mae == pytest.approx(0.03, rel=1e-4)
+    transparent, opaque = score.full["transparent"], score.full["opaque"]
+    assert transparent is not None
+    assert opaque is not None
+    assert transparent.mae == 0.0
+    assert opaque.mae == pytest.approx(0.03, rel=1e-4)
     solid = [item for item in score.objects if not item.label.transparent]
     assert solid
     assert all(item.depth_mae == pytest.approx(0.03, rel=1e-4) for item in solid)
@@ -92,8 +97,6 @@ def test_missed_objects_count_in_the_area_and_not_in_the_means():
     def score(pose) -> ObjectScore:
         label = ViewObject(2, "can", False, REVOLUTION, None, np.eye(4), np.ones(3), 99)
         return ObjectScore(label, 0.5, pose, 8, None)
-
-    from glassware.learn.metrics.pose import PoseErrors
 
     pose = PoseErrors(translation=0.01, rotation=np.pi / 6, add=0.02, add_s=0.01, points=(0.05,) * 8)
     found = pose_metrics([score(pose), score(None)])
@@ -124,15 +127,13 @@ def test_evaluation_changes_no_weight_and_no_statistic(samples, tiny, changes):
 
 def test_the_worst_samples_have_the_greatest_errors_of_depth(samples, tiny):
     scores, worst = score_all(build_network(tiny), samples, "corrected", lambda _line: None, worst=3)
-    errors = sorted((score.full["objects"].mae for score in scores), reverse=True)
-    assert [case.score.full["objects"].mae for case in worst] == errors[:3]
+    errors = sorted((_error_of_objects(score) for score in scores), reverse=True)
+    assert [_error_of_objects(case.score) for case in worst] == errors[:3]
     assert worst[0].picture.shape == (2 * 96, 4 * 128, 3)
 
 
 def test_a_batch_of_several_gives_each_its_own_boxes(samples):
     """Decoding takes each sample's own K: the same objects alone and side by side."""
-    from glassware.learn.decoding.decode import decode
-
     rows = [samples[(index, 0)] for index in (0, 6)]
     batch = collate(rows)
     outputs = {name: torch.cat([perfect(row)[name] for row in rows]) for name in perfect(rows[0])}
@@ -149,3 +150,9 @@ def test_fills_are_those_of_the_objects(rendered, samples):
     fills = {record.liquid.fill if record.liquid else None for record in vessels}
     labels = [o for i in range(10) for o in samples[(i, 0)].ground_truth.objects]
     assert {item.fill for item in labels if item.transparent} == fills
+
+
+def _error_of_objects(score) -> float:
+    errors = score.full["objects"]
+    assert errors is not None
+    return errors.mae

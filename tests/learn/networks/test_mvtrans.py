@@ -5,9 +5,9 @@ import pytest
 import torch
 
 from glassware.core.errors import InputError
+from glassware.core.pose import look_at
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.networks.cost_volume import ConcatMatching, windowed_expectation
-from glassware.procedural.surroundings.cameras import look_at
 
 OUTPUTS = {
     "seg": (4, 1),
@@ -75,9 +75,9 @@ def test_every_weight_learns(tiny, rng):
     for changes in ({}, {"matching": "group", "fusion": "visibility", "readout": "windowed"}):
         net = build_network(tiny.model_copy(update=changes))
         # The last convolution of the fine depth starts at 0, so that before it nothing is learnt in the first step.
-        torch.nn.init.normal_(net.depth_head.predictor.weight)
+        torch.nn.init.normal_(net.get_parameter("depth_head.predictor.weight"))
         outputs = net(*batch(rng, 2, 3, 64, 96))
-        sum((outputs[name] ** 2).mean() for name in OUTPUTS).backward()
+        torch.stack([(outputs[name] ** 2).mean() for name in OUTPUTS]).sum().backward()
         dead = [name for name, p in net.named_parameters() if p.grad is None or not p.grad.abs().max() > 0]
         assert not dead
 
@@ -90,8 +90,10 @@ def test_computing_features_again_changes_neither_gradients_nor_statistics(tiny,
     inputs = batch(rng, 2, 3, 64, 96)
     for net in (plain, again):
         outputs = net(*inputs)
-        sum((outputs[name] ** 2).mean() for name in OUTPUTS).backward()
+        torch.stack([(outputs[name] ** 2).mean() for name in OUTPUTS]).sum().backward()
     for (name, one), other in zip(plain.named_parameters(), again.parameters(), strict=True):
+        assert one.grad is not None
+        assert other.grad is not None
         assert torch.equal(one.grad, other.grad), name
     for name, value in plain.state_dict().items():
         assert torch.equal(value, again.state_dict()[name]), name

@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from glassware.annotate.projection import inverse_pose, project
+from glassware.core.pose import look_at
 from glassware.learn.networks.cost_volume import CostVolume
 from glassware.learn.networks.layers import convex_upsample, upsample
 from glassware.learn.networks.plane_sweep import (
@@ -14,7 +15,6 @@ from glassware.learn.networks.plane_sweep import (
     source_T_reference,
     warp,
 )
-from glassware.procedural.surroundings.cameras import look_at
 
 HEIGHT, WIDTH = 24, 32
 #: Image coordinates in float32 through matrices of condition 100 [px].

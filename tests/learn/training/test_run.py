@@ -37,7 +37,9 @@ def lines() -> list[str]:
     return []
 
 
-def same(first: dict, second: dict) -> bool:
+def same(first: dict | None, second: dict | None) -> bool:
+    assert first is not None
+    assert second is not None
     return first.keys() == second.keys() and all(torch.equal(first[name], second[name]) for name in first)
 
 
@@ -70,7 +72,9 @@ def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path,
     train(settings, rendered, tmp_path, None, lines.append)
     checkpoint = load_checkpoint(tmp_path / "last.safetensors")
     head = json.loads((rendered / "dataset.json").read_text())
+    assert checkpoint.data is not None
     assert (checkpoint.data.name, checkpoint.data.seed) == (head["name"], head["seed"])
+    assert checkpoint.settings.network.depth_range is not None
     near, far = checkpoint.settings.network.depth_range
     assert 0 < near < far
     assert checkpoint.settings.model_copy(update={"network": settings.network}) == settings
@@ -86,6 +90,7 @@ def test_a_run_learns_and_keeps_what_it_is_made_of(settings, rendered, tmp_path,
     assert list(tmp_path.glob("events.out.tfevents.*"))
 
 
+@pytest.mark.slow
 def test_validation_changes_no_weight_and_no_statistic(settings, rendered, tmp_path, lines):
     """Other looks at the validation scenes, the same weights."""
     train(settings, rendered, tmp_path / "with", None, lines.append)
@@ -123,6 +128,7 @@ def test_a_loss_that_is_no_number_stops_the_run_and_spoils_nothing(settings, ren
     assert not (tmp_path / "nan" / "last.safetensors").exists()
 
 
+@pytest.mark.slow
 def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
     short = settings.model_copy(update={"steps": 3})
     train(short, rendered, tmp_path, None, lines.append)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.description.material import OpaqueMaterial
+from glassware.procedural.description.material import OpaqueMaterial, PictureTexture, UniformTexture
 from glassware.procedural.materials.draw import draw_material, draw_plain_material, draw_table_material
 
 #: Draws enough to meet every family.
@@ -17,11 +18,14 @@ DRAWS = 300
 
 def _colours(material: OpaqueMaterial) -> np.ndarray:
     texture = material.base_colour
-    return np.array([texture.colour] if texture.kind == "uniform" else texture.colours)
+    assert not isinstance(texture, PictureTexture)
+    return np.array([texture.colour] if isinstance(texture, UniformTexture) else texture.colours)
 
 
 @pytest.mark.parametrize("draw", [draw_material, draw_table_material, draw_plain_material])
-def test_dielectrics_are_neither_black_nor_brighter_than_snow_and_metals_are_bright(draw: object) -> None:
+def test_dielectrics_are_neither_black_nor_brighter_than_snow_and_metals_are_bright(
+    draw: Callable[[np.random.Generator], OpaqueMaterial],
+) -> None:
     rng = np.random.default_rng(1)
     for _ in range(DRAWS):
         material = draw(rng)
@@ -49,5 +53,5 @@ def test_a_table_takes_a_picture_where_there_is_one_and_a_prop_now_and_then(tmp_
     rng = np.random.default_rng(3)
     assert all(draw_table_material(rng, [path]).base_colour.kind == "picture" for _ in range(20))
     share = np.mean([draw_material(rng, [path]).base_colour.kind == "picture" for _ in range(DRAWS)])
-    # PICTURE_SHARE is 0.25; four standard deviations of 300 draws are 0.1.
+    # PICTURE_PROBABILITY is 0.25; four standard deviations of 300 draws are 0.1.
     assert 0.15 < share < 0.35

@@ -56,7 +56,7 @@ def test_a_whole_folder_can_be_checked_before_anything_is_drawn(tmp_path: Path) 
 
 def test_a_picture_of_floating_point_numbers_is_refused(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "a.tiff"), np.ones((2, 2, 3), np.float32))
-    with pytest.raises(InputError, match="8 or 16 bits a channel, found float32"):
+    with pytest.raises(InputError, match="8 or 16 bits per channel, found float32"):
         read_picture(tmp_path / "a.tiff")
 
 

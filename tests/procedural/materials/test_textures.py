@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -11,14 +12,13 @@ import pytest
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.procedural.description.material import PictureTexture, ProceduralTexture, UniformTexture
-from glassware.procedural.materials.patterns import PATTERNS
-from glassware.procedural.materials.textures import bake
+from glassware.procedural.materials.textures import PATTERNS, bake
 
 COLOURS = ((0.7, 0.65, 0.5), (0.1, 0.2, 0.35), (0.4, 0.1, 0.1))
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "textures"
 
 
-def _texture(kind: str, seed: int = 1, resolution: int = 128) -> ProceduralTexture:
+def _texture(kind: Any, seed: int = 1, resolution: int = 128) -> ProceduralTexture:
     return ProceduralTexture(kind=kind, colours=COLOURS, seed=seed, resolution=resolution)
 
 
@@ -59,7 +59,7 @@ def test_a_pattern_depends_on_its_seed_alone(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", PATTERNS)
-def test_bright_colours_do_not_reflect_more_than_they_receive(kind: str) -> None:
+def test_bright_colours_do_not_reflect_more_than_they_receive(kind: Any) -> None:
     white = ProceduralTexture(kind=kind, colours=((1.0, 1.0, 1.0), (0.9, 1.0, 1.0)), seed=3, resolution=16)
     assert bake(white).max() <= 1.0
 

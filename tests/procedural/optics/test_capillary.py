@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from scipy.integrate import solve_ivp
 from glassware.core.errors import InputError
 from glassware.procedural.optics.capillary import GRAVITY, capillary_length, meniscus
 
-WATER = {"density": 998.2, "surface_tension": 0.07274}
+WATER: dict[str, Any] = {"density": 998.2, "surface_tension": 0.07274}
 LENGTH = capillary_length(**WATER)
 
 

@@ -55,8 +55,10 @@ def test_a_vessel_stands_on_the_table_with_its_wall_and_liquid():
     empty, full = vessel(BOTTLE, GLASS, wall=2e-3), vessel(BOTTLE, GLASS, liquid=WATER, fill=0.4)
     for body in (empty, full):
         lowest = _outside(body).bounds[0, 2] + body.world_T_object[2, 3]
-        assert lowest == pytest.approx(0.0, abs=1e-8)
+        # Not in optical contact with the table: two surfaces in one place have no order.
+        assert lowest == pytest.approx(1e-4, abs=1e-8)
         assert body.size[:2] == pytest.approx((0.072, 0.072), abs=1e-3)
+    assert full.liquid is not None
     assert full.liquid.fill == pytest.approx(0.4, rel=1e-6)
     assert [part.part for part in full.interfaces] == ["outside", "wet_wall", "liquid_surface"]
     # On the straight part of the body the wall is as thick across as was asked for, up to the chord errors it adds.
@@ -126,7 +128,10 @@ def test_reprs_are_one_line_without_arrays():
         (lambda: vessel([(0.03, 0.01), (0.03, 0.1)], GLASS), r"vessel, profile: expected heights that rise from 0"),
         (lambda: vessel([(0.004, 0.0), (0.03, 0.1)], GLASS), r"vessel, profile: expected radii above 5 mm"),
         (lambda: vessel(BOTTLE, GLASS, liquid=WATER, fill=1.0), r"liquid.volume: expected"),
-        (lambda: glass_body(turned(box_mesh((0.1,) * 3)), GLASS), r"body, mesh box: expected normals that point out"),
+        (
+            lambda: glass_body(turned(box_mesh((0.1, 0.1, 0.1))), GLASS),
+            r"body, mesh box: expected normals that point out",
+        ),
         (lambda: glass_body(_torn(), GLASS), r"body, mesh box: expected a closed surface"),
         (lambda: camera((0.0, 0.0, 1.0), (0.0, 0.0, 1.0)), r"camera, target: expected a point away from the eye"),
         (lambda: scene([], []), r"scene, cameras: expected at least one, found none"),
@@ -139,7 +144,7 @@ def test_what_cannot_be_made_is_refused_in_one_line(make, says):
 
 
 def _torn() -> Mesh:
-    box = box_mesh((0.1,) * 3)
+    box = box_mesh((0.1, 0.1, 0.1))
     return Mesh("box", box.vertices, box.faces[:-1])
 
 

@@ -26,7 +26,7 @@ def test_a_camera_sees_its_target_in_the_middle_and_up_as_up():
 def test_a_constant_environment_has_one_radiance_and_the_irradiance_of_pi_of_it():
     environment = ConstantEnvironment(radiance=(1.0, 2.0, 0.5), strength=3.0)
     pixels = bake_environment(environment)
-    assert (pixels == np.float32([1.0, 2.0, 0.5])).all()
+    assert (pixels == np.array([1.0, 2.0, 0.5], np.float32)).all()
     # Half a sphere by the cosine: pi.
     expected = 3.0 * np.pi * np.array([1.0, 2.0, 0.5])
     assert irradiance(pixels, environment.strength, ()) == pytest.approx(expected, rel=1e-6)
@@ -43,6 +43,7 @@ def test_a_metered_scene_shows_a_grey_card_as_its_reflectance():
 def test_a_board_has_its_top_at_zero_and_a_block_its_place():
     table = board((0.5, 0.4, 0.02))
     assert table.mesh.bounds[1, 2] == 0.0
+    assert table.mesh.uv is not None
     assert np.array_equal(table.mesh.uv, table.mesh.vertices[:, :2])
     prop = block(box_mesh((0.1, 0.1, 0.1), "cube", (0.0, 0.2, 0.06)), matte(), id=7)
     assert prop.mesh.bounds.mean(0) == pytest.approx([0.0, 0.0, 0.0], abs=1e-8)

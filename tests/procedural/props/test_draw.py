@@ -9,9 +9,8 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
-from glassware.procedural.props.draw import draw_prop
+from glassware.procedural.props.draw import PropSettings, draw_prop
 from glassware.procedural.props.mesh_files import mesh_files
-from glassware.procedural.props.settings import PropSettings
 
 
 def _draw(seed: int, settings: PropSettings | None = None, **files: object) -> object:

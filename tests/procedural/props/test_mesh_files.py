@@ -139,16 +139,16 @@ def test_an_obj_takes_the_picture_of_its_mtl(tmp_path: Path) -> None:
         "newmtl other\nKd 0 1 0\nnewmtl skin\nKd 0.8 0.8 0.8\nNs 225\nmap_Kd pictures/red skin.png\n"
     )
     found = _read(tmp_path, "a.obj", MAPPED)
-    assert np.allclose(bake(found.look.texture), [1, 0, 0])
+    assert np.allclose(bake(found.material.texture), [1, 0, 0])
     # Walter et al. 2007: alpha = sqrt(2 / 227), roughness its root.
-    assert found.look.roughness == pytest.approx(np.sqrt(np.sqrt(2 / 227)))
+    assert found.material.roughness == pytest.approx(np.sqrt(np.sqrt(2 / 227)))
     assert found.mesh.uv is not None
 
 
 def test_an_obj_takes_the_colour_of_its_mtl_and_goes_without_a_missing_one(tmp_path: Path) -> None:
-    assert _read(tmp_path, "a.obj", MAPPED).look.texture is None
+    assert _read(tmp_path, "a.obj", MAPPED).material.texture is None
     (tmp_path / "look.mtl").write_text("newmtl skin\nKd 0.1 0.2 0.3\n")
-    assert _read(tmp_path, "a.obj", MAPPED).look.texture.colour == (0.1, 0.2, 0.3)
+    assert _read(tmp_path, "a.obj", MAPPED).material.texture.colour == (0.1, 0.2, 0.3)
 
 
 @pytest.mark.parametrize("entry", ["map_Kd ../secret.png", "map_Kd /etc/passwd", r"map_Kd ..\secret.png"])
@@ -214,18 +214,18 @@ def _glb(surface: dict, picture: bytes = b"") -> bytes:
 def test_a_glb_takes_the_picture_inside_it_and_keeps_it_by_its_content(tmp_path: Path) -> None:
     content = _glb({"baseColorTexture": {"index": 0}, "metallicFactor": 0.0, "roughnessFactor": 0.4}, _png((0, 255, 0)))
     found = _read(tmp_path, "a.glb", content)
-    assert np.allclose(bake(found.look.texture), [0, 1, 0])
-    assert (found.look.roughness, found.look.metallic) == (0.4, 0.0)
-    assert [path.name for path in (tmp_path / "kept").iterdir()] == [f"{found.look.texture.asset.sha256}.png"]
+    assert np.allclose(bake(found.material.texture), [0, 1, 0])
+    assert (found.material.roughness, found.material.metallic) == (0.4, 0.0)
+    assert [path.name for path in (tmp_path / "kept").iterdir()] == [f"{found.material.texture.asset.sha256}.png"]
     # v points down in glTF and up here: the second vertex (0.1, 0, 0) has (1, 0) there and (1, 1) here.
     row = np.flatnonzero(found.mesh.vertices[:, 0] > 0.04)[0]
     assert found.mesh.uv[row].tolist() == [1.0, 1.0]
 
 
 def test_a_glb_takes_its_factors(tmp_path: Path) -> None:
-    look = _read(tmp_path, "a.glb", _glb({"baseColorFactor": [0.1, 0.2, 0.3, 1.0]})).look
-    assert look.texture.colour == (0.1, 0.2, 0.3)
-    assert (look.roughness, look.metallic) == (1.0, 1.0)  # what the specification says where nothing is given
+    material = _read(tmp_path, "a.glb", _glb({"baseColorFactor": [0.1, 0.2, 0.3, 1.0]})).material
+    assert material.texture.colour == (0.1, 0.2, 0.3)
+    assert (material.roughness, material.metallic) == (1.0, 1.0)  # what the specification says where nothing is given
 
 
 def test_a_glb_with_a_broken_picture_or_material_is_refused(tmp_path: Path) -> None:
@@ -283,7 +283,7 @@ def test_real_files_load_and_the_textured_ones_bring_their_pictures(tmp_path: Pa
         assert np.isfinite(found.mesh.vertices).all()
         assert np.allclose(np.linalg.norm(found.mesh.normals, axis=1), 1.0, atol=1e-5)
         assert 0.02 <= np.ptp(found.mesh.bounds, axis=0).max() <= 0.4
-        if found.look.texture is not None and found.look.texture.kind == "picture":
+        if found.material.texture is not None and found.material.texture.kind == "picture":
             pictured.add(file.path.stem)
     assert len(files) == 19
     assert pictured == {"bread", "can", "cereal", "lemon", "milk"}

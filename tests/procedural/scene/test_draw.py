@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from glassware.procedural.description.scene import Scene, Vessel, glass_solid, l
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.table import outline
+from glassware.render.renderer import Renderer
 
 #: Most that bodies may overlap, float or sink [m] (the promise of a drawn scene).
 SLACK = 5e-4
@@ -22,10 +24,12 @@ SLACK = 5e-4
 PROBES = 2000
 #: Seeds of the proof without files, one of them quick, and of the one with real files.
 SEEDS, LONG = [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)], range(20)
+#: Skies alone: a room is most of the work of drawing, and changes nothing on the table.
+SKY = {"room_share": 0.0}
 
 
-def _settings(assets: Path | None = None) -> SceneSettings:
-    files = {}
+def _settings(assets: Path | None = None, environment: dict | None = None) -> SceneSettings:
+    files: dict[str, Any] = {"environment": environment or {}}
     if assets is not None:
         files = {"mesh_dir": assets / "meshes", "texture_dir": assets / "textures"}
         files["environment"] = {"hdri_dir": assets / "hdri"}
@@ -94,7 +98,7 @@ def _check_in_view(scene: Scene) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_drawn_scene_is_sound(seed, rng):
-    scene = draw_scene(_settings(), seed, 0)
+    scene = draw_scene(_settings(environment=SKY), seed, 0)
     assert 1 <= len(scene.vessels) <= 7
     assert 0 <= len(scene.props) <= 8
     assert [item.id for item in scene.objects] == list(range(2, 2 + len(scene.objects)))
@@ -106,8 +110,6 @@ def test_a_drawn_scene_is_sound(seed, rng):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", LONG)
 def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_assets, backend):
-    from glassware.render.renderer import Renderer
-
     scene = draw_scene(_settings(shared_assets), seed, 0)
     for check in (_check_bodies, _check_standing, _check_in_view):
         check(scene)
@@ -119,7 +121,8 @@ def test_twenty_scenes_with_real_files_are_sound_and_render(seed, rng, shared_as
 
 
 def test_the_probes_see_bodies_that_overlap(rng):
-    scene = draw_scene(_settings().model_copy(update={"vessel_count": (2, 2), "prop_count": (0, 0)}), 1, 0)
+    settings = _settings(environment=SKY).model_copy(update={"vessel_count": (2, 2), "prop_count": (0, 0)})
+    scene = draw_scene(settings, 1, 0)
     one, two = scene.vessels
     pose = two.world_T_object.copy()
     pose[:2, 3] = one.world_T_object[:2, 3] + [max(one.size[0], two.size[0]) / 4, 0.0]
@@ -127,7 +130,8 @@ def test_the_probes_see_bodies_that_overlap(rng):
         _check_apart(scene.model_copy(update={"vessels": (one, two.model_copy(update={"world_T_object": pose}))}), rng)
 
 
-def test_a_scene_depends_on_its_seed_and_number_alone():
+@pytest.mark.parametrize("environment", [SKY, pytest.param({"room_share": 1.0}, marks=pytest.mark.slow)])
+def test_a_scene_depends_on_its_seed_and_number_alone(environment):
     def written(scene: Scene) -> tuple[str, list[bytes]]:
         meshes: list[bytes] = []
         data = scene.model_dump(
@@ -135,7 +139,7 @@ def test_a_scene_depends_on_its_seed_and_number_alone():
         )
         return json_text(data), meshes
 
-    settings = _settings().model_copy(update={"vessel_count": (2, 2), "prop_count": (2, 2)})
+    settings = _settings(environment=environment).model_copy(update={"vessel_count": (2, 2), "prop_count": (2, 2)})
     first = written(draw_scene(settings, 5, 3))
     others = [written(draw_scene(settings, *key)) for key in ((5, 4), (6, 3))]
     assert written(draw_scene(settings, 5, 3)) == first
@@ -143,14 +147,17 @@ def test_a_scene_depends_on_its_seed_and_number_alone():
 
 
 def test_one_more_prop_changes_no_vessel():
-    base = _settings().model_copy(update={"vessel_count": (2, 2)})
+    base = _settings(environment=SKY).model_copy(update={"vessel_count": (2, 2)})
     few, many = (draw_scene(base.model_copy(update={"prop_count": (n, n)}), 5, 0) for n in (1, 2))
     for one, two in zip(few.vessels, many.vessels, strict=True):
+        assert isinstance(one, Vessel)
+        assert isinstance(two, Vessel)
         assert (one.outer, one.inner, one.glass, one.liquid) == (two.outer, two.inner, two.glass, two.liquid)
 
 
 def test_a_bare_table_is_a_scene():
-    scene = draw_scene(_settings().model_copy(update={"vessel_count": (0, 0), "prop_count": (0, 0)}), 1, 0)
+    settings = _settings(environment=SKY).model_copy(update={"vessel_count": (0, 0), "prop_count": (0, 0)})
+    scene = draw_scene(settings, 1, 0)
     assert scene.objects == ()
     assert len(scene.cameras) == 5
     assert trimesh.Trimesh(scene.table.mesh.vertices, scene.table.mesh.faces).bounds[1, 2] == 0.0

@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 import trimesh
+from trimesh.visual import TextureVisuals
 
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
@@ -101,7 +102,10 @@ def test_trimesh_reads_the_mesh_files(tmp_path, rng):
     ball = trimesh.creation.icosphere(subdivisions=2)
     mesh = Mesh("ball", ball.vertices, ball.faces, ball.vertex_normals, rng.random((len(ball.vertices), 2)))
     write_mesh(mesh, tmp_path / "ball.ply")
-    again = trimesh.load(tmp_path / "ball.ply", process=False)
+    again = trimesh.load_mesh(tmp_path / "ball.ply", process=False)
+    assert isinstance(again, trimesh.Trimesh)
+    assert isinstance(again.visual, TextureVisuals)
+    assert again.visual.uv is not None
     np.testing.assert_array_equal(again.vertices.astype(np.float32), mesh.vertices)
     np.testing.assert_array_equal(again.faces, mesh.faces)
     np.testing.assert_array_equal(again.vertex_normals.astype(np.float32), mesh.normals)
@@ -233,7 +237,7 @@ def test_two_meshes_of_one_name_are_a_fault_of_ours(analytic, tmp_path):
     ],
 )
 def test_a_damaged_mesh_file_is_one_clear_line(tmp_path, damage):
-    write_mesh(Mesh("m", [[0, 0, 0], [1.5, 0, 0], [0, 1, 0]], [[0, 1, 2]]), tmp_path / "m.ply")
+    write_mesh(Mesh("m", np.array([[0, 0, 0], [1.5, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])), tmp_path / "m.ply")
     data = (tmp_path / "m.ply").read_bytes()
     broken = damage(data)
     assert broken != data

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from glassware.core.errors import InputError
+from glassware.core.pose import look_at
 from glassware.procedural.surroundings.cameras import (
     draw_cameras,
     fit_distance,
     grid_directions,
-    look_at,
     reach,
     spread_order,
 )
@@ -23,7 +24,7 @@ from glassware.procedural.surroundings.settings import CameraSettings
 EXACT = 1e-12
 # Rounding of float64 in pixels of order 1000.
 PIXEL = 1e-9
-JITTERED = {"angle_jitter": 0.1, "target_jitter": 0.03, "roll": math.pi}
+JITTERED: dict[str, Any] = {"angle_jitter": 0.1, "target_jitter": 0.03, "roll": math.pi}
 
 
 def drawn(seed: int, centre=(0.05, -0.03, 0.08), radius: float = 0.2, **settings):

@@ -20,6 +20,17 @@ def test_a_black_body_lies_on_the_planckian_locus(temperature, chromaticity):
     np.testing.assert_allclose(black_body_chromaticity(temperature), chromaticity, atol=FIT)
 
 
+@pytest.mark.filterwarnings("ignore")  # of colour-science's import: optional packages that are missing
+def test_black_bodies_agree_with_colour_science():
+    colour = pytest.importorskip("colour", reason="colour-science is not installed")
+    shape = colour.SpectralShape(360, 830, 1)
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
+    for temperature in (2000.0, 2700.0, 4000.0, 6500.0, 20000.0):
+        spectrum = colour.sd_blackbody(temperature, shape)
+        xyz = colour.sd_to_XYZ(spectrum, observer, colour.sd_ones(shape), method="Integration")
+        np.testing.assert_allclose(black_body_chromaticity(temperature), colour.XYZ_to_xy(xyz), atol=FIT)
+
+
 def test_6500_kelvin_is_near_the_white_of_rec709():
     # D65 lies 0.005 above the locus in y.
     np.testing.assert_allclose(black_body_chromaticity(6500.0), (0.3127, 0.3290), atol=0.008)

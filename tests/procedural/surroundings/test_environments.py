@@ -9,6 +9,7 @@ import OpenEXR
 import pytest
 
 from glassware.core.errors import InputError
+from glassware.procedural.description.surroundings import Environment, PictureEnvironment, RoomEnvironment
 from glassware.procedural.surroundings.environments import bake_environment, draw_environment
 from glassware.procedural.surroundings.room_map import bake_room
 from glassware.procedural.surroundings.settings import EnvironmentSettings
@@ -29,6 +30,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def _file(environment: Environment) -> str:
+    assert isinstance(environment, PictureEnvironment)
+    return environment.asset.source
+
+
 def test_rooms_and_skies_come_in_their_shares():
     kinds = [drawn(seed).kind for seed in range(200)]
     # 0.7 of 200, four standard deviations of 6.5.
@@ -38,7 +44,7 @@ def test_rooms_and_skies_come_in_their_shares():
 
 
 def test_a_folder_gives_its_files(folder):
-    chosen = {drawn(seed, hdri_dir=folder).asset.source for seed in range(40)}
+    chosen = {_file(drawn(seed, hdri_dir=folder)) for seed in range(40)}
     assert chosen == {"0.exr", "1.exr", "2.exr"}
     mixed = {drawn(seed, hdri_dir=folder, hdri_share=0.5).kind for seed in range(40)}
     assert mixed == {"picture", "room", "sky"}
@@ -46,7 +52,7 @@ def test_a_folder_gives_its_files(folder):
 
 def test_a_file_is_baked_as_it_is(folder):
     environment = drawn(0, hdri_dir=folder)
-    level = float(environment.asset.source[0]) + 1.0
+    level = float(_file(environment)[0]) + 1.0
     np.testing.assert_array_equal(bake_environment(environment), np.full((4, 8, 3), level))
 
 
@@ -66,6 +72,7 @@ def test_rotation_and_strength_are_left_to_the_renderer():
 
 def test_procedural_maps_are_softened_without_a_seam_and_keep_their_light():
     environment = drawn(0, room_share=1.0)
+    assert isinstance(environment, RoomEnvironment)
     sharp, soft = bake_room(environment, 128), bake_environment(environment, 128)
     # The blur of a row that is turned is the turned blur: nothing happens at the seam.
     step = np.abs(np.diff(np.concatenate([soft, soft[:, :1]], axis=1), axis=1))

@@ -52,10 +52,11 @@ def scalar_sky(theta: float, gamma: float, sun: float, t: float) -> tuple[float,
     )
     chi = (4 / 9 - t / 120) * (math.pi - 2 * sun)
     zenith = (4.0453 * t - 4.9710) * math.tan(chi) - 0.2155 * t + 2.4192
-    return tuple(
+    one, two, three = (
         level * perez(table, theta, gamma) / perez(table, 0.0, sun)
         for level, table in ((zenith_x, x), (zenith_y, y), (zenith, luminance))
     )
+    return one, two, three
 
 
 @pytest.mark.parametrize("turbidity", [1.7, 3.0, 6.0])

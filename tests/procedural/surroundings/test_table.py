@@ -63,6 +63,7 @@ def test_the_outline_runs_round_the_flat_top(round_share: float, corners: int) -
 def test_texture_coordinates_of_the_top_are_metres(round_share: float) -> None:
     for table in _tables(round_share):
         top = table.mesh.vertices[:, 2] == 0.0
+        assert table.mesh.uv is not None
         assert np.allclose(table.mesh.uv[top], table.mesh.vertices[top, :2], atol=1e-6)
         assert np.isfinite(table.mesh.uv).all()
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -19,7 +21,7 @@ GLASS = Medium(name="test glass", eta=1.52)
 WATER = Medium(name="test water", eta=1.33)
 
 
-def _draw(seed: int, liquid: Medium | None = WATER, **settings: object) -> Vessel:
+def _draw(seed: int, liquid: Medium | None = WATER, **settings: Any) -> Vessel:
     rng = stream(5, seed, "vessels")
     return draw_vessel(rng, VesselSettings(**settings), id=2, name="vessel", glass=GLASS, liquid_medium=liquid)
 
@@ -115,7 +117,7 @@ def test_most_vessels_are_smooth_and_all_categories_come(many_vessels):
 @pytest.mark.parametrize("radius", [0.015, 0.08])
 @pytest.mark.parametrize("wall", [0.001, 0.004])
 def test_the_corners_of_the_allowed_sizes_can_be_built(height, radius, wall):
-    settings = {"height": (height, height), "radius": (radius, radius), "wall": (wall, wall)}
+    settings: dict[str, Any] = {"height": (height, height), "radius": (radius, radius), "wall": (wall, wall)}
     try:
         vessels = [_draw(seed, **settings) for seed in range(3)]
     except InputError:

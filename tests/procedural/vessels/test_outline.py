@@ -5,6 +5,7 @@ import pytest
 
 from glassware.procedural.vessels.families import FAMILIES, MAX_SLOPE, Size, free_chain
 from glassware.procedural.vessels.outline import Outline, bulging, easing, levelling, linear, waved
+from glassware.procedural.vessels.settings import Category
 
 LOW, HIGH, START, END = 0.02, 0.07, 0.03, 0.02
 PIECES = {
@@ -38,7 +39,7 @@ def test_a_bulge_is_as_high_as_it_says_in_the_middle():
     assert middle == pytest.approx(0.03 + 0.005, abs=1e-15)
 
 
-def _drawn(category: str, seed: int) -> tuple[Outline, Size]:
+def _drawn(category: Category, seed: int) -> tuple[Outline, Size]:
     rng, family = np.random.default_rng(seed), FAMILIES[category]
     height = rng.uniform(*family.height)
     size = Size(height, float(np.clip(height * rng.uniform(*family.slenderness), *family.radius)), 0.011)

@@ -18,6 +18,7 @@ def _closed(curve: Curve) -> Curve:
 def test_a_half_circle_becomes_a_sphere_with_radial_normals():
     radius = 0.04
     mesh = revolved(_closed(arc(np.zeros(2), radius, -np.pi / 2, np.pi / 2)), 128, "sphere")
+    assert mesh.normals is not None
     np.testing.assert_allclose(mesh.normals, mesh.vertices / radius, atol=1e-6)
     solid = as_trimesh(mesh)
     assert solid.is_watertight
@@ -53,6 +54,7 @@ def test_a_crease_has_two_rings_in_one_place_and_the_solid_is_closed():
     corners = mesh.vertices[mesh.faces].astype(float)
     facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     facing /= np.linalg.norm(facing, axis=1)[:, None]
+    assert mesh.normals is not None
     cosine = np.einsum("fi,fci->fc", facing, mesh.normals[mesh.faces])
     np.testing.assert_allclose(cosine.min(), np.cos(np.pi / n), atol=1e-5)
 

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from glassware.render.cache.cache_filter import SPREAD, denoised_grid, denoised_meshes, diffusion_step
+from glassware.render.cache.cache_points import Axis, CachePoints
+
 #: float32 sums of means over squares.
 ROUNDING = 1e-5
 SHAPE = (96, 128)
@@ -21,8 +24,6 @@ def noisy(backend, rng):
 
 
 def test_noise_goes_and_the_sum_of_the_light_stays(noisy) -> None:
-    from glassware.render.cache.cache_filter import denoised_grid
-
     found = denoised_grid(noisy, SHAPE)
     np.testing.assert_allclose(found[:, :6].sum(0, np.float64), noisy[:, :6].sum(0, np.float64), rtol=ROUNDING)
     far = found.reshape(*SHAPE, 12)[:, 100:, :6]
@@ -31,8 +32,6 @@ def test_noise_goes_and_the_sum_of_the_light_stays(noisy) -> None:
 
 
 def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
-    from glassware.render.cache.cache_filter import SPREAD, denoised_grid
-
     found = denoised_grid(noisy, SHAPE).reshape(*SHAPE, 12)[..., :6]
     reach = int(SPREAD * SHAPE[1] / 2) + 16  # the square, and what the filter itself reaches
     near = found[40 - reach : 41 + reach, 50 - reach : 51 + reach].sum((0, 1), np.float64)
@@ -42,14 +41,10 @@ def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
 
 
 def test_no_light_is_negative(noisy) -> None:
-    from glassware.render.cache.cache_filter import denoised_grid
-
     assert (denoised_grid(noisy, SHAPE)[:, :6] >= 0.0).all()
 
 
 def _nodes(*meshes: trimesh.Trimesh, sides: int = 1):
-    from glassware.render.cache.cache_points import Axis, CachePoints
-
     positions, normals, triangles, back, mesh = [], [], [], [], []
     first = 0
     for number, one in enumerate(meshes):
@@ -74,8 +69,6 @@ def _halves(light: np.ndarray, sigma: float, seed: int = 1) -> tuple[np.ndarray,
 
 
 def _errors(nodes, light: np.ndarray, halves: tuple) -> tuple[np.ndarray, np.ndarray]:
-    from glassware.render.cache.cache_filter import denoised_meshes
-
     return denoised_meshes(nodes, halves)[:, 0] - light, 0.5 * (halves[0] + halves[1])[:, 0] - light
 
 
@@ -104,8 +97,6 @@ def test_without_noise_nothing_changes() -> None:
 
 
 def test_the_edge_of_a_shadow_stays_sharp() -> None:
-    from glassware.render.cache.cache_filter import diffusion_step
-
     nodes, light = _nodes(BALL), np.where(BALL.vertices[:, 2] > 0.01, 1.0, 0.1)
     after, before = _errors(nodes, light, _halves(light, 0.1))
     edge = np.abs(BALL.vertices[:, 2] - 0.01) < 0.003
@@ -122,7 +113,6 @@ def test_a_firefly_is_spread_and_its_light_kept() -> None:
     light = np.ones(len(BALL.vertices))
     first, second = _halves(light, 0.0)
     first[17] += 2000.0
-    from glassware.render.cache.cache_filter import denoised_meshes
 
     found = denoised_meshes(_nodes(BALL), (first, second))[:, 0]
     # A thousand times a vertex's share of the ball, everywhere.
@@ -138,7 +128,6 @@ def test_meshes_and_sides_keep_their_own_light(sides) -> None:
     light = np.repeat([1.0, 5.0, 20.0, 100.0][: 2 * sides], len(BALL.vertices))
     first, second = _halves(light, 0.0)
     # (Noise everywhere, of one sign by half: all of each scale is taken off, and nothing is left of any detail.)
-    from glassware.render.cache.cache_filter import denoised_meshes
 
     found = denoised_meshes(nodes, (1.2 * first, 0.8 * second))[:, 0]
     np.testing.assert_allclose(found, light, rtol=1e-9)

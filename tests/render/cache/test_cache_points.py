@@ -5,25 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.render.cache.cache_points import cache_points_of, interpolation_weights, lookup_of
+from glassware.render.cache.sample_points import point_sampler, sample_points
+from glassware.render.pictures.sampler import sobol_sampler
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.surfaces import registry_id
+
 
 @pytest.fixture(scope="module")
 def cut(backend, drawn):
-    from glassware.render.scene.loaded_scene import load
-
     return load(drawn(8, vessel_count=(1, 1), prop_count=(3, 3)), for_cache=True)
 
 
 @pytest.fixture(scope="module")
 def nodes(cut):
-    from glassware.render.cache.cache_points import cache_points_of
-
     return cache_points_of(cut)
 
 
 def test_lines_of_the_grid_are_where_they_are_said_to_be(nodes) -> None:
     for axis in nodes.axes:
         place = np.linspace(0.0, axis.lines - 1.0, 999)
-        np.testing.assert_allclose(axis.place(axis.coordinate(place)), place, atol=1e-9 * axis.lines)
+        np.testing.assert_allclose(axis.cell_position(axis.coordinate(place)), place, atol=1e-9 * axis.lines)
         assert axis.coordinate(np.array(axis.lines - 1)) >= axis.high - 1e-9
         inside = np.diff(axis.coordinate(np.arange(axis.lines)))
         np.testing.assert_allclose(inside[np.abs(inside - axis.step) > 1e-9], 6.0 * axis.step)
@@ -32,9 +34,6 @@ def test_lines_of_the_grid_are_where_they_are_said_to_be(nodes) -> None:
 def test_a_linear_function_stored_at_the_nodes_is_exact_at_every_hit(cut, nodes) -> None:
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.cache.cache_points import interpolation_weights, lookup_of
-    from glassware.render.scene.surfaces import registry_id
 
     slope, x, y = np.array([0.7, -1.3, 2.1]), *(a.coordinate(np.arange(a.lines)) for a in nodes.axes)
     grid = np.stack([*(m.ravel() for m in np.meshgrid(x, y)), np.zeros(nodes.grid_count)], axis=1)
@@ -65,9 +64,6 @@ def test_a_linear_function_stored_at_the_nodes_is_exact_at_every_hit(cut, nodes)
 def test_paths_start_on_the_surface_beside_their_node(cut, nodes) -> None:
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.cache.sample_points import point_sampler, sample_points
-    from glassware.render.pictures.sampler import sobol_sampler
 
     vertex = np.arange(0, len(nodes.positions), 7)
     node = np.repeat((nodes.grid_count + vertex).astype(np.uint32), 4)

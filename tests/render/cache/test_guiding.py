@@ -6,6 +6,18 @@ import numpy as np
 import pytest
 
 from glassware.procedural.surroundings.colour import luminance
+from glassware.render.cache.guiding import (
+    CELLS,
+    EmissionMap,
+    emission_along,
+    emission_from,
+    emission_map,
+    guided_reflect_probability,
+    hits_lamp,
+    octahedral,
+    path_guide,
+)
+from glassware.render.interfaces.dielectric import InterfaceHit, scatter
 
 
 @pytest.fixture(scope="module")
@@ -20,8 +32,6 @@ def lamp_scene(drawn):
 
 @pytest.fixture(scope="module")
 def bright(backend, lamp_scene):
-    from glassware.render.cache.guiding import emission_map
-
     return emission_map(lamp_scene)
 
 
@@ -33,15 +43,11 @@ def _directions(count: int) -> np.ndarray:
 def _looked_up(bright, directions: np.ndarray) -> np.ndarray:
     import mitsuba as mi
 
-    from glassware.render.cache.guiding import emission_from
-
     return np.array(emission_from(bright, mi.Vector3f(np.ascontiguousarray(directions.T, np.float32))))
 
 
 def test_every_direction_is_looked_up_where_it_was_stored(bright) -> None:
     import mitsuba as mi
-
-    from glassware.render.cache.guiding import CELLS, EmissionMap, octahedral
 
     row, column = np.mgrid[:CELLS, :CELLS]
     middle = octahedral((column + 0.5) / CELLS, (row + 0.5) / CELLS).reshape(-1, 3)
@@ -59,8 +65,6 @@ def test_towards_a_lamp_it_is_bright(bright, lamp_scene) -> None:
 
 def test_a_ray_that_meets_a_lamp_is_told_so_wherever_it_starts(backend, bright, lamp_scene) -> None:
     import mitsuba as mi
-
-    from glassware.render.cache.guiding import emission_along, hits_lamp
 
     rng = np.random.default_rng(6)
     starts = rng.uniform((-0.6, -0.6, 0.0), (0.6, 0.6, 0.3), (4096, 3))
@@ -86,8 +90,6 @@ def test_a_ray_that_meets_a_lamp_is_told_so_wherever_it_starts(backend, bright, 
 def test_no_outcome_of_a_steered_coin_counts_more_than_twice(bright, index) -> None:
     import mitsuba as mi
 
-    from glassware.render.cache.guiding import guided_reflect_probability
-
     facet, wi = _directions(20_000), _directions(20_000)
     wi *= np.sign((wi * facet).sum(1, keepdims=True))
     R = np.random.default_rng(6).uniform(0.0, 1.0, len(wi)).astype(np.float32)
@@ -105,9 +107,6 @@ def test_steering_leaves_the_mean_of_an_interface_as_it_is(bright) -> None:
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.guiding import path_guide
-    from glassware.render.interfaces.dielectric import InterfaceHit, scatter
-
     count = 1 << 16
     wi = mi.Vector3f(np.ascontiguousarray(np.tile([[0.6], [0.0], [0.8]], count), np.float32))
     up, seed = mi.Normal3f(0.0, 0.0, 1.0), dr.arange(mi.UInt32, count)
@@ -124,8 +123,6 @@ def test_steering_leaves_the_mean_of_an_interface_as_it_is(bright) -> None:
 
 def test_what_counts_much_already_is_tossed_as_fresnel_says(bright) -> None:
     import mitsuba as mi
-
-    from glassware.render.cache.guiding import path_guide
 
     R = np.linspace(0.01, 1.0, 100, dtype=np.float32)
     wi, up = mi.Vector3f(0.6, 0.0, 0.8), mi.Normal3f(0.0, 0.0, 1.0)

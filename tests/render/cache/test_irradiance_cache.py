@@ -5,6 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.render.cache import irradiance_cache
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.trace_cached import cached_tracer
+from glassware.render.pictures.picture import camera_paths
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole
+
 #: Samples of a pixel that variances come from.
 SAMPLES = 256
 
@@ -12,10 +20,6 @@ SAMPLES = 256
 @pytest.fixture(scope="module")
 def polished(backend, drawn):
     """A polished table that mirrors the windows of a room, its light stored."""
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-    from glassware.render.scene.loaded_scene import load
-
     camera = {"views": 1, "width": 48, "height": 32, "slack": (1.0, 1.0)}
     room = {"room_share": 1.0}
     scene = drawn(17, vessel_count=(1, 1), prop_count=(0, 0), cameras=camera, environment=room, lights={"max_count": 0})
@@ -29,10 +33,6 @@ def _samples_of(kernel, stored, seed: int) -> np.ndarray:
     """Return the luminance of every sample, (pixels, SAMPLES)."""
     import mitsuba as mi
 
-    from glassware.render.cache.trace_cached import cached_tracer
-    from glassware.render.pictures.picture import camera_paths
-    from glassware.render.scene.rays import pinhole
-
     camera = kernel.description.cameras[0]
     pixel = np.arange(camera.width * camera.height, dtype=np.uint32)
     ray, weight, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), SAMPLES, SAMPLES, seed)
@@ -42,8 +42,6 @@ def _samples_of(kernel, stored, seed: int) -> np.ndarray:
 
 @pytest.mark.slow
 def test_roulette_leaves_no_window_out_that_a_polished_table_mirrors(polished, monkeypatch) -> None:
-    from glassware.render.cache import irradiance_cache
-
     played = _samples_of(*polished, seed=3)
     monkeypatch.setattr(irradiance_cache, "_MIN_SURVIVAL", 1.0)
     followed = _samples_of(*polished, seed=4)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.render.cache.irradiance_cache import Moments, diffuse
+from glassware.render.cache.lobes import OpaqueParameters, eval_glossy, sample_glossy, schlick
+
 #: Directions tried.
 COUNT = 20_000
 #: Float32 with a few hundred operations; the lobes of nearly smooth surfaces have steep flanks.
@@ -32,9 +35,6 @@ def test_diffuse_and_glossy_part_add_up_to_the_material(backend, directions, rou
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.cache.irradiance_cache import Moments, diffuse
-    from glassware.render.cache.lobes import OpaqueParameters, eval_glossy, schlick
-
     wi, wo = (mi.Vector3f(x) for x in directions)
     bsdf = mi.load_dict(
         {
@@ -59,8 +59,6 @@ def test_diffuse_and_glossy_part_add_up_to_the_material(backend, directions, rou
 def test_glossy_directions_come_with_the_density_that_is_said(backend) -> None:
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.cache.lobes import OpaqueParameters, eval_glossy, sample_glossy
 
     count, gloss = 1 << 20, OpaqueParameters(mi.Color3f(0.5), mi.Float(0.7), mi.Float(0.0))
     wi = dr.normalize(mi.Vector3f(0.6, 0.1, 0.5))

@@ -9,10 +9,18 @@ import pytest
 from scipy.stats import t as student
 
 from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
-from glassware.procedural.description.scene import Picture, Prop
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import Prop
+from glassware.render.cache import scene_cache
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.scene_cache import fill_scene_cache, uses_cache
+from glassware.render.cache.trace_cached import cached_tracer
+from glassware.render.pictures.picture import PATH_TRACER, trace_picture
+from glassware.render.scene.loaded_scene import load
 
 #: Independent pictures each way, every one of the second with stored light of its own; samples and paths of each.
-PASSES, SPP, PATH_TRACER = 8, 32, 64
+PASSES, SPP, PATHS = 8, 32, 64
 BLOCK = 8  #: side of the blocks that are compared [px]
 SIGNIFICANCE = 1e-3  #: chance that two equal ways fail
 #: What interpolation may change a block's mean by: cells are as large as a pixel and blocks are 8 pixels wide, so
@@ -57,18 +65,12 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
-#: One in the quick suite; the others take up to two minutes each.
 NAMES = [
     "the caustic of a glass ball",
-    *(
-        pytest.param(name, marks=pytest.mark.slow)
-        for name in (
-            "a prop under a slab of water",
-            "colours between props",
-            "glasses with liquid over a table",
-            "a glossy table",
-        )
-    ),
+    "a prop under a slab of water",
+    "colours between props",
+    "glasses with liquid over a table",
+    "a glossy table",
 ]
 
 
@@ -77,20 +79,15 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
     return picture.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean((1, 3, 4))
 
 
+@pytest.mark.slow  # up to two minutes each
 @pytest.mark.parametrize("name", NAMES)
 def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> None:
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-    from glassware.render.cache.trace_cached import cached_tracer
-    from glassware.render.pictures.picture import PATH_TRACER, trace_picture
-    from glassware.render.scene.loaded_scene import load
-
     scene = scenes[name].model_copy(update={"picture": Picture(spp=SPP)})
     kernel = load(scene, for_cache=True)
     nodes, camera = cache_points_of(kernel), scene.cameras[0]
     pictures = []
     for seed in range(PASSES):
-        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATH_TRACER, 100 + seed))
+        tracer = cached_tracer(kernel, fill_cache(kernel, nodes, PATHS, 100 + seed))
         pair = (trace_picture(kernel, camera, "left", 2 * seed + k, e) for k, e in enumerate((PATH_TRACER, tracer)))
         pictures.append([_blocks(noisy.radiance.astype(np.float64)) for noisy in pair])
     paths, stored = np.array(pictures).transpose(1, 0, 2, 3)
@@ -103,8 +100,6 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
 
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, even_light):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(
         2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
     )
@@ -112,9 +107,6 @@ def furnace(backend, drawn, even_light):
 
 
 def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> None:
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-
     nodes = cache_points_of(furnace)
     moments = fill_cache(furnace, nodes, 64, 1).moments[: nodes.grid_count].astype(np.float64).mean(0)
     # Integrals over the hemisphere with c the cosine: of c, of c (1 - c)^5, and of c weighted with c or c (1 - c)^5.
@@ -127,16 +119,11 @@ def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> 
 
 
 def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
-    from glassware.render.cache.scene_cache import fill_scene_cache
-
     one, two = fill_scene_cache(furnace), fill_scene_cache(furnace)
     np.testing.assert_array_equal(one.moments, two.moments)
 
 
 def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
-    from glassware.render.cache import scene_cache
-    from glassware.render.pictures.picture import PATH_TRACER
-
     right = scene_cache.fill_scene_cache(furnace)
     tracer, check, _ = scene_cache.make_tracer(furnace)
     assert tracer is not PATH_TRACER
@@ -153,8 +140,6 @@ def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, 
 
 
 def test_auto_stores_the_light_of_many_samples_only(backend, drawn) -> None:
-    from glassware.render.cache.scene_cache import uses_cache
-
     few = drawn(2, vessel_count=(0, 0), prop_count=(0, 0))
     many = few.model_copy(update={"picture": Picture(spp=1 << 16)})
     assert not uses_cache(few)

@@ -6,6 +6,15 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.fill_cache import fill_cache
+from glassware.render.cache.guiding import emission_map
+from glassware.render.cache.irradiance_cache import cached_shader
+from glassware.render.cache.trace_cached import rescaled_sample
+from glassware.render.pictures.picture import camera_paths
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole
+
 #: Chance that uniform numbers fail.
 SIGNIFICANCE = 1e-4
 
@@ -13,23 +22,15 @@ SIGNIFICANCE = 1e-4
 @pytest.fixture(scope="module")
 def lit(backend, drawn):
     """Two glasses with their light stored, and rays of a small camera."""
-    from glassware.render.cache.cache_points import cache_points_of
-    from glassware.render.cache.fill_cache import fill_cache
-    from glassware.render.cache.guiding import emission_map
-    from glassware.render.cache.irradiance_cache import cached_shader
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, for_cache=True)
-    stored = fill_cache(kernel, cache_points_of(kernel), 16, 1)
+    stored = fill_cache(kernel, cache_points_of(kernel), 4, 1)  # noise changes no bit's equality
     bright = emission_map(scene)
     return kernel, cached_shader(kernel, stored, bright), bright
 
 
 def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     from glassware.render.cache.trace_cached import CachedTracing, trace_cached
-    from glassware.render.pictures.picture import camera_paths
-    from glassware.render.scene.rays import pinhole
 
     kernel, surface, bright = lit
     camera, picture = kernel.description.cameras[0], kernel.description.picture.model_copy(update=changes)
@@ -39,7 +40,7 @@ def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     return np.array(found.radiance), np.array(found.violations), np.array(found.segments)
 
 
-@pytest.mark.parametrize("surfaces", [1, 2, 13, 1024])
+@pytest.mark.parametrize("surfaces", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 13, 1024))])
 def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfaces) -> None:
     from glassware.render.cache import trace_cached
 
@@ -50,7 +51,7 @@ def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfa
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("few", [0, 20, 1 << 20])
+@pytest.mark.parametrize("few", [20, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 1 << 20))])
 def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, monkeypatch, few) -> None:
     from glassware.render.cache import trace_cached
 
@@ -68,8 +69,6 @@ def test_paths_end_at_the_longest_that_is_asked_for(lit) -> None:
 def test_what_is_left_of_a_number_is_uniform_and_new_when_it_is_used_up(backend) -> None:
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.cache.trace_cached import rescaled_sample
 
     count = 100_000
     bits = mi.sample_tea_32(dr.arange(mi.UInt32, count), 7)[0]

@@ -10,8 +10,15 @@ import pytest
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.surroundings import AreaLight, PictureEnvironment
+from glassware.render.derivatives import gradients
+from glassware.render.derivatives.gradients import picture_and_gradients, picture_derivatives, with_parameters
+from glassware.render.derivatives.replay import empty_tape, replay, slots_of
+from glassware.render.pictures.integrator import trace
+from glassware.render.pictures.picture import camera_paths, trace_picture
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole
 
 #: The two pictures of a central difference are float32 sums: 2^-24 each, over a step that changes them by some 0.1 to
 #: 1 %, and what the step leaves out is its square over 6. The project promises 1 %.
@@ -27,7 +34,6 @@ TO_THE_END = {"max_depth": 64, "rr_depth": 64}
 @pytest.fixture(scope="module")
 def looked_at(backend, panorama, optical_bench):
     """(index, absorption, roughness, panorama's pixels) -> a loaded slab before surroundings, seen along +y."""
-    from glassware.render.scene.loaded_scene import load
 
     def make(eta, sigma_a, alpha, pixels, **picture):
         body = optical_bench.box((2.0, 0.05, 2.0), (0.0, 0.0, 3.0))
@@ -62,8 +68,6 @@ def bright_spot() -> np.ndarray:
 @pytest.fixture(scope="module")
 def rough_drawn(backend, drawn):
     """Rough and smooth drawn vessels under the sky and a lamp, with default roulette."""
-    from glassware.render.scene.loaded_scene import load
-
     camera = {"views": 1, "width": 32, "height": 24}
     scene = drawn(5, vessels={"fill_probability": 1.0, "chord_error": 2e-4, "rough_probability": 0.5}, cameras=camera)
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -73,8 +77,6 @@ def rough_drawn(backend, drawn):
 
 
 def _left(kernel, seed: int = 3, spp: int | None = None):
-    from glassware.render.derivatives.gradients import picture_derivatives
-
     return picture_derivatives(kernel, kernel.description.cameras[0], "left", seed, spp)
 
 
@@ -85,11 +87,6 @@ def _endless(kernel):
 
 def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     import mitsuba as mi
-
-    from glassware.render.derivatives.replay import empty_tape, replay, slots_of
-    from glassware.render.pictures.integrator import trace
-    from glassware.render.pictures.picture import camera_paths
-    from glassware.render.scene.rays import pinhole
 
     camera, picture = rough_drawn.description.cameras[0], rough_drawn.description.picture
     pixels = camera.width * camera.height
@@ -102,8 +99,6 @@ def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
 
 
 def test_the_picture_is_the_one_that_is_rendered_with_evenly_spread_samples(rough_drawn):
-    from glassware.render.pictures.picture import trace_picture
-
     picture = rough_drawn.description.picture.model_copy(update={"adaptive": False})
     kernel = replace(rough_drawn, description=rough_drawn.description.model_copy(update={"picture": picture}))
     rendered = trace_picture(kernel, kernel.description.cameras[0], "left", 3).radiance
@@ -124,8 +119,6 @@ def test_light_through_a_liquid_falls_by_its_path_per_absorption(looked_at):
 
 
 def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
-    from glassware.render.derivatives.gradients import with_parameters
-
     kernel = _endless(rough_drawn)
     sigma_a = np.array([medium.sigma_a for medium in kernel.surfaces.media])
     found = _left(kernel).sigma_a
@@ -145,8 +138,6 @@ def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
 
 
 def test_each_light_s_derivative_is_what_the_picture_gains_with_its_radiance(rough_drawn):
-    from glassware.render.scene.loaded_scene import load
-
     scene, before = rough_drawn.description, _left(rough_drawn)
     np.testing.assert_allclose(before.environment + before.lights.sum(0), before.radiance, rtol=1e-5, atol=1e-6)
     brighter = scene.environment.model_copy(update={"strength": 2.0 * scene.environment.strength})
@@ -161,8 +152,6 @@ def test_each_light_s_derivative_is_what_the_picture_gains_with_its_radiance(rou
 
 
 def test_gradients_are_the_derivative_images_weighted_by_the_adjoint(rough_drawn, rng):
-    from glassware.render.derivatives.gradients import picture_and_gradients
-
     images = _left(rough_drawn)
     adjoint = rng.normal(size=images.radiance.shape)
     _, found = picture_and_gradients(rough_drawn, rough_drawn.description.cameras[0], "left", 3, adjoint)
@@ -174,8 +163,6 @@ def test_gradients_are_the_derivative_images_weighted_by_the_adjoint(rough_drawn
 
 
 def test_passes_give_the_same_derivatives_as_one(rough_drawn, monkeypatch):
-    from glassware.render.derivatives import gradients
-
     whole = _left(rough_drawn)
     monkeypatch.setattr(gradients, "_TAPE", 1)  # one sample a pass
     parts = _left(rough_drawn)
@@ -197,8 +184,6 @@ def _mean_and_error(values: list) -> tuple[float, float]:
 
 def _by_roughness(kernel, alpha: float, seeds: range, spp: int) -> tuple[list, list]:
     """The derivative of the mean radiance, and the central difference, for each seed."""
-    from glassware.render.derivatives.gradients import with_parameters
-
     rough = np.array(kernel.surfaces.alpha) > 0
 
     def at(value: float):
@@ -213,7 +198,7 @@ def _by_roughness(kernel, alpha: float, seeds: range, spp: int) -> tuple[list, l
     return found, differences
 
 
-@pytest.mark.parametrize("alpha", [0.1, 0.3])
+@pytest.mark.parametrize("alpha", [pytest.param(0.1, marks=pytest.mark.slow), 0.3])
 def test_derivatives_by_roughness_are_the_central_differences_within_their_noise(looked_at, bright_spot, alpha):
     kernel = looked_at(1.5, (1.0, 1.0, 1.0), alpha, bright_spot)
     found, differences = _by_roughness(kernel, alpha, range(12), 128)
@@ -233,8 +218,6 @@ def test_derivatives_by_roughness_are_right_to_a_per_cent_or_so(looked_at, brigh
 
 @pytest.mark.slow
 def test_gradient_descent_finds_absorption_and_roughness_from_a_picture(looked_at, bright_spot):
-    from glassware.render.derivatives.gradients import picture_and_gradients, with_parameters
-
     truth, rough = np.array([2.0, 8.0, 20.0]), 0.3
     kernel = looked_at(1.5, tuple(truth), rough, bright_spot)
     camera, inside = kernel.description.cameras[0], int(np.argmax(np.array(kernel.surfaces.sigma_a_rgb)) // 3)
@@ -269,8 +252,6 @@ def test_a_variant_without_colours_is_refused_by_name(rough_drawn, monkeypatch):
 
 
 def test_wrong_requests_are_refused(rough_drawn):
-    from glassware.render.derivatives.gradients import picture_and_gradients, with_parameters
-
     camera = rough_drawn.description.cameras[0]
     with pytest.raises(InputError, match="adjoint"):
         picture_and_gradients(rough_drawn, camera, "left", 3, np.ones((3, 4, 3)))

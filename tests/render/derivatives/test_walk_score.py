@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.render.derivatives.walk_score import facet_score, walk_score
+from glassware.render.interfaces.microsurface import visible_facet, walk
+
 #: Standard errors that a right mean may be off; one in 15,000 is farther (normal law), and there are some 30 means.
 SIGMAS = 4.0
 WALKS = 1 << 19
@@ -32,9 +35,6 @@ def _off(values: np.ndarray, expected: float) -> float:
 def test_the_replayed_walk_leaves_as_the_walk_does(backend):
     import mitsuba as mi
 
-    from glassware.render.derivatives.walk_score import walk_score
-    from glassware.render.interfaces.microsurface import walk
-
     given = _arriving(60.0), mi.Float(0.4), mi.Float(1 / 1.5), _seeds(10_000)
     assert np.array_equal(np.array(walk_score(*given)[1]), np.array(walk(*given).direction))
 
@@ -42,9 +42,6 @@ def test_the_replayed_walk_leaves_as_the_walk_does(backend):
 def test_facets_seen_from_straight_above_spread_as_the_closed_form_says(backend):
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.derivatives.walk_score import facet_score
-    from glassware.render.interfaces.microsurface import visible_facet
 
     # GGX: the squared slope s is below x for x / (x + alpha^2) of the facets, so the mean of z^2 = 1 / (1 + s) is
     def mean(alpha: float) -> float:
@@ -65,9 +62,6 @@ def test_facets_seen_from_straight_above_spread_as_the_closed_form_says(backend)
 @pytest.mark.parametrize(("alpha", "degrees"), [(0.05, 30.0), (0.3, 0.0), (0.3, 75.0), (0.9, 60.0)])
 def test_scores_have_mean_zero_and_give_the_derivative_of_any_mean(backend, eta, alpha, degrees):
     import mitsuba as mi
-
-    from glassware.render.derivatives.walk_score import walk_score
-    from glassware.render.interfaces.microsurface import walk
 
     wi, eta, seeds = _arriving(degrees), mi.Float(eta), _seeds(WALKS, 1)
     score, direction = (np.array(x, np.float64) for x in walk_score(wi, mi.Float(alpha), eta, seeds))

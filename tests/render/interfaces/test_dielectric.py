@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 from scipy.stats import chisquare, ks_2samp
 
+from glassware.render.interfaces.dielectric import InterfaceHit
+from glassware.render.interfaces.dielectric import scatter as event
+from glassware.render.interfaces.microsurface import visible_facet, walk
+
 #: float32 directions through a square root near total reflection.
 ANGLE_TOLERANCE = 2e-5
 #: Chance that a right sampler fails with another seed.
@@ -20,9 +24,6 @@ def scatter(backend):
     """Directions, coins and normals as NumPy arrays -> the events as NumPy arrays."""
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.interfaces.dielectric import InterfaceHit
-    from glassware.render.interfaces.dielectric import scatter as event
 
     def run(wi, eta, coin, alpha=0.0, n=(0, 0, 1), ns=None):
         count = len(wi)
@@ -147,8 +148,6 @@ def test_facets_are_drawn_by_how_much_of_them_is_seen(backend, rng, alpha, angle
     """Chi-square against D_v(m) = G1(w) max(0, w.m) D(m) / w.z (Heitz 2014, eq. 16), integrated over cells."""
     import mitsuba as mi
 
-    from glassware.render.interfaces.microsurface import visible_facet
-
     count, cells, fine = 40_000, (6, 8), 24
     w = np.array([np.sin(np.deg2rad(angle)), 0.0, np.cos(np.deg2rad(angle))])
     numbers = mi.Point2f(*rng.uniform(size=(2, count)).astype(np.float32))
@@ -177,8 +176,6 @@ def test_walks_leave_alike_whoever_draws_their_first_facet(backend, rng, alpha):
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.interfaces.microsurface import walk
-
     count = 40_000
     seeds = mi.sample_tea_32(dr.arange(mi.UInt32, count), 3)[0]
     others = mi.sample_tea_32(dr.arange(mi.UInt32, count), 4)[0]
@@ -194,8 +191,6 @@ def test_walks_leave_alike_whoever_draws_their_first_facet(backend, rng, alpha):
 def test_the_third_of_the_numbers_given_is_the_first_facets_coin(backend, rng):
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.interfaces.microsurface import walk
 
     seeds = mi.sample_tea_32(dr.arange(mi.UInt32, 10_000), 4)[0]
     u, v = rng.uniform(size=(2, 10_000)).astype(np.float32)

@@ -14,6 +14,18 @@ import numpy as np
 import pytest
 
 from glassware.procedural.optics.medium import Medium
+from glassware.procedural.surroundings.colour import luminance
+from glassware.render.backend.variant import activate
+from glassware.render.interfaces.dielectric import InterfaceHit
+from glassware.render.interfaces.microsurface import next_height, visible_facet
+from glassware.render.interfaces.mueller import as_matrix, identity
+from glassware.render.interfaces.polarised import StokesFrame, polarised_facet_event, scatter_polarised, walk_polarised
+from glassware.render.pictures.integrator import trace
+from glassware.render.pictures.sampler import sobol_sampler
+from glassware.render.pictures.stokes import degree_of_polarisation, trace_stokes
+from glassware.render.renderer import Renderer
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.spectrum import draw_wavelengths
 
 #: Rounding of float32, and how many follow each other in the few events of a closed form here (amplitudes, frames).
 EPS, ROUNDINGS = 2.0**-24, 64
@@ -32,11 +44,12 @@ def proofs() -> Callable[[str], ModuleType]:
     return lambda name: importlib.import_module(f"{PACKAGE}.{name}")
 
 
-@pytest.fixture(scope="module", params=["llvm_ad_mono_polarized", "llvm_ad_spectral_polarized"])
+@pytest.fixture(
+    scope="module",
+    params=["llvm_ad_mono_polarized", pytest.param("llvm_ad_spectral_polarized", marks=pytest.mark.slow)],
+)
 def polarised(request, backend) -> Iterator[str]:
     """A polarised variant, active; afterwards the one that all other tests expect."""
-    from glassware.render.backend.variant import activate
-
     yield activate(request.param)
     activate(backend)
 
@@ -61,9 +74,6 @@ def event(theta: float, eta: float, coin: float, analyser=(1.0, 0.0, 0.0, 0.0), 
     """
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.interfaces.dielectric import InterfaceHit
-    from glassware.render.interfaces.polarised import scatter_polarised
 
     along = np.array([np.cos(spin), np.sin(spin), 0.0])
     across = vector([-np.sin(spin), np.cos(spin), 0.0])
@@ -144,9 +154,6 @@ def test_a_walk_on_a_rough_interface_takes_and_gives_physical_light(polarised):
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.interfaces.dielectric import InterfaceHit
-    from glassware.render.interfaces.polarised import scatter_polarised
-
     count = 20_000
     up, wi = mi.Normal3f(0.0, 0.0, 1.0), mi.Vector3f(0.6, 0.48, 0.64)
     coin, seed = dr.zeros(mi.Float, count), mi.sample_tea_32(dr.arange(mi.UInt32, count), mi.UInt32(7))[0]
@@ -169,9 +176,6 @@ def test_an_interface_hardly_rough_polarises_as_a_smooth_one(polarised):
     """The walk takes and gives light in the frames that the smooth event has; the first facet decides."""
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.interfaces.dielectric import InterfaceHit
-    from glassware.render.interfaces.polarised import scatter_polarised
 
     theta, alpha, count = np.radians(50.0), 1e-3, 4096
     wi, up = vector([np.sin(theta) * 0.6, np.sin(theta) * 0.8, np.cos(theta)]), mi.Normal3f(0.0, 0.0, 1.0)
@@ -224,10 +228,6 @@ def test_a_walk_over_many_facets_turns_the_electric_field_facet_by_facet(polaris
     """The same walk step by step; what becomes of the field in three dimensions, in float64 NumPy."""
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.interfaces.microsurface import next_height, visible_facet
-    from glassware.render.interfaces.mueller import as_matrix, identity
-    from glassware.render.interfaces.polarised import StokesFrame, polarised_facet_event, walk_polarised
 
     def rows(value) -> np.ndarray:
         array = np.array(value, np.float64)
@@ -291,10 +291,6 @@ def seen(kernel, direction: np.ndarray, across: np.ndarray, count: int = 20_000)
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.pictures.integrator import trace
-    from glassware.render.pictures.sampler import sobol_sampler
-    from glassware.render.scene.spectrum import draw_wavelengths
-
     towards = vector(direction) + dr.zeros(mi.Vector3f, count)
     points = sobol_sampler(dr.arange(mi.UInt32, count), dr.zeros(mi.UInt32, count), 1, 5)
     spin, radius = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)), 0.045 * np.sqrt((np.arange(count) + 0.5) / count)
@@ -340,11 +336,6 @@ def test_light_through_and_from_a_pile_of_plates_is_polarised_as_stokes_said(pol
 @pytest.mark.slow
 def test_drawn_scenes_render_with_labels_and_no_light_is_more_than_wholly_polarised(polarised, drawn):
     import mitsuba as mi
-
-    from glassware.procedural.surroundings.colour import luminance
-    from glassware.render.pictures.stokes import degree_of_polarisation, trace_stokes
-    from glassware.render.renderer import Renderer
-    from glassware.render.scene.loaded_scene import load
 
     spectra = {"spectral": mi.is_spectral, "dispersion": mi.is_spectral, "spp": 16}
     scene = drawn(5, vessels={"rough_probability": 0.5, "chord_error": 1e-4}, picture=spectra)

@@ -14,14 +14,16 @@ from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import annotate
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.scene import TABLE_ID
+from glassware.procedural.props.shapes import SHAPES
+from glassware.render.labels.geometry import line_of_sight, straight_hits, trace_geometry
+from glassware.render.renderer import Renderer
+from glassware.render.scene.loaded_scene import load
 
 SIZE = {"width": 160, "height": 120}
 
 
 def _labelled(kernel, number: int):
     """Labels and both eyes' geometry of a view."""
-    from glassware.render.labels.geometry import line_of_sight, trace_geometry
-
     scene = kernel.description
     camera, points = scene.cameras[number], scene_keypoints(scene)
     left, right = (trace_geometry(kernel, camera, eye) for eye in ("left", "right"))
@@ -29,10 +31,8 @@ def _labelled(kernel, number: int):
     return annotate(scene, camera, left, points, sight), left, right
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
 def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(seed, vessel_count=(2, 4), prop_count=(1, 4), cameras={"views": 3, **SIZE})
     kernel = load(scene)
     for number, camera in enumerate(scene.cameras):
@@ -42,8 +42,6 @@ def test_no_check_finds_fault_with_a_drawn_scene(backend, drawn, seed):
 
 
 def test_no_check_finds_fault_with_real_meshes(backend, drawn, shared_assets):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(
         8,
         prop_count=(6, 6),
@@ -61,8 +59,6 @@ def test_no_check_finds_fault_with_real_meshes(backend, drawn, shared_assets):
 
 
 def test_disparity_is_focal_length_times_baseline_over_depth(backend, drawn):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(1, cameras={"views": 1, **SIZE})
     kernel, camera = load(scene), scene.cameras[0]
     _, left, right = _labelled(kernel, 0)
@@ -80,8 +76,6 @@ def test_disparity_is_focal_length_times_baseline_over_depth(backend, drawn):
 
 
 def test_the_table_and_the_background_are_where_they_are(backend, drawn):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(3, cameras={"views": 3, **SIZE})
     kernel = load(scene)
     for number, camera in enumerate(scene.cameras):
@@ -97,8 +91,6 @@ def test_the_table_and_the_background_are_where_they_are(backend, drawn):
 
 
 def test_one_views_pictures_and_geometry_do_not_depend_on_others(backend, glasses):
-    from glassware.render.renderer import Renderer
-
     whole = Renderer(glasses)
     whole.frame(0)
     after, alone = whole.frame(1), Renderer(glasses).frame(1)
@@ -109,17 +101,13 @@ def test_one_views_pictures_and_geometry_do_not_depend_on_others(backend, glasse
     assert not np.array_equal(after.left, after.right)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, optical_bench, monkeypatch, seed):
     """A cone's lids are fans of slivers, where a point on a triangle is known less well than elsewhere.
 
     With one offset for all surfaces, rays of both these cones stayed at such a sliver and met it again and again.
     """
     import drjit as dr
-
-    from glassware.procedural.props.shapes import SHAPES
-    from glassware.render.labels.geometry import straight_hits
-    from glassware.render.scene.loaded_scene import load
 
     monkeypatch.setattr(optical_bench, "BOARD", (0.9, 0.9, 0.02))  # the offset grows with the scene
     rng, count = np.random.default_rng(seed), 400_000

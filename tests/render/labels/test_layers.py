@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from glassware.core.mesh import as_trimesh
+from glassware.dataset.format.ray_files import read_layers, read_refraction, write_layers, write_refraction
 from glassware.procedural.description.scene import glass_solid, liquid_solid, materials_of
 from glassware.render.frame import PARTS
+from glassware.render.labels.geometry import trace_straight
+from glassware.render.labels.refraction import trace_refraction
+from glassware.render.scene.loaded_scene import load
 
 #: Middles of segments shorter than this are nearer to a surface than the winding number can tell [m].
 SHORTEST = 5e-5
@@ -18,8 +22,6 @@ LAYERS = 16
 
 @pytest.fixture(scope="module")
 def traced(loaded_glasses):
-    from glassware.render.labels.geometry import trace_straight
-
     camera = loaded_glasses.description.cameras[0]
     return loaded_glasses.description, camera, *trace_straight(loaded_glasses, camera, LAYERS)
 
@@ -52,8 +54,6 @@ def test_layers_are_in_order_and_counted(traced):
 
 
 def test_fewer_layers_are_the_first_of_more_with_the_same_count(loaded_glasses, traced):
-    from glassware.render.labels.geometry import trace_straight
-
     _, camera, geometry, layers = traced
     again, fewer = trace_straight(loaded_glasses, camera, 3)
     for field in ("Z", "normal", "id", "part", "material", "entering"):
@@ -115,9 +115,6 @@ def _inside(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def test_a_slab_has_its_two_faces_as_layers(backend, optical_bench):
-    from glassware.render.labels.geometry import trace_straight
-    from glassware.render.scene.loaded_scene import load
-
     camera = optical_bench.camera((0.0, 0.0, 0.5))
     slab = optical_bench.box((3.0, 3.0, 0.05), (0.013, 0.007, 0.2))
     _, layers = trace_straight(load(optical_bench.scene(slab, optical_bench.medium(1.52), camera)), camera, 5)
@@ -135,9 +132,6 @@ def test_a_slab_has_its_two_faces_as_layers(backend, optical_bench):
 
 
 def test_layers_and_refraction_come_back_from_their_files(traced, loaded_glasses, tmp_path):
-    from glassware.dataset.format.ray_files import read_layers, read_refraction, write_layers, write_refraction
-    from glassware.render.labels.refraction import trace_refraction
-
     _, camera, _, layers = traced
     write_layers(tmp_path / "layers.exr", layers)
     found = read_layers(tmp_path / "layers.exr")

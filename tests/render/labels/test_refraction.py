@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from glassware.render.frame import HIT, LOST, SURROUNDINGS
+from glassware.render.labels.refraction import refract, trace_refraction
+from glassware.render.scene.loaded_scene import load
 
 #: Float32 world coordinates of about a metre, a few roundings and the start of each ray off the surface [m].
 POSITION = 5e-6
@@ -19,16 +21,12 @@ SLIPPED = 3e-3
 def _refract(kernel, ray, **options):
     import drjit as dr
 
-    from glassware.render.labels.refraction import refract
-
     end = refract(kernel, ray, **options)
     dr.eval(end)
     return end
 
 
 def _load(scene):
-    from glassware.render.scene.loaded_scene import load
-
     return load(scene)
 
 
@@ -103,8 +101,6 @@ def test_a_ray_that_is_caught_is_lost_and_says_so(backend, optical_bench):
 
 
 def test_a_submerged_plane_is_lifted_to_its_apparent_depth(backend, optical_bench):
-    from glassware.render.labels.refraction import trace_refraction
-
     depth, eye, eta = 0.1, 0.5, 1.333
     camera = optical_bench.camera((0.0, 0.0, eye))
     water = optical_bench.box((3.0, 3.0, depth + 0.015), (0.013, 0.007, (depth - 0.015) / 2))
@@ -129,8 +125,6 @@ def test_a_submerged_plane_is_lifted_to_its_apparent_depth(backend, optical_benc
 
 
 def test_what_leaves_the_scene_has_a_direction_and_the_flow_of_a_point_at_infinity(backend, optical_bench):
-    from glassware.render.labels.refraction import trace_refraction
-
     camera = optical_bench.camera((0.0, -1.0, 0.3), (0.0, 1.0, 0.3))
     slab = optical_bench.box((0.4, 0.05, 0.2), (0.0, 0.0, 0.3))
     kernel = _load(optical_bench.scene(slab, optical_bench.medium(ETA), camera))
@@ -146,8 +140,6 @@ def test_what_leaves_the_scene_has_a_direction_and_the_flow_of_a_point_at_infini
 
 
 def test_views_traced_together_are_those_traced_alone(backend, loaded_glasses):
-    from glassware.render.labels.refraction import trace_refraction
-
     cameras = loaded_glasses.description.cameras
     together = trace_refraction(loaded_glasses, cameras)
     for camera, seen in zip(cameras, together, strict=True):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
+from glassware.render.labels.refraction import refract
+from glassware.render.scene.loaded_scene import load
 
 #: The slab's derivative is float32 arithmetic on a closed form, and the ray offset moves it by 1e-5 of the wall.
 CLOSED_FORM = 1e-3
@@ -16,16 +18,12 @@ ETA = 1.52
 
 @pytest.fixture(scope="module")
 def slab(backend, optical_bench):
-    from glassware.render.scene.loaded_scene import load
-
     body = optical_bench.box((3.0, 3.0, 0.05), (0.013, 0.007, 0.2))
     return load(optical_bench.scene(body, optical_bench.medium(ETA, (3.0, 1.0, 0.5))))
 
 
 @pytest.fixture(scope="module")
 def ball(backend, optical_bench):
-    from glassware.render.scene.loaded_scene import load
-
     body = optical_bench.ball(0.05, 5, (0.0, 0.0, 0.2))
     return load(optical_bench.scene(body, optical_bench.medium(ETA)))
 
@@ -60,8 +58,6 @@ def _sum(end, weights):
 def test_forward_mode_gives_the_slab_s_derivative_by_its_index(slab, optical_bench):
     import drjit as dr
 
-    from glassware.render.labels.refraction import refract
-
     theta, ray = _fan(optical_bench)
     eta = _etas(slab, ETA)
     dr.enable_grad(eta)
@@ -76,8 +72,6 @@ def test_forward_mode_gives_the_slab_s_derivative_by_its_index(slab, optical_ben
 def test_reverse_mode_gives_the_slab_s_derivatives_by_index_and_absorption(slab, optical_bench):
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.labels.refraction import refract
 
     theta, ray = _fan(optical_bench)
     eta, sigma_a = _etas(slab, ETA), mi.Float(slab.surfaces.sigma_a_rgb)
@@ -99,8 +93,6 @@ def test_reverse_mode_gives_the_slab_s_derivatives_by_index_and_absorption(slab,
 def test_the_derivative_by_a_ball_s_index_is_the_central_difference(ball, optical_bench, rng):
     import drjit as dr
 
-    from glassware.render.labels.refraction import refract
-
     ray, weights = optical_bench.rays(*_bundle(rng)), rng.normal(size=3).astype(np.float32)
     eta = _etas(ball, ETA)
     dr.enable_grad(eta)
@@ -114,8 +106,6 @@ def test_the_derivative_by_a_ball_s_index_is_the_central_difference(ball, optica
 def test_the_derivative_by_the_camera_s_place_is_the_central_difference(ball, optical_bench, rng, axis):
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.labels.refraction import refract
 
     origin, direction = _bundle(rng)
     ray, weights = optical_bench.rays(origin, direction), rng.normal(size=3).astype(np.float32)
@@ -137,8 +127,6 @@ def test_the_derivative_by_the_camera_s_turn_is_the_central_difference(ball, opt
     import drjit as dr
     import mitsuba as mi
 
-    from glassware.render.labels.refraction import refract
-
     ray, weights = optical_bench.rays(*_bundle(rng)), rng.normal(size=3).astype(np.float32)
 
     def landed(angle: mi.Float, derivatives: bool) -> mi.Float:
@@ -159,9 +147,6 @@ def test_the_derivative_by_the_camera_s_turn_is_the_central_difference(ball, opt
 def test_the_derivative_by_vertex_positions_is_the_central_difference(backend, optical_bench, rng, change):
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.labels.refraction import refract
-    from glassware.render.scene.loaded_scene import load
 
     # A kernel of its own: its vertices are moved.
     body = optical_bench.ball(0.05, 5, (0.0, 0.0, 0.2))
@@ -188,8 +173,6 @@ def test_the_derivative_by_vertex_positions_is_the_central_difference(backend, o
 
 def test_a_variant_without_derivatives_is_told_so(slab, optical_bench, monkeypatch):
     import drjit as dr
-
-    from glassware.render.labels.refraction import refract
 
     _, ray = _fan(optical_bench)
     monkeypatch.setattr(dr, "is_diff_v", lambda _: False)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.render.pictures.film import Film
+
 #: Sums in another order differ by rounding of float64.
 ROUNDING = 1e-9
 
 
 @pytest.fixture
 def tally():
-    from glassware.render.pictures.film import Film
-
     return Film
 
 

@@ -7,6 +7,10 @@ import pytest
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from glassware.procedural.description.material import ProceduralTexture, UniformTexture
+from glassware.render.labels.geometry import trace_geometry
+from glassware.render.labels.refraction import trace_refraction
+from glassware.render.pictures.guides import trace_guides
+from glassware.render.scene.loaded_scene import load
 
 DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
 
@@ -14,7 +18,6 @@ DARK, BRIGHT, PLAIN = (0.1, 0.1, 0.1), (0.9, 0.9, 0.9), (0.2, 0.5, 0.8)
 @pytest.fixture(scope="module")
 def on_table(backend, glasses):
     """(texture, repeats, other looks) -> the glasses on a table with it, loaded."""
-    from glassware.render.scene.loaded_scene import load
 
     def make(texture, repeats: float = 1.0, **look: float):
         looks = {"base_colour": texture, "repeats": repeats, "metallic": 0.0} | look
@@ -25,8 +28,6 @@ def on_table(backend, glasses):
 
 
 def _ids(kernel) -> np.ndarray:
-    from glassware.render.labels.geometry import trace_geometry
-
     return trace_geometry(kernel, kernel.description.cameras[0]).id
 
 
@@ -36,8 +37,6 @@ def _only(which: np.ndarray) -> np.ndarray:
 
 
 def _guides(kernel):
-    from glassware.render.pictures.guides import trace_guides
-
     return trace_guides(kernel, kernel.description.cameras[0], "left")
 
 
@@ -80,8 +79,6 @@ def test_the_first_four_rays_alone_would_not_do(on_table, monkeypatch):
 
 
 def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_share(on_table):
-    from glassware.render.labels.refraction import trace_refraction
-
     kernel = on_table(UniformTexture(colour=PLAIN))
     guides = _guides(kernel)
     albedo, glass = guides.albedo, guides.glass
@@ -96,10 +93,14 @@ def test_behind_smooth_glass_lies_what_the_refracted_ray_reaches_and_a_mirrored_
     assert (mirrored < 0.2).all()
 
 
-@pytest.mark.parametrize(("roughness", "metallic", "shines"), [(0.2, 0.0, True), (0.6, 0.0, False), (0.7, 1.0, True)])
+@pytest.mark.parametrize(
+    ("roughness", "metallic", "shines"),
+    [
+        (0.2, 0.0, True),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.6, 0.0, False), (0.7, 1.0, True))),
+    ],
+)
 def test_polish_is_where_a_smooth_or_metal_prop_is_seen_first(backend, drawn, roughness, metallic, shines):
-    from glassware.render.scene.loaded_scene import load
-
     view = {"views": 1, "width": 96, "height": 64, "slack": (1.0, 1.0)}
     scene = drawn(12, vessel_count=(0, 0), prop_count=(2, 2), cameras=view)
     look = {"roughness": roughness, "metallic": metallic}

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import pinhole, pixel_rays
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 16
@@ -22,7 +25,6 @@ LIFTED = 0.01
 @pytest.fixture(scope="module")
 def lifted(backend, drawn, clear):
     """Smooth clear glasses, filled and floating, and a prop."""
-    from glassware.render.scene.loaded_scene import load
 
     def raised(vessel):
         pose = vessel.world_T_object.copy()
@@ -47,8 +49,6 @@ def _theirs(kernel, seed: int) -> np.ndarray:
     """A picture by Mitsuba's integrator along the same camera rays as ours, (H, W, 3)."""
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.scene.rays import pinhole, pixel_rays
 
     camera = kernel.description.cameras[0]
     count = camera.width * camera.height * SPP
@@ -81,8 +81,6 @@ def _lowest(p: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def pictures(lifted):
-    from glassware.render.pictures.picture import trace_picture
-
     camera = lifted.description.cameras[0]
     ours = [_blocks(trace_picture(lifted, camera, "left", 100 + i).radiance.astype(float)) for i in range(PASSES)]
     theirs = [_blocks(_theirs(lifted, 200 + i)) for i in range(PASSES)]
@@ -102,10 +100,8 @@ def test_mean_light_agrees_with_mitsubas(pictures):
     assert error < 0.01 * theirs.mean()
 
 
+@pytest.mark.slow
 def test_the_comparison_sees_a_glass_of_another_index(pictures, lifted):
-    from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.loaded_scene import load
-
     def heavier(medium):
         return medium.model_copy(update={"eta": medium.eta + 0.3}) if medium.eta > 1.4 else medium
 

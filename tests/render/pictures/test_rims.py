@@ -5,18 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
+from scipy.stats import binom
 
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
 from glassware.render.frame import Geometry
+from glassware.render.labels.geometry import trace_geometry
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene.loaded_scene import load
 
 #: Paths may be as long as this, and roulette ends none: what is lost is only light that is caught in the glass.
 DEPTH = 1024
 #: A path in clear glass brings back 1 up to the rounding of its factors eta^2, some 1e-7 for each surface.
 ROUNDING = 1e-3
-#: Share of pixels that may not, of 8 paths each: paths may slip through a hairline between triangles (at most 1e-4 of
-#: segments do), or be longer than `DEPTH`.
+#: Probability that a pixel does not, of 8 paths each: paths may slip through a hairline between triangles (at most 1e-4
+#: of segments do, and a path has some six), or be longer than `DEPTH`.
 STRAY = 5e-3
+#: Chance that pixels of this probability are more than the bound, which is a quantile of the binomial distribution: a
+#: rim of some 30 pixels may well have one.
+SIGNIFICANCE = 1e-3
 #: Share of the light of one vessel that paths of 64 surfaces (the default) may lose. Measured on these: below 2e-3;
 #: `shared/reference` measured 0.2 % on others.
 CUT_LOSS = 5e-3
@@ -27,7 +34,6 @@ RIM = 0.003
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, clear, even_light):
     """(fill probability, roughness probability) -> a loaded scene of clear vessels with next to no table."""
-    from glassware.render.scene.loaded_scene import load
 
     def make(fill: float, rough: float = 0.0, picture: Picture | None = None):
         scene = clear(
@@ -53,15 +59,11 @@ def furnace(backend, drawn, clear, even_light):
 
 def _light(kernel, number: int) -> np.ndarray:
     """Radiance of every pixel of a view, (pixels,), the mean of its colours."""
-    from glassware.render.pictures.picture import trace_picture
-
     return trace_picture(kernel, kernel.description.cameras[number], "left", seed=3).radiance.mean(2).ravel()
 
 
 def _rim_and_glass(kernel, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Which pixels show the topmost millimetres of a vessel, and which any glass, both (pixels,)."""
-    from glassware.render.labels.geometry import trace_geometry
-
     camera = kernel.description.cameras[number]
     seen: Geometry = trace_geometry(kernel, camera)
     rows, columns = np.mgrid[: camera.height, : camera.width]
@@ -85,13 +87,15 @@ def test_smooth_glass_in_even_light_is_invisible_rims_above_all(furnace, fill):
         assert rim.sum() > 20
         assert glass.sum() > 500
         for shown in (rim, glass):
-            assert (np.abs(light[shown] - 1.0) > ROUNDING).mean() <= STRAY
+            stray = (np.abs(light[shown] - 1.0) > ROUNDING).sum()
+            assert stray <= binom.isf(SIGNIFICANCE, shown.sum(), STRAY)
         # A pixel beside the silhouette may have samples on glass.
         camera = kernel.description.cameras[number]
         away = ~binary_dilation(glass.reshape(camera.height, camera.width), np.ones((3, 3), bool)).ravel()
         np.testing.assert_allclose(light[away], 1.0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_default_path_length_loses_next_to_no_light(furnace):
     kernel = furnace(1.0, picture=Picture(spp=32))
     light = _light(kernel, 0)

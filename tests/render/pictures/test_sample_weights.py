@@ -7,6 +7,8 @@ import pytest
 from scipy.stats import t as student
 
 from glassware.core.errors import InputError
+from glassware.render.pictures.picture import MIN_ADAPTIVE_SPP, trace_picture
+from glassware.render.pictures.sample_weights import SampleWeights, group_counts
 
 #: Independent pictures of each kind, and the side of the blocks that are compared [px].
 PICTURES, BLOCK = 10, 8
@@ -16,8 +18,6 @@ SIGNIFICANCE = 1e-3
 
 @pytest.fixture
 def counts():
-    from glassware.render.pictures.sample_weights import SampleWeights, group_counts
-
     def counts(glass: np.ndarray, spp: int, size: int, polished: np.ndarray | None = None) -> np.ndarray:
         polished = np.zeros_like(glass) if polished is None else polished
         return group_counts(glass, polished, SampleWeights(glass=4.0, polished=2.0), spp / size)
@@ -65,19 +65,15 @@ def test_a_picture_without_glass_or_full_of_it_is_sampled_evenly(counts, everywh
 
 
 def test_every_pixel_gets_groups_enough_to_tell_its_noise(counts):
-    from glassware.render.pictures.picture import LEAST_ADAPTIVE
-
     mostly = np.ones((16, 16), bool)
     mostly[:4] = False
     for glass in (_spot(), mostly):
-        assert counts(glass, LEAST_ADAPTIVE, 1).min() >= 2
+        assert counts(glass, MIN_ADAPTIVE_SPP, 1).min() >= 2
 
 
-@pytest.mark.parametrize("spp", [8, 24])
+@pytest.mark.parametrize("spp", [8, pytest.param(24, marks=pytest.mark.slow)])
 def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, spp):
     from dataclasses import replace
-
-    from glassware.render.pictures.picture import trace_picture
 
     scene = loaded_glasses.description
 
@@ -105,8 +101,6 @@ def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, s
 def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
     from dataclasses import replace
 
-    from glassware.render.pictures.picture import trace_picture
-
     scene = loaded_glasses.description
     picture = scene.picture.model_copy(update={"spp": 16, "noise": 1e-3, "max_spp": 6})
     kernel = replace(loaded_glasses, description=scene.model_copy(update={"picture": picture}))
@@ -114,7 +108,5 @@ def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
 
 
 def test_an_eye_that_a_camera_has_not_is_refused(loaded_glasses):
-    from glassware.render.pictures.picture import trace_picture
-
     with pytest.raises(InputError, match="eye: expected 'left' or 'right', found 'middle'"):
         trace_picture(loaded_glasses, loaded_glasses.description.cameras[0], "middle", 1)

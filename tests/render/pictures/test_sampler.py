@@ -5,6 +5,8 @@ import pytest
 from scipy.stats import chisquare
 from scipy.stats.qmc import Sobol
 
+from glassware.render.pictures.sampler import hashed_seed, sample_4d, sobol, sobol_sampler
+
 #: Chance that a right sampler fails one of these tests with another seed; these seeds pass or fail always.
 SIGNIFICANCE = 1e-4
 #: The same for correlations of n numbers, in standard deviations 1 / sqrt(n).
@@ -15,8 +17,6 @@ SIGMAS = 4.0
 def points(backend):
     """(pixels, indices, count, seed, set) -> the four coordinates, (n, 4)."""
     import mitsuba as mi
-
-    from glassware.render.pictures.sampler import sample_4d, sobol_sampler
 
     def draw(pixel, index, count, seed=1, number=0):
         index = np.asarray(index, np.uint32)
@@ -29,8 +29,6 @@ def points(backend):
 
 @pytest.mark.parametrize("m", [0, 1, 5, 10])
 def test_the_sequence_is_that_of_scipy_up_to_its_order(backend, m):
-    from glassware.render.pictures.sampler import sobol
-
     ours = sobol(1 << m).astype(np.float64) / 2.0**32
     theirs = Sobol(4, scramble=False, bits=32).random_base2(m)
     np.testing.assert_array_equal(ours[np.lexsort(ours.T)], theirs[np.lexsort(theirs.T)])
@@ -109,8 +107,6 @@ def test_sets_of_one_pixel_are_independent_of_each_other(points, number):
 
 def test_seeds_of_walks_differ_for_every_path_and_event(backend):
     import mitsuba as mi
-
-    from glassware.render.pictures.sampler import hashed_seed, sobol_sampler
 
     pixel, index = np.mgrid[:256, :16].reshape(2, -1).astype(np.uint32)
     sets = sobol_sampler(mi.UInt32(pixel), mi.UInt32(index), 16, 7)

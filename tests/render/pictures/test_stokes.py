@@ -9,9 +9,22 @@ import pytest
 import trimesh
 from scipy.stats import t as student
 
+from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Picture
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.surroundings import PictureEnvironment
+from glassware.render.backend.variant import activate
+from glassware.render.derivatives.gradients import picture_derivatives
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.pictures.stokes import (
+    angle_of_linear_polarisation,
+    degree_of_linear_polarisation,
+    degree_of_polarisation,
+    trace_stokes,
+)
+from glassware.render.scene import bodies
+from glassware.render.scene.loaded_scene import load
 
 #: Independent pictures of each renderer; their spread is the variance that differences are judged by.
 PASSES, SPP = 12, 256
@@ -29,8 +42,6 @@ ROUNDING = 64 * 2.0**-24
 @pytest.fixture(scope="module")
 def polarised(backend) -> Iterator[str]:
     """One channel with polarisation, active; afterwards the variant that all other tests expect."""
-    from glassware.render.backend.variant import activate
-
     yield activate("llvm_ad_mono_polarized")
     activate(backend)
 
@@ -49,8 +60,6 @@ def one_bright_side(panorama):
 @pytest.fixture(scope="module")
 def lifted(polarised, drawn, clear, one_bright_side):
     """Smooth clear glasses, filled and floating, on a table and beside a prop of polarising plastic."""
-    from glassware.render.scene import bodies
-    from glassware.render.scene.loaded_scene import load
 
     def raised(vessel):
         pose = vessel.world_T_object.copy()
@@ -135,36 +144,35 @@ def _lowest(one: np.ndarray, two: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def pictures(lifted, with_sensor):
-    from glassware.render.pictures.stokes import trace_stokes
-
     camera = lifted.description.cameras[0]
     ours = [_blocks(trace_stokes(lifted, camera, "left", 100 + i)[..., 0].astype(float)) for i in range(PASSES)]
     theirs = [_blocks(_theirs(with_sensor, 200 + i)) for i in range(PASSES)]
     return np.stack(ours), np.stack(theirs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", range(4))
 def test_stokes_vectors_agree_with_mitsubas_block_by_block(pictures, component):
     ours, theirs = (picture[..., component] for picture in pictures)
     assert _lowest(ours, theirs) > SIGNIFICANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", range(4))
 def test_mean_stokes_vectors_agree_with_mitsubas(pictures, component):
     ours, theirs = (picture[..., component].mean((1, 2))[:, None] for picture in pictures)
     assert _lowest(ours, theirs) > SIGNIFICANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", [1, 2, 3])
 def test_the_comparison_sees_a_component_of_the_other_sign(pictures, component):
     ours, theirs = (picture[..., component] for picture in pictures)
     assert _lowest(-ours, theirs) < SIGNIFICANCE
 
 
+@pytest.mark.slow
 def test_pictures_show_the_first_component(lifted):
-    from glassware.render.pictures.picture import trace_picture
-    from glassware.render.pictures.stokes import trace_stokes
-
     camera = lifted.description.cameras[0]
     s0 = trace_stokes(lifted, camera, "right", 3)[..., 0, :]
     # The same paths, added up in another order.
@@ -184,10 +192,6 @@ def plate() -> Mesh:
 @pytest.fixture(scope="module")
 def mirror(polarised, optical_bench, panorama):
     """A plate in a dark room with a ceiling of radiance 1, loaded."""
-    from glassware.core.assets import asset
-    from glassware.procedural.description.surroundings import PictureEnvironment
-    from glassware.render.scene.loaded_scene import load
-
     sky = np.zeros((16, 32, 3))
     sky[:8] = 1.0
     scene = optical_bench.scene(plate(), optical_bench.medium(GLASS))
@@ -210,13 +214,6 @@ def _towards_the_plate(optical_bench, degrees: float, roll: float):
 
 @pytest.mark.parametrize("roll", [0.0, 0.5, -1.0])
 def test_a_plate_seen_at_brewsters_angle_is_polarised_along_its_level_direction(mirror, optical_bench, roll):
-    from glassware.render.pictures.stokes import (
-        angle_of_linear_polarisation,
-        degree_of_linear_polarisation,
-        degree_of_polarisation,
-        trace_stokes,
-    )
-
     camera = _towards_the_plate(optical_bench, float(np.degrees(np.arctan(GLASS))), roll)
     picture = trace_stokes(mirror, camera)
     assert picture.shape == (camera.height, camera.width, 4, 3)
@@ -234,8 +231,6 @@ def test_a_plate_seen_at_brewsters_angle_is_polarised_along_its_level_direction(
 
 def test_every_pixel_is_polarised_across_its_own_plane_of_incidence(mirror, optical_bench):
     """Away from the middle: the angle from the camera's frame, by the geometry of each pixel's ray."""
-    from glassware.render.pictures.stokes import angle_of_linear_polarisation, trace_stokes
-
     camera = _towards_the_plate(optical_bench, 50.0, 0.4)
     found = angle_of_linear_polarisation(trace_stokes(mirror, camera, spp=256))[..., 0]
     v, u = np.mgrid[: camera.height, : camera.width].astype(float)
@@ -256,15 +251,11 @@ def test_every_pixel_is_polarised_across_its_own_plane_of_incidence(mirror, opti
 
 
 def test_derivatives_are_refused_in_a_polarised_variant(mirror):
-    from glassware.render.derivatives.gradients import picture_derivatives
-
     with pytest.raises(InputError, match="an RGB variant with AD"):
         picture_derivatives(mirror, mirror.description.cameras[0], "left", 1)
 
 
 def test_a_picture_has_a_sample_at_least(mirror):
-    from glassware.render.pictures.stokes import trace_stokes
-
     with pytest.raises(InputError, match="spp"):
         trace_stokes(mirror, mirror.description.cameras[0], spp=0)
     with pytest.raises(InputError, match="seed: expected a number of 32 bits, found -1"):
@@ -272,9 +263,6 @@ def test_a_picture_has_a_sample_at_least(mirror):
 
 
 def test_stokes_vectors_need_a_polarised_variant(backend, loaded_glasses):
-    from glassware.render.backend.variant import activate
-    from glassware.render.pictures.stokes import trace_stokes
-
     activate(backend)
     with pytest.raises(InputError, match=r"backend: expected a polarised variant.*found llvm_ad_rgb"):
         trace_stokes(loaded_glasses, loaded_glasses.description.cameras[0])

@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from glassware.core.mesh import Mesh, as_trimesh
+from glassware.render.scene.bodies import refined
 
 #: Longest edge that is asked for; the ball's are 0.1 to 0.2.
 LONGEST = 0.04
@@ -14,8 +15,6 @@ LONGEST = 0.04
 
 @pytest.fixture(scope="module")
 def meshes(backend):
-    from glassware.render.scene.bodies import refined
-
     solid = trimesh.creation.icosphere(subdivisions=2, radius=0.5)
     # Stretched, so that triangles have one, two and three long edges.
     points = np.asarray(solid.vertices) * [1.0, 0.3, 0.1]
@@ -53,7 +52,5 @@ def test_faces_look_the_way_they_did(meshes) -> None:
 
 
 def test_a_mesh_that_is_fine_enough_is_left_alone(meshes) -> None:
-    from glassware.render.scene.bodies import refined
-
     mesh, *_ = meshes
     np.testing.assert_array_equal(refined(mesh, 10.0, 10**6).faces, mesh.faces)

@@ -9,6 +9,10 @@ from glassware.procedural.description.surroundings import ConstantEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives.bodies import ball, prism, slab
 from glassware.procedural.primitives.scenes import board, camera, matte, scene
+from glassware.render.cache import guiding
+from glassware.render.labels.geometry import trace_straight
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene.loaded_scene import load
 
 GLASS = Medium(name="glass", eta=1.5)
 
@@ -16,8 +20,6 @@ GLASS = Medium(name="glass", eta=1.5)
 @pytest.fixture(scope="module")
 def furnace(backend):
     """Clear bodies over a tiny board in light of (1, 2, 0.5) from every direction, and its kernel."""
-    from glassware.render.scene.loaded_scene import load
-
     bodies = (
         ball(0.05, GLASS, (0.0, 0.0, 0.1), id=2, chord_error=1e-4),
         slab((0.06, 0.06, 0.03), GLASS, (0.12, 0.0, 0.1), id=3),
@@ -30,8 +32,6 @@ def furnace(backend):
 
 
 def test_clear_bodies_vanish_in_a_constant_environment(furnace):
-    from glassware.render.pictures.picture import trace_picture
-
     made, kernel = furnace
     picture = trace_picture(kernel, made.cameras[0], "left", 3).radiance
     # Every path that ends in the environment brings its radiance; what total reflection keeps longest falls to Russian
@@ -41,8 +41,6 @@ def test_clear_bodies_vanish_in_a_constant_environment(furnace):
 
 
 def test_geometry_shows_each_body_by_its_id(furnace):
-    from glassware.render.labels.geometry import trace_straight
-
     made, kernel = furnace
     geometry, _ = trace_straight(kernel, made.cameras[0], 5)
     assert set(np.unique(geometry.id)) == {0, 2, 3, 4}
@@ -52,10 +50,8 @@ def test_geometry_shows_each_body_by_its_id(furnace):
 
 
 def test_the_guiding_map_takes_a_constant_environment(backend, furnace):
-    from glassware.render.cache import guiding
-
     made, _ = furnace
-    cells = np.array(guiding.bright_map(made).cells)
+    cells = np.array(guiding.emission_map(made).cells)
     assert np.isfinite(cells).all()
     # Luminance of (2, 4, 1), the same from every cell well above the horizon.
     assert cells.max() == pytest.approx(0.2126 * 2.0 + 0.7152 * 4.0 + 0.0722 * 1.0, rel=1e-3)

@@ -10,6 +10,8 @@ from glassware.procedural.description.surroundings import AreaLight, PictureEnvi
 from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import irradiance
 from glassware.procedural.surroundings.sphere import texel_directions
+from glassware.render.pictures.picture import trace_picture
+from glassware.render.scene.loaded_scene import load
 
 #: Rows of the test map; one texel is 180 / 32 degrees high.
 HEIGHT = 32
@@ -41,9 +43,6 @@ def bare(drawn):
 @pytest.mark.parametrize("rotation", [0.0, -2.0])
 @pytest.mark.parametrize(("row", "column"), [(8, 3), (14, 40), (4, 63)])
 def test_a_bright_texel_shines_from_its_own_direction(backend, bare, panorama, row, column, rotation):
-    from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.loaded_scene import load
-
     pixels = np.full((HEIGHT, 2 * HEIGHT, 3), 1e-3)
     pixels[row, column] = 100.0
     folder = panorama(pixels)
@@ -96,8 +95,6 @@ def _light(position, target, size, radiance) -> AreaLight:
     ],
 )
 def test_a_lamp_lights_the_table_by_its_form_factor(backend, bare, panorama, light):
-    from glassware.render.scene.loaded_scene import load
-
     dark = PictureEnvironment(asset=asset(panorama(np.full((8, 16, 3), 1e-9)) / "map.exr"))
     kernel = load(bare.model_copy(update={"environment": dark, "lights": (light,)}))
     measured, error = _on_the_table(kernel)
@@ -106,8 +103,6 @@ def test_a_lamp_lights_the_table_by_its_form_factor(backend, bare, panorama, lig
 
 
 def test_the_environment_lights_the_table_as_the_meter_reads(backend, drawn):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(4, vessel_count=(0, 0), prop_count=(0, 0), lights={"max_count": 0})
     environment = scene.environment.model_copy(update={"rotation": 1.1, "strength": 2.5})
     measured, error = _on_the_table(load(scene.model_copy(update={"environment": environment})))
@@ -116,9 +111,6 @@ def test_the_environment_lights_the_table_as_the_meter_reads(backend, drawn):
 
 
 def test_a_lamp_is_black_from_behind(backend, bare, panorama):
-    from glassware.render.pictures.picture import trace_picture
-    from glassware.render.scene.loaded_scene import load
-
     even = PictureEnvironment(asset=asset(panorama(np.ones((8, 16, 3))) / "map.exr"))
     light = _light((0.0, 0.0, 5.0), (0.0, 0.0, 9.0), (0.5, 0.5), (50.0, 50.0, 50.0))
     camera = _looking(bare.cameras[0], np.array([0.0, 1e-3, 1.0]))

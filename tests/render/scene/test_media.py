@@ -7,6 +7,10 @@ import pytest
 
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.description.scene import glass_solid, liquid_solid
+from glassware.render.pictures.picture import MAX_VIOLATIONS, MediumError, trace_picture
+from glassware.render.scene.loaded_scene import load
+from glassware.render.scene.rays import leave
+from glassware.render.scene.surfaces import registry_id
 
 #: Rays through each vessel, and most surfaces that each is followed through.
 RAYS, SURFACES = 150, 24
@@ -30,9 +34,6 @@ def _segments(kernel, index: int, origin: np.ndarray, direction: np.ndarray):
     """Follow straight rays through the surfaces of one object: (middle, length, medium before, medium after)."""
     import drjit as dr
     import mitsuba as mi
-
-    from glassware.render.scene.rays import leave
-    from glassware.render.scene.surfaces import registry_id
 
     table = kernel.surfaces
     rows = {name: np.array(getattr(table, name)) for name in ("object", "opaque", "front", "back")}
@@ -83,8 +84,6 @@ def _medium_at(vessel, names: dict[str, int], points: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def sides(backend, drawn):
-    from glassware.render.scene.loaded_scene import load
-
     scene = drawn(11, vessel_count=(3, 3), prop_count=(0, 0), vessels={"fill_probability": 1.0, "chord_error": 2e-4})
     return scene, load(scene)
 
@@ -111,8 +110,6 @@ def test_rays_meet_the_media_that_the_bodies_are_made_of(sides, rng, number):
 def test_pictures_of_drawn_scenes_have_no_segment_in_the_wrong_medium_beyond_hairlines(loaded_glasses):
     from dataclasses import replace
 
-    from glassware.render.pictures.picture import MAX_VIOLATIONS, trace_picture
-
     scene = loaded_glasses.description
     # Enough segments (a quarter of a million) for a share this small to be told.
     picture = scene.picture.model_copy(update={"spp": 32})
@@ -123,9 +120,6 @@ def test_pictures_of_drawn_scenes_have_no_segment_in_the_wrong_medium_beyond_hai
 @pytest.mark.parametrize("part", ["outside", "wet_wall", "liquid_surface"])
 @pytest.mark.parametrize("fault", ["media exchanged", "missing"])
 def test_an_interface_that_is_wrong_is_caught_while_the_picture_is_made(backend, glasses, part, fault):
-    from glassware.render.pictures.picture import MediumError, trace_picture
-    from glassware.render.scene.loaded_scene import load
-
     def spoiled(vessel):
         kept = [item for item in vessel.interfaces if not (fault == "missing" and item.part == part)]
         turned = [
@@ -139,5 +133,5 @@ def test_an_interface_that_is_wrong_is_caught_while_the_picture_is_made(backend,
     first = next(item for item in glasses.vessels if item.liquid)
     vessels = tuple(spoiled(item) if item is first else item for item in glasses.vessels)
     kernel = load(glasses.model_copy(update={"vessels": vessels}))
-    with pytest.raises(MediumError, match="an interface is missing or turned round"):
+    with pytest.raises(MediumError, match="an interface is missing or its normal is reversed"):
         trace_picture(kernel, glasses.cameras[0], "left", seed=1)

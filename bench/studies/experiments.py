@@ -1,12 +1,14 @@
 """Networks that differ in one thing, trained and evaluated by the commands: the runs behind docs/results.md.
 
-python bench/experiments.py --pairs PAIRS --near NEAR --out OUT [--only base linear ...] [--seeds 0 1 2] [--steps 400]
-python bench/experiments.py --pairs PAIRS --near NEAR --out OUT --table
+A study: it backs the table "Runs" of docs/results.md, last run 2026-11-25. It is not maintained beyond importing.
+
+    python bench/studies/experiments.py --pairs PAIRS --near NEAR --out OUT [--only base linear ...] [--steps 400]
+    python bench/studies/experiments.py --pairs PAIRS --near NEAR --out OUT --table
 
 PAIRS is a data set for stereo pairs, NEAR one whose cameras stand near each other, for two views and more.
 
-A run goes to OUT/NAME-SEED and is left alone where it is there already, or is being made by another process, so several
-of these share the work. Each uses one thread. All train on the data set's split `train` and are evaluated on `test`.
+A run goes to OUT/NAME-SEED and is skipped where that folder exists, so several processes can work side by side. Each
+uses one thread. All train on the data set's split `train` and are evaluated on `test`.
 """
 
 from __future__ import annotations
@@ -15,12 +17,16 @@ import json
 import resource
 import subprocess
 import sys
-from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import mean, stdev
 from typing import Any
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from command import run
+
+from glassware.core.errors import InputError
 
 #: Height and width of the pictures [px]: half of the preset `fast`, rounded to multiples of 32.
 SIZE = (128, 160)
@@ -55,7 +61,7 @@ class Experiment:
     views: Mapping[str, Any] = field(default_factory=lambda: PAIR)
     losses: Mapping[str, float] = field(default_factory=lambda: LOSSES)
     rate: float = RATE
-    share: float = 1.0  #: of the steps
+    steps_fraction: float = 1.0  #: of the steps
 
 
 EXPERIMENTS = {
@@ -69,8 +75,8 @@ EXPERIMENTS = {
     "visibility": Experiment(SMALL | {"fusion": "visibility"}, FIVE),
     # The networks as large as the paper's, with the released weights of losses and the paper's rate. A step takes five
     # to nine times as long.
-    "corrected": Experiment({}, losses={}, rate=6e-4, share=0.3),
-    "released": Experiment({"variant": "reference"}, losses={}, rate=6e-4, share=0.3),
+    "corrected": Experiment({}, losses={}, rate=6e-4, steps_fraction=0.3),
+    "released": Experiment({"variant": "reference"}, losses={}, rate=6e-4, steps_fraction=0.3),
 }
 #: Figures of a report that are shown: heading, and where it stands.
 FIGURES = {
@@ -86,16 +92,31 @@ FIGURES = {
 }
 
 
-def main() -> int:
-    """Make runs, or print what they gave."""
-    options = ArgumentParser(description=__doc__)
-    for name in ("--pairs", "--near", "--out"):
-        options.add_argument(name, type=Path, required=True)
-    options.add_argument("--only", nargs="+", choices=EXPERIMENTS, default=list(EXPERIMENTS))
-    options.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
-    options.add_argument("--steps", type=int, default=400)
-    options.add_argument("--table", action="store_true")
-    given = options.parse_args()
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What to run."""
+
+    pairs: Path
+    """Data set for stereo pairs."""
+    near: Path
+    """Data set whose cameras stand near each other."""
+    out: Path
+    """Folder of the runs."""
+    only: tuple[str, ...] = tuple(EXPERIMENTS)
+    """Names of the experiments."""
+    seeds: tuple[int, ...] = (0, 1, 2)
+    """Seeds, one run each."""
+    steps: int = 400
+    """Training steps."""
+    table: bool = False
+    """Print the results of finished runs instead."""
+
+
+def main(given: Options) -> int:
+    """Train and evaluate, or print the results."""
+    for name in given.only:
+        if name not in EXPERIMENTS:
+            raise InputError("--only", "names of " + ", ".join(EXPERIMENTS), name)
     if given.table:
         sys.stdout.write(table(given))
         return 0
@@ -107,15 +128,15 @@ def main() -> int:
 
 def settings_of(name: str, seed: int, steps: int) -> dict[str, Any]:
     """Return the settings of a run, as the command takes them."""
-    asked = EXPERIMENTS[name]
+    experiment = EXPERIMENTS[name]
     return {
-        "network": dict(asked.network),
-        "views": {**asked.views, "size": list(SIZE)},
-        "losses": dict(asked.losses),
+        "network": dict(experiment.network),
+        "views": {**experiment.views, "size": list(SIZE)},
+        "losses": dict(experiment.losses),
         "machine": {"accelerator": "cpu", "threads": 1, "workers": 1, "precision": "bf16-mixed"},
-        "optimiser": {"warmup": 50, "learning_rate": asked.rate},
+        "optimiser": {"warmup": 50, "learning_rate": experiment.rate},
         "seed": seed,
-        "steps": round(steps * asked.share),
+        "steps": round(steps * experiment.steps_fraction),
         "batch": 4,
         "val_split": "none",
         "log_every": 50,
@@ -124,7 +145,7 @@ def settings_of(name: str, seed: int, steps: int) -> dict[str, Any]:
     }
 
 
-def _run(name: str, seed: int, given: Namespace) -> None:
+def _run(name: str, seed: int, given: Options) -> None:
     folder = given.out / f"{name}-{seed}"
     data = given.pairs if EXPERIMENTS[name].views is PAIR else given.near
     given.out.mkdir(parents=True, exist_ok=True)
@@ -155,8 +176,8 @@ def _seconds(command: list[Any], log: Path) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def table(given: Namespace) -> str:
-    """Return the figures of the runs that are there, mean and deviation over seeds, in Markdown."""
+def table(given: Options) -> str:
+    """Return the figures of the finished runs, mean and deviation over seeds, in Markdown."""
     lines = ["| | seeds | steps | CPU min | " + " | ".join(FIGURES) + " |", "|---" * (4 + len(FIGURES)) + "|"]
     for name in given.only:
         folders = [path.parent for path in sorted(given.out.glob(f"{name}-*/seconds.json"))]
@@ -187,4 +208,4 @@ def _cell(values: list[float | None], name: str) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

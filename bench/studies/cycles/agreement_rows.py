@@ -1,4 +1,4 @@
-"""Do the two renderers draw the same picture? Blocks of their means against the noise of both."""
+"""Whether the two renderers agree: differences of block means against the noise of both."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 from agreement import Agreement, block_means, compared
-from ours import Ours, loaded, render
-from pngs import write_exposed, write_signed
+from ours import Ours, prepare, render
+from pictures import write_exposed, write_signed
 from scenes import bench_scene
 from table import Row
 
 from glassware.procedural.description.scene import Vessel
 from glassware.render.labels.geometry import trace_geometry
 
-from .comparison import Options, peer_of, say
+from .comparison import Options, peer_of, progress
 from .peer import Cycles
 
 
@@ -23,24 +23,23 @@ def agreement_rows(python: Path, options: Options) -> tuple[list[Row], str]:
     rows, version = [], ""
     for name in options.scenes:
         scene = bench_scene(name, options.width, options.height)
-        ours = loaded(scene, plain=True)
-        with peer_of(python, scene, options, plain=True) as peer:
+        ours = prepare(scene, lambertian=True)
+        with peer_of(python, scene, options.threads, lambertian=True) as peer:
             version = peer.version
             rows += _agreement_rows(name, ours, peer, options)
     return rows, version
 
 
 def _agreement_rows(name: str, ours: Ours, peer: Cycles, options: Options) -> list[Row]:
-    exposure = ours.kernel.description.cameras[0].exposure
     blocks: tuple[list, list] = ([], [])
     means = np.zeros((2, options.height, options.width, 3))
     for number in range(options.passes):
-        say(f"{name}: pass {number + 1} of {options.passes}")
+        progress(f"{name}: pass {number + 1} of {options.passes}")
         pair = [
-            one.noisy * exposure
+            one.noisy * ours.exposure
             for one in (
-                render(ours, options.pass_spp, number + 1, clean=False),
-                peer.render(options.pass_spp, number + 1, clean=False),
+                render(ours, options.pass_spp, number + 1, denoise=False),
+                peer.render(options.pass_spp, number + 1, denoise=False),
             )
         ]
         for k, picture in enumerate(pair):
@@ -57,7 +56,7 @@ def _agreement_rows(name: str, ours: Ours, peer: Cycles, options: Options) -> li
 def _verdict(name: str, ours: Ours, found: Agreement) -> list[Row]:
     rough = _shows_rough_glass(ours, found)
     different = found.different & ~rough
-    # Where rough glass is not looked at, or nothing differs, this is the most suspicious of what decides.
+    # The block without rough glass whose difference is largest for its limit.
     excess = np.where(rough[..., None], 0.0, np.abs(found.z) / found.limit)
     worst = np.unravel_index(excess.argmax(), excess.shape)
     rows = [
@@ -82,20 +81,20 @@ def _verdict(name: str, ours: Ours, found: Agreement) -> list[Row]:
 
 def _shows_rough_glass(ours: Ours, found: Agreement) -> np.ndarray:
     """Return which blocks show a rough vessel anywhere, (rows, columns) bool."""
-    scene = ours.kernel.description
-    crossed = trace_geometry(ours.kernel, scene.cameras[0]).crossed
+    scene = ours.loaded.description
+    crossed = trace_geometry(ours.loaded, scene.cameras[0]).crossed
     rough = [isinstance(item, Vessel) and item.roughness > 0.0 for item in scene.objects]
     seen = crossed[rough].any(axis=0)
     return block_means(np.repeat(np.asarray(seen)[..., None], 3, axis=-1), found.block)[..., 0] > 0.0
 
 
 def _where(ours: Ours, found: Agreement, index: tuple) -> str:
-    """Say what is seen in the block that differs most, and by how much it differs."""
-    scene = ours.kernel.description
+    """Return what the most different block shows, and its difference."""
+    scene = ours.loaded.description
     row, column, channel = (int(i) for i in index)
-    ids = trace_geometry(ours.kernel, scene.cameras[0]).id
+    ids = trace_geometry(ours.loaded, scene.cameras[0]).id
     seen = ids[row * found.block : (row + 1) * found.block, column * found.block : (column + 1) * found.block]
     names = {0: "environment", 1: "table", **{item.id: item.name for item in scene.objects}}
     what = ", ".join(names[int(i)] for i in np.unique(seen))
-    share = 100.0 * found.relative[row, column, channel]
-    return f"worst at ({column * found.block}, {row * found.block}) px: {share:+.2f} % on {what}"
+    percent = 100.0 * found.relative[row, column, channel]
+    return f"worst at ({column * found.block}, {row * found.block}) px: {percent:+.2f} % on {what}"

@@ -1,4 +1,4 @@
-"""Our description written out for another renderer: world-frame triangles, baked textures, plain numbers.
+"""Our description written out for another renderer: world-frame triangles, baked textures, numbers.
 
 The folder holds ``arrays.npz`` and ``scene.json``; the JSON names arrays by their key. Nothing in it needs our code to
 be read.
@@ -19,7 +19,7 @@ from glassware.procedural.materials.textures import bake
 from glassware.procedural.surroundings.environments import bake_environment
 
 
-def write_exchange(scene: Scene, folder: Path, plain: bool = False) -> None:
+def write_exchange(scene: Scene, folder: Path, lambertian: bool = False) -> None:
     """Write a scene for `blender_scene.build`.
 
     Parameters
@@ -27,8 +27,8 @@ def write_exchange(scene: Scene, folder: Path, plain: bool = False) -> None:
     scene : Scene
         Its media must be clear: nothing is written of absorption. The left eye of the first camera is used.
     folder : Path
-        Where to; made if it is not there.
-    plain : bool
+        Where to; made where it is missing.
+    lambertian : bool
         Write opaque materials as ideal diffusers of their base colour.
 
     Raises
@@ -38,12 +38,12 @@ def write_exchange(scene: Scene, folder: Path, plain: bool = False) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     arrays: dict[str, np.ndarray] = {}
-    bodies = [_opaque_body(scene.table.mesh, np.eye(4), scene.table.material, plain, arrays)]
+    bodies = [_opaque_body(scene.table.mesh, np.eye(4), scene.table.material, lambertian, arrays)]
     for item in scene.objects:
         if isinstance(item, Vessel):
             bodies += _vessel_bodies(item, arrays)
         else:
-            bodies.append(_opaque_body(item.mesh, item.world_T_object, item.material, plain, arrays))
+            bodies.append(_opaque_body(item.mesh, item.world_T_object, item.material, lambertian, arrays))
     arrays["environment"] = bake_environment(scene.environment) * np.float32(scene.environment.strength)
     content = {
         "bodies": bodies,
@@ -73,12 +73,12 @@ def _vessel_bodies(vessel: Vessel, arrays: dict[str, np.ndarray]) -> list[dict]:
 
 
 def _opaque_body(
-    mesh: Mesh, world_T_mesh: np.ndarray, material: OpaqueMaterial, plain: bool, arrays: dict[str, np.ndarray]
+    mesh: Mesh, world_T_mesh: np.ndarray, material: OpaqueMaterial, lambertian: bool, arrays: dict[str, np.ndarray]
 ) -> dict:
     texture = f"{mesh.name}.texture"
     arrays[texture] = bake(material.base_colour)
     written = {
-        "kind": "diffuse" if plain else "principled",
+        "kind": "diffuse" if lambertian else "principled",
         "texture": texture,
         "repeats": material.repeats,
         "roughness": material.roughness,

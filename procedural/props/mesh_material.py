@@ -1,6 +1,6 @@
-"""What mesh files say of their material: MTL beside OBJ, and the materials inside GLB.
+"""Materials of mesh files: MTL beside OBJ, and the materials inside GLB.
 
-A prop has one material, so a file of several gives the one that most of its faces have. PLY and STL give none.
+A prop has one material: that of most of the faces in the file. PLY and STL have none.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ _PICTURE_MAGIC = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg"}
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a file says; None where it says nothing.
+class MeshMaterial:
+    """The material in a mesh file; fields that the file does not define are None.
 
     Parameters
     ----------
@@ -50,21 +50,21 @@ class Look:
 
 
 def default_picture_folder() -> Path:
-    """Return where pictures out of mesh files are kept: a folder in the user's cache."""
+    """Return the folder in the user's cache for pictures that are inside mesh files."""
     return cache_folder() / "pictures"
 
 
-def obj_look(path: Path, root: Path, content: bytes) -> Look:
-    """Return the look of an OBJ file from the MTL that it names.
+def obj_material(path: Path, root: Path, content: bytes) -> MeshMaterial:
+    """Return the material of an OBJ file from its MTL file.
 
-    ``map_Kd`` is taken as it is, ``Kd`` only without it (as linear reflectance: exporters write 0.8 beside pictures
-    out of habit). ``Ns`` is a Phong exponent: GGX alpha is sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), and
-    roughness its root. An MTL that is missing says nothing.
+    ``map_Kd`` is used unscaled. ``Kd`` is used, as linear reflectance, only without it: exporters write a default of
+    0.8 beside pictures. ``Ns`` is a Phong exponent: GGX alpha is sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5),
+    and roughness its square root. Without the MTL file the material is empty.
 
     Raises
     ------
     InputError
-        Where the MTL or its picture lies outside `root`, or the picture cannot be read.
+        If the MTL file or its picture is outside `root`, or the picture cannot be read.
     """
     library, used = None, Counter()
     current = None
@@ -78,30 +78,30 @@ def obj_look(path: Path, root: Path, content: bytes) -> Look:
                 used[current] += 1
     material = used.most_common(1)[0][0] if used else None
     if library is None or material is None:
-        return Look()
+        return MeshMaterial()
     file = _inside(path, root, library)
     if not file.is_file():
-        return Look()
+        return MeshMaterial()
     entries = _mtl_entries(file.read_bytes()).get(material, {})
-    return Look(texture=_mtl_texture(file, root, entries), roughness=_mtl_roughness(file, entries))
+    return MeshMaterial(texture=_mtl_texture(file, root, entries), roughness=_mtl_roughness(file, entries))
 
 
-def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
-    """Return the look of a GLB file (glTF 2.0, section 3.9: factors are linear, and both are 1 unless given).
+def glb_material(path: Path, root: Path, content: bytes, pictures: Path) -> MeshMaterial:
+    """Return the material of a GLB file (glTF 2.0, section 3.9: factors are linear, and 1 by default).
 
-    A picture inside the file is written to `pictures`, named by its digest. A base colour factor beside a picture is
-    ignored, and so are pictures of roughness and metalness (the factors they scale then say nothing).
+    A picture inside the file is written to `pictures`, with its digest as its name. A base colour factor beside a
+    picture is ignored. Pictures of roughness and metalness are ignored as well, with the factors that scale them.
 
     Raises
     ------
     InputError
-        Where the file's structure is broken, or a picture cannot be read or lies outside `root`.
+        If the file's structure is broken, or a picture cannot be read or is outside `root`.
     """
     try:
         document, binary = _glb_chunks(content)
         material = _dominant_material(document)
         if material is None:
-            return Look()
+            return MeshMaterial()
         surface = material.get("pbrMetallicRoughness", {})
         picture = _glb_picture(document, binary, surface)
     except (LookupError, TypeError, AttributeError, ValueError, RecursionError, struct.error) as error:
@@ -109,14 +109,14 @@ def glb_look(path: Path, root: Path, content: bytes, pictures: Path) -> Look:
     if isinstance(picture, str):
         texture = _picture(_inside(path, root, picture))
     elif picture is not None:
-        texture = _kept(path, picture, pictures)
+        texture = _write_picture(path, picture, pictures)
     else:
         texture = UniformTexture(colour=_reflectance(path, surface.get("baseColorFactor", [1.0, 1.0, 1.0])))
     if "metallicRoughnessTexture" in surface:
-        return Look(texture=texture)
+        return MeshMaterial(texture=texture)
     factors = [surface.get(field, 1.0) for field in ("roughnessFactor", "metallicFactor")]
     roughness, metallic = _factors(path, factors)
-    return Look(texture, float(roughness), float(metallic))
+    return MeshMaterial(texture, float(roughness), float(metallic))
 
 
 def _statements(content: bytes) -> list[list[str]]:
@@ -139,7 +139,7 @@ def _mtl_entries(content: bytes) -> dict[str, dict[str, str]]:
 def _mtl_texture(file: Path, root: Path, entries: dict[str, str]) -> PictureTexture | UniformTexture | None:
     if "map_Kd" in entries:
         value = entries["map_Kd"]
-        # Options such as "-s 1 1 1" stand before the name.
+        # Options such as "-s 1 1 1" come before the name.
         return _picture(_inside(file, root, value.split()[-1] if value.startswith("-") else value))
     if "Kd" in entries:
         return UniformTexture(colour=_reflectance(file, entries["Kd"].split()))
@@ -179,11 +179,11 @@ def _factors(file: Path, values: list) -> tuple[float, float]:
 
 
 def _inside(file: Path, root: Path, name: str) -> Path:
-    """Return the path that a file names, after checking that it lies in the folder that the user gave."""
+    """Return the path of a name in a file, after a check that it is inside the user's folder."""
     try:
         path = usable_path((file.parent / usable_text(name.strip()).replace("\\", "/")).resolve())
         path.is_file()  # raises where the file system cannot hold such a name
-    except (ValueError, OSError, RuntimeError) as error:  # NUL or other letters, too long, links in a circle
+    except (ValueError, OSError, RuntimeError) as error:  # NUL, letters that are not UTF-8, too long, links in a loop
         raise InputError(file, "names that a file can have", ascii(name[:80])) from error
     if not path.is_relative_to(root.resolve()):
         raise InputError(file, f"names of files inside {root}", name)
@@ -191,7 +191,7 @@ def _inside(file: Path, root: Path, name: str) -> Path:
 
 
 def _picture(path: Path) -> PictureTexture:
-    read_picture(path)  # an unreadable one is refused here, before anything is rendered
+    read_picture(path)  # refuses an unreadable picture before anything is rendered
     return PictureTexture(asset=asset(path))
 
 
@@ -211,7 +211,7 @@ def _glb_chunks(content: bytes) -> tuple[dict, bytes]:
 
 
 def _dominant_material(document: dict) -> dict | None:
-    """Return the material of most indices (a file without indices counts vertices)."""
+    """Return the material with most indices (without indices: with most vertices)."""
     used = Counter()
     for mesh in document.get("meshes", []):
         for primitive in mesh["primitives"]:
@@ -235,8 +235,8 @@ def _glb_picture(document: dict, binary: bytes, surface: dict) -> bytes | str | 
     return base64.b64decode(uri.split(",", 1)[1], validate=True) if uri.startswith("data:") else uri
 
 
-def _kept(path: Path, picture: bytes, folder: Path) -> PictureTexture:
-    """Write a picture out of a mesh file to its place, whole or not at all."""
+def _write_picture(path: Path, picture: bytes, folder: Path) -> PictureTexture:
+    """Write a picture from inside a mesh file to a folder, atomically."""
     suffix = next((suffix for magic, suffix in _PICTURE_MAGIC.items() if picture.startswith(magic)), None)
     if suffix is None:
         raise InputError(path, "a PNG or JPEG picture inside", "something else")

@@ -10,7 +10,7 @@ from scipy import stats
 #: Relative difference that is below what the two programs round: bilinear weights of textures and environment in
 #: float32 and 8 bits of fraction, coordinates of 2^-24.
 ROUNDING = 1e-3
-#: Probability that a comparison without any true difference is called different.
+#: Probability that a comparison without any true difference is reported as different.
 FALSE_ALARM = 0.01
 
 

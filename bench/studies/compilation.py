@@ -1,8 +1,11 @@
 """What a new scene in a running process costs to compile, and a scene in which only numbers changed.
 
-python bench/compilation.py [--scenes 5] [--json FILE]
+A study: it backs the table "Compiling" of docs/performance.md, last run 2026-11-22. It is not maintained beyond
+importing.
 
-Kernels are compiled anew: what earlier runs have left in the disk's cache does not count.
+    python bench/studies/compilation.py [--scenes 5] [--json FILE]
+
+The kernel cache on the disk starts empty.
 """
 
 from __future__ import annotations
@@ -10,20 +13,27 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from argparse import ArgumentParser
 from dataclasses import dataclass
 from pathlib import Path
 from time import thread_time
+from typing import TypeVar
 
+import drjit as dr
+from pydantic import BaseModel
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from command import Output, run
 from table import Row, report
 
 from glassware.dataset.settings.config import preset
 from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.backend.variant import activate
 from glassware.render.renderer import Renderer
 
+M = TypeVar("M", bound=BaseModel)
 #: Most that the kernels of a new scene may take to compile [s].
 BOUND = 0.5
 #: Kernels that another size of the picture may cost: copies between arrays, which Dr.Jit writes for one length.
@@ -44,22 +54,26 @@ class Compiled:
     operations: int  #: of the largest kernel
 
 
-def main() -> int:
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
+    """What to measure."""
+
+    scenes: int = 5
+    """Number of scenes."""
+
+
+def main(given: Options) -> int:
     """Measure and print; 1 where a bound is broken."""
-    options = ArgumentParser(description=__doc__)
-    options.add_argument("--scenes", type=int, default=5)
-    options.add_argument("--json", type=Path)
-    given = options.parse_args()
     scenes = [_drawn(number) for number in range(given.scenes)]
     with tempfile.TemporaryDirectory() as folder:
         os.environ["HOME"] = folder  # Dr.Jit keeps its kernels there
         variant = activate()
-        _count_kernels()
+        dr.set_flag(dr.JitFlag.KernelHistory, True)
         rows = [_row(number, scene) for number, scene in enumerate(scenes)]
         cost = _cost(_other_numbers(scenes[-1]))
     note = f"{cost.waited:.2f} s by the clock, {cost.new} of {cost.kernels} kernels new, at most {FEW}"
     rows.append(Row("the last one with other numbers", cost.seconds, "s", ok=cost.new <= FEW, note=note))
-    return report("Compiling kernels", rows, given.json, seed=SEED, preset="fast", variant=variant)
+    return report("Compiling kernels", rows, given.json_file, seed=SEED, preset="fast", variant=variant)
 
 
 def _row(number: int, scene: Scene) -> Row:
@@ -72,12 +86,6 @@ def _row(number: int, scene: Scene) -> Row:
     return Row(f"new scene {number}", cost.seconds, "s", bound=BOUND, ratio=ratio, ok=ok, note=note)
 
 
-def _count_kernels() -> None:
-    import drjit as dr
-
-    dr.set_flag(dr.JitFlag.KernelHistory, True)
-
-
 def _drawn(number: int) -> Scene:
     settings = SceneSettings.model_validate(preset("fast"))
     cameras = settings.cameras.model_copy(update={"views": 1, "width": WIDTH, "height": HEIGHT})
@@ -87,47 +95,41 @@ def _drawn(number: int) -> Scene:
 
 def _other_numbers(scene: Scene) -> Scene:
     """Return the scene with another glass, another light, another camera, another picture, another roughness."""
-    props = tuple(
-        prop.model_copy(
-            update={"material": prop.material.model_copy(update={"roughness": 0.5 + 0.5 * prop.material.roughness})}
-        )
-        for prop in scene.props
-    )
-    lights = tuple(
-        light.model_copy(
-            update={
-                "radiance": tuple(0.5 * x for x in light.radiance),
-                "size": (0.5 * light.size[0], light.size[1]),
-            }
-        )
-        for light in scene.lights
-    )
+    props = []
+    for prop in scene.props:
+        material = _copy(prop.material, roughness=0.5 + 0.5 * prop.material.roughness)
+        props.append(_copy(prop, material=material))
+    lights = []
+    for light in scene.lights:
+        radiance, size = tuple(0.5 * x for x in light.radiance), (0.5 * light.size[0], light.size[1])
+        lights.append(_copy(light, radiance=radiance, size=size))
     camera = scene.cameras[0]
-    cameras = (camera.model_copy(update={"exposure": 2.0 * camera.exposure, "width": WIDTH // 2}),)
-    picture = scene.picture.model_copy(update={"spp": 2 * SPP, "max_depth": 40})
-    environment = scene.environment.model_copy(update={"strength": 0.5})
-    changed = {"props": props, "lights": lights, "cameras": cameras, "picture": picture, "environment": environment}
-    return scene.model_copy(update=changed | {"vessels": tuple(_denser(vessel) for vessel in scene.vessels)})
+    return _copy(
+        scene,
+        props=tuple(props),
+        lights=tuple(lights),
+        cameras=(_copy(camera, exposure=2.0 * camera.exposure, width=WIDTH // 2),),
+        picture=_copy(scene.picture, spp=2 * SPP, max_depth=40),
+        environment=_copy(scene.environment, strength=0.5),
+        vessels=tuple(_denser(vessel) for vessel in scene.vessels),
+    )
+
+
+def _copy(model: M, **update: object) -> M:
+    return model.model_copy(update=update)
 
 
 def _denser(vessel: Vessel) -> Vessel:
-    interfaces = tuple(
-        interface.model_copy(
-            update={
-                side: medium.model_copy(update={"eta": 1.01 * medium.eta})
-                for side, medium in (("front", interface.front), ("back", interface.back))
-                if medium.eta > 1.0
-            }
-        )
-        for interface in vessel.interfaces
-    )
-    return vessel.model_copy(update={"interfaces": interfaces})
+    def dense(medium: Medium) -> Medium:
+        return _copy(medium, eta=1.01 * medium.eta) if medium.eta > 1.0 else medium
+
+    interfaces = tuple(_copy(side, front=dense(side.front), back=dense(side.back)) for side in vessel.interfaces)
+    liquid = vessel.liquid and _copy(vessel.liquid, medium=dense(vessel.liquid.medium))
+    return _copy(vessel, glass=dense(vessel.glass), liquid=liquid, interfaces=interfaces)
 
 
 def _cost(scene: Scene) -> Compiled:
     """Return what a scene costs. It is gone before the next one: Dr.Jit compiles for everything that is alive."""
-    import drjit as dr
-
     dr.kernel_history_clear()
     renderer = Renderer(scene)
     first = _frame_seconds(renderer)
@@ -146,4 +148,4 @@ def _frame_seconds(renderer: Renderer) -> float:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import tyro
+from command import PictureOptions
+from references import PASS_SPP, Reference, reference
 from rich.console import Console
-from scenes import NAMES
+from scenes import digest
 from table import cores
 
 from glassware.procedural.description.scene import Scene
@@ -19,20 +19,14 @@ from glassware.procedural.description.scene import Scene
 from .peer import Cycles
 
 
-@dataclass(frozen=True)
-class Options:
+@dataclass(frozen=True, kw_only=True)
+class Options(PictureOptions):
     """What to compare."""
 
     cycles_python: Path | None = None
     """Python that has bpy 4.5; the environment variable GLASSWARE_CYCLES_PYTHON by default."""
     speed: bool = False
     """Measure time to equal error instead of agreement."""
-    scenes: tuple[str, ...] = NAMES
-    """Which of the five scenes."""
-    width: int = 320
-    """Width of the picture [px]."""
-    height: int = 180
-    """Height of the picture [px]."""
     threads: int = cores()
     """Threads of Cycles; ours uses all cores that the process may."""
     passes: int = 16
@@ -47,28 +41,22 @@ class Options:
     """Speed: the errors to reach are those that Cycles has after its denoiser at these samples."""
     thresholds: tuple[float, ...] = (0.1,)
     """Speed: thresholds of Cycles' adaptive sampling, each measured as well."""
-    repeats: int = 2
-    """Speed: pictures that each figure is the mean of."""
-    reference_spp: int = 4096
-    """Speed: samples of each renderer's reference."""
-    cache: Path = Path(".scratch/references")
-    """Speed: folder of the references."""
-    pictures: Path | None = None
-    """Folder for pictures of both renderers, ours above."""
-    json_file: Annotated[Path | None, tyro.conf.arg(name="json")] = None
-    """File to write the figures to."""
 
 
 @contextmanager
-def peer_of(python: Path, scene: Scene, options: Options, plain: bool) -> Iterator[Cycles]:
-    """Hold a Cycles worker with the scene, opaque surfaces as ideal diffusers where `plain`."""
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        Cycles(python, scene, Path(folder), options.threads, plain) as peer,
-    ):
+def peer_of(python: Path, scene: Scene, threads: int, lambertian: bool = False) -> Iterator[Cycles]:
+    """Hold a Cycles worker with the scene, opaque surfaces as ideal diffusers where `lambertian`."""
+    with tempfile.TemporaryDirectory() as folder, Cycles(python, scene, Path(folder), threads, lambertian) as peer:
         yield peer
 
 
-def say(text: str) -> None:
-    """Tell what is being measured."""
+def peer_reference(peer: Cycles, folder: Path, spp: int) -> Reference:
+    """Return Cycles' converged picture; passes that the folder holds are not rendered again."""
+    exposure = peer.scene.cameras[0].exposure
+    path = folder / f"cycles-{peer.version.split()[0]}-{digest(peer.scene)}.npz"
+    return reference(path, spp, lambda seed: peer.render(PASS_SPP, seed, denoise=False).noisy * exposure)
+
+
+def progress(text: str) -> None:
+    """Print what was measured."""
     Console(stderr=True).print(text, highlight=False)

@@ -1,7 +1,9 @@
 """Our renderer against Blender's Cycles on the same five scenes: agreement, and time to equal error.
 
-    python bench/render_vs_cycles.py --cycles-python ~/bpy/bin/python
-    python bench/render_vs_cycles.py --cycles-python ~/bpy/bin/python --speed
+A study: it backs all tables of docs/cycles.md, last run 2026-11-22. It is not maintained beyond importing.
+
+    python bench/studies/render_vs_cycles.py --cycles-python ~/bpy/bin/python
+    python bench/studies/render_vs_cycles.py --cycles-python ~/bpy/bin/python --speed
 
 Cycles comes as the package `bpy` 4.5 (LTS) for Python 3.11, in an environment of its own:
 
@@ -18,33 +20,27 @@ Speed: opaque surfaces are what each renderer has for our materials, and each is
 reference, in exposed linear units, by the mean of (I - R)^2 / (R^2 + 0.01) less what the reference's own noise adds to
 it. The targets are the errors that Cycles has after its denoiser at the two numbers of samples in `--levels`, evenly
 spread; its adaptive sampling has rows of its own. Time is tracing and denoising; loading, the tree of triangles and
-compilation are told apart. Both render in turn on the same cores.
+compilation have a row of their own. Both alternate on the same cores.
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
-import tyro
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+from command import run
 from cycles.agreement_rows import agreement_rows
 from cycles.comparison import Options
 from cycles.peer import cycles_python
 from cycles.speed_rows import speed_rows
-from rich.console import Console
 from table import report
 
-from glassware.core.errors import InputError
 
-
-def main() -> int:
+def main(options: Options) -> int:
     """Compare and print."""
-    options = tyro.cli(Options, description=__doc__)
-    try:
-        python = cycles_python(options.cycles_python)
-        rows, version = speed_rows(python, options) if options.speed else agreement_rows(python, options)
-    except InputError as error:
-        Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
-        return 2
+    python = cycles_python(options.cycles_python)
+    rows, version = speed_rows(python, options) if options.speed else agreement_rows(python, options)
     facts = {"picture": f"{options.width}x{options.height}", "cycles": version, "threads": options.threads}
     if options.speed:
         return report("Time to equal error", rows, options.json_file, reference_spp=options.reference_spp, **facts)
@@ -53,4 +49,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(Options, __doc__, main))

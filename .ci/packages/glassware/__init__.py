@@ -1,0 +1,1 @@
+../../../glassware/__init__.py

@@ -1,0 +1,64 @@
+"""Render frames of a stored scene and print the CPU time of each: one environment's half of `frame_speed.py`.
+
+    PYTHON -P bench/render_frames.py SCENE FRAMES THREADS
+
+It runs under the Python of any checkout, also one before `glassware.Renderer`, so it imports nothing from its
+neighbours. The first frame compiles and is not timed. One JSON object is printed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+
+def main() -> None:
+    """Render and print."""
+    path, frames, threads = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    views, frame = _renderer(path, threads)
+    first = frame(0)
+    cpu, wall = [], []
+    for number in range(frames):
+        start, start_cpu = perf_counter(), process_time()
+        frame(number % views)
+        cpu.append(process_time() - start_cpu)
+        wall.append(perf_counter() - start)
+    digest = hashlib.sha256(first.left.tobytes() + first.right.tobytes()).hexdigest()
+    print(json.dumps({"cpu": cpu, "wall": wall, "digest": digest}))  # noqa: T201
+
+
+def _renderer(path: Path, threads: int) -> tuple[int, Callable[[int], Any]]:
+    """Return the number of views, and the function that renders one."""
+    try:
+        from glassware import Renderer, load_scene
+    except ImportError:
+        return _old_renderer(path, threads)
+    scene = load_scene(path)
+    return len(scene.cameras), Renderer(scene, threads=threads).frame
+
+
+def _old_renderer(path: Path, threads: int) -> tuple[int, Callable[[int], Any]]:
+    """Do the same by the functions that `Renderer` replaced."""
+    from glassware.procedural.scene_file import load_scene  # pyright: ignore
+    from glassware.render.light.scene_light import is_shared, shared_light  # pyright: ignore
+    from glassware.render.machine.backend import activate  # pyright: ignore
+
+    scene = load_scene(path)
+    activate(spectral=scene.picture.spectral, threads=threads)
+    from glassware.render.pictures.picture import PATH_TRACER  # pyright: ignore
+    from glassware.render.scene.loaded_scene import load  # pyright: ignore
+    from glassware.render.view import render_view  # pyright: ignore
+
+    shared = is_shared(scene)
+    kernel = load(scene, cut=shared)
+    tracer = shared_light(kernel)[0] if shared else PATH_TRACER
+    return len(scene.cameras), lambda view: render_view(kernel, view, tracer)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""Arrays as 8-bit pictures: radiance as sRGB, depth, normals and ids as colours."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+#: Colours of pixels that show nothing, and of the table.
+NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
+#: Instance ids of the table and of the first object (`procedural.description.scene`).
+_TABLE_ID, _FIRST_OBJECT_ID = 1, 2
+#: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
+_COLOURS = (
+    (230, 80, 70),
+    (70, 150, 235),
+    (250, 190, 50),
+    (90, 200, 100),
+    (185, 105, 225),
+    (60, 205, 205),
+    (245, 130, 45),
+    (240, 120, 185),
+    (165, 210, 60),
+    (115, 115, 235),
+    (200, 155, 105),
+    (25, 145, 125),
+    (255, 215, 150),
+    (175, 65, 110),
+    (160, 195, 235),
+)
+
+
+def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
+    """Return the 8-bit picture of a pinhole camera.
+
+    Radiance times exposure, clipped to [0, 1], through the sRGB curve (IEC 61966-2-1:1999), rounded to 255 steps.
+
+    Parameters
+    ----------
+    linear : (H, W, 3) float32
+        Linear Rec.709 radiance.
+    exposure : float
+        Factor from radiance to the linear value that sRGB encodes.
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        Red, green, blue.
+    """
+    value = np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)
+    encoded = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
+    return np.rint(encoded * 255.0).astype(np.uint8)
+
+
+def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
+    """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
+    hit = np.isfinite(Z)
+    shown = hit & (ids >= _FIRST_OBJECT_ID) if (hit & (ids >= _FIRST_OBJECT_ID)).any() else hit
+    if not shown.any():
+        return np.full((*Z.shape, 3), NOTHING, np.uint8), (0.0, 0.0)
+    near, far = float(Z[shown].min()), float(Z[shown].max())
+    level = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
+    level = np.rint(255 * np.clip(level, 0.0, 1.0)).astype(np.uint8)
+    colours = cv2.applyColorMap(level, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
+    colours[~hit] = NOTHING
+    return colours, (near, far)
+
+
+def normal_colours(normal: np.ndarray) -> np.ndarray:
+    """Return normals as colours, (H, W, 3) uint8: right is red, up is green, towards the camera is blue."""
+    colours = np.rint(127.5 * (1.0 + normal * np.array([1.0, -1.0, -1.0]))).astype(np.uint8)
+    colours[(normal == 0.0).all(axis=-1)] = NOTHING
+    return colours
+
+
+def id_colours(ids: np.ndarray) -> np.ndarray:
+    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
+    table = np.array([NOTHING, TABLE_COLOUR, *(id_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
+    return table[ids]
+
+
+def id_colour(object_id: int) -> tuple[int, int, int]:
+    """Return the colour of an instance id: red, green, blue."""
+    return _COLOURS[(object_id - _FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > _TABLE_ID else TABLE_COLOUR

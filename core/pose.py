@@ -1,0 +1,67 @@
+"""Poses of frames that point at something, such as cameras and lamps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+#: Horizontal offset below which the camera stands at the zenith [fraction of the distance]: it is rounding error.
+_AT_ZENITH = 1e-9
+
+
+def aimed_frame(position: np.ndarray, ahead: np.ndarray, sideways: np.ndarray, turn: float) -> np.ndarray:
+    """Return the pose of a frame whose z axis points ahead.
+
+    Parameters
+    ----------
+    position : (3,) float
+        Origin of the frame, world frame [m].
+    ahead : (3,) float
+        Unit direction of its z axis.
+    sideways : (3,) float
+        Direction of its x axis before the turn, across `ahead`; any length.
+    turn : float
+        Turn about the z axis, from x towards y [rad].
+
+    Returns
+    -------
+    (4, 4) float64
+        ``world_T_frame``.
+    """
+    x = sideways / np.linalg.norm(sideways)
+    y = np.cross(ahead, x)
+    pose = np.eye(4)
+    pose[:3, 0] = math.cos(turn) * x + math.sin(turn) * y
+    pose[:3, 1] = math.cos(turn) * y - math.sin(turn) * x
+    pose[:3, 2] = ahead
+    pose[:3, 3] = position
+    return pose
+
+
+def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarray:
+    """Return the pose of a camera that looks at a point, with +z up in the picture.
+
+    Straight above or below the target, where +z has no direction in the picture, up is -x: the limit of a camera that
+    climbs (above: from azimuth 0) to the zenith.
+
+    Parameters
+    ----------
+    eye, target : (3,) float
+        World frame [m], at different places.
+    roll : float
+        Turn of the camera about its optical axis, clockwise as the camera sees it [rad].
+
+    Returns
+    -------
+    (4, 4) float64
+        ``world_T_camera``, OpenCV axes: x right, y down, z forward.
+    """
+    offset = np.asarray(target, float) - np.asarray(eye, float)
+    distance = np.linalg.norm(offset)
+    if not distance > 0.0:
+        raise ValueError("eye and target: expected two different points")
+    forward = offset / distance
+    above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
+    right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
+    return aimed_frame(np.asarray(eye, float), forward, right, roll)

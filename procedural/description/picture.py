@@ -1,0 +1,54 @@
+"""How the pictures of a scene are computed."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from ...core.model import Model
+
+
+class Picture(Model):
+    """How the pictures are computed."""
+
+    spp: int = Field(
+        default=64,
+        ge=1,
+        le=1_048_576,
+        description="Mean samples per pixel of a picture; with `noise`, of each pass",
+    )
+    noise: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=1.0,
+        description="Relative error of the picture before the denoiser at which passes stop; none takes `spp` samples",
+    )
+    max_spp: int = Field(default=4096, ge=1, le=1_048_576, description="With `noise`: most samples per pixel")
+    adaptive: bool = Field(default=True, description="Whether pixels that show glass get more samples")
+    light: Literal["auto", "path", "shared"] = Field(
+        default="auto",
+        description="Path tracing for every picture (path), an irradiance cache filled once per scene (shared), or "
+        "whichever takes less time (auto)",
+    )
+    keep_light: bool = Field(
+        default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"
+    )
+    max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
+    denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
+    layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
+    refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
+    spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
+    dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> Picture:
+        if self.dispersion and not self.spectral:
+            raise ValueError("dispersion: expected spectral to be on as well, found it off")
+        if self.light == "shared" and self.spectral:
+            raise ValueError("light: expected path or auto where spectral is on, found shared")
+        if self.keep_light and (self.light == "path" or self.spectral):
+            found = "path" if self.light == "path" else "spectral on"
+            raise ValueError(f"keep_light: expected light to be stored, found {found}")
+        return self
