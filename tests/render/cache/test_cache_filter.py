@@ -56,8 +56,16 @@ def _nodes(*meshes: trimesh.Trimesh, sides: int = 1):
             mesh.append(np.full(len(one.vertices), number))
         first += sides * len(one.vertices)
     axis, none = Axis(0.0, 0.0, 0.0, 0.0, 0.001), np.zeros(0, np.uint32)
-    parts = (np.concatenate(x) for x in (positions, normals, triangles, back, mesh))
-    return CachePoints((axis, axis), *parts, none, none)
+    return CachePoints(
+        axes=(axis, axis),
+        positions=np.concatenate(positions),
+        normals=np.concatenate(normals),
+        triangles=np.concatenate(triangles),
+        back=np.concatenate(back),
+        mesh=np.concatenate(mesh),
+        first_triangle=none,
+        to_back=none,
+    )
 
 
 def _halves(light: np.ndarray, sigma: float, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:

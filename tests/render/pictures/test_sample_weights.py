@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.stats import t as student
@@ -73,7 +76,6 @@ def test_every_pixel_gets_groups_enough_to_tell_its_noise(counts):
 
 @pytest.mark.parametrize("spp", [8, pytest.param(24, marks=pytest.mark.slow)])
 def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, spp):
-    from dataclasses import replace
 
     scene = loaded_glasses.description
 
@@ -99,7 +101,6 @@ def test_the_means_are_those_of_evenly_spread_samples(backend, loaded_glasses, s
 
 
 def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
-    from dataclasses import replace
 
     scene = loaded_glasses.description
     picture = scene.picture.model_copy(update={"spp": 16, "noise": 1e-3, "max_spp": 6})
@@ -108,5 +109,6 @@ def test_a_noise_target_takes_no_more_than_the_most_samples(loaded_glasses):
 
 
 def test_an_eye_that_a_camera_has_not_is_refused(loaded_glasses):
+    eye: Any = "middle"
     with pytest.raises(InputError, match="eye: expected 'left' or 'right', found 'middle'"):
-        trace_picture(loaded_glasses, loaded_glasses.description.cameras[0], "middle", 1)
+        trace_picture(loaded_glasses, loaded_glasses.description.cameras[0], eye, 1)
