@@ -67,10 +67,10 @@ def _wall(boxes: Boxes, face: int, id: int, world_T_room: np.ndarray) -> Prop:
     corner, size, _ = face_frames(boxes)
     coordinates = corner[face] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * size[face]
     vertices = face_points(boxes, np.full(4, face), coordinates)
-    name, colour = f"wall-{face:02d}", tuple(map(float, boxes.reflectance[face]))
+    name, colour = f"wall-{face:02d}", _triple(boxes.reflectance[face])
     material = OpaqueMaterial(name=name, base_colour=UniformTexture(colour=colour), roughness=1.0)
     mesh = Mesh(name=name, vertices=vertices, faces=np.array([[0, 1, 2], [0, 2, 3]]))
-    extent = tuple(map(float, np.ptp(vertices, axis=0)))
+    extent = _triple(np.ptp(vertices, axis=0))
     return Prop(
         id=id, name=name, category="wall", mesh=mesh, material=material, size=extent, world_T_object=world_T_room
     )
@@ -86,8 +86,13 @@ def _light(boxes: Boxes, window: Window, strength: float, world_T_room: np.ndarr
     pose[:3, :3] = np.stack([*along, inward], axis=1)
     # One millimetre before the wall.
     pose[:3, 3] = face_points(boxes, np.array([face]), np.array([window.centre]))[0] + 1e-3 * inward
-    radiance = tuple(float(_MEAN_LEVEL * strength * value) for value in window.radiance)
+    radiance = _triple(_MEAN_LEVEL * strength * np.array(window.radiance))
     return AreaLight(world_T_light=world_T_room @ pose, size=window.size, radiance=radiance)
+
+
+def _triple(values: np.ndarray) -> tuple[float, float, float]:
+    first, second, third = map(float, values)
+    return first, second, third
 
 
 def _row(scene: Scene, spp: int, reference_spp: int) -> tuple[float, float, float]:
