@@ -12,6 +12,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Interface, Vessel
 from ..optics.medium import AIR, Medium
+from ..placement.placement import CONTACT_GAP
 from ..vessels.build import Filling, build_vessel, vessel_shape
 from ..vessels.liquid import brimful_volume
 from ..vessels.outline import Outline, linear
@@ -137,7 +138,7 @@ def vessel(
     category: str = "vessel",
     chord_error: float = CHORD_ERROR,
 ) -> Vessel:
-    """Return a vessel that stands on the table (z = 0), from the profile of its outside.
+    """Return a vessel that stands on the table, `CONTACT_GAP` above z = 0, from the profile of its outside.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ def vessel(
     built = vessel_shape(section, wall)
     filling = None if liquid is None else Filling(liquid, fill * brimful_volume(built.inner.points))
     made = build_vessel(built, glass, 0.0, filling, chord_error, id=id, name=name, category=category)
-    return made.model_copy(update={"world_T_object": _moved((*place, 0.5 * made.size[2]))})
+    return made.model_copy(update={"world_T_object": _moved((*place, 0.5 * made.size[2] + CONTACT_GAP))})
 
 
 def ball_mesh(radius: float, subdivisions: int, name: str = "ball", centre: Point = (0.0, 0.0, 0.0)) -> Mesh:

@@ -113,10 +113,9 @@ def _texture(room: RoomEnvironment, boxes: Boxes, face: int, irradiance: np.ndar
     corner, size, _ = face_frames(boxes)
     rows, columns = map(int, shape)
     light = cv2.resize(irradiance, (columns, rows), interpolation=cv2.INTER_LINEAR)
-    panels, windows = (
-        [(item, *_patch(item, corner[face], size[face], shape)) for item in items if WALL_FACES[item.wall] == face]
-        for items in (room.panels, room.windows)
-    )
+    frame = corner[face], size[face], shape
+    panels = [(item.colour, *_patch(item, *frame)) for item in room.panels if WALL_FACES[item.wall] == face]
+    windows = [_patch(item, *frame) for item in room.windows if WALL_FACES[item.wall] == face]
     factor = _paint(room, boxes, face, shape)
     if face == _FLOOR and room.board_width > 0.0:
         factor *= _boards(size[face], shape, room.board_width, room.seed)
@@ -124,12 +123,12 @@ def _texture(room: RoomEnvironment, boxes: Boxes, face: int, irradiance: np.ndar
     # One primary at a time: long rows are several times as fast as rows of three.
     for primary in range(3):
         plane = np.full((rows, columns), boxes.reflectance[face, primary], dtype=np.float32)
-        for panel, where, cover in panels:
-            plane[where] += cover * (np.float32(panel.colour[primary]) - plane[where])
+        for colour, where, cover in panels:
+            plane[where] += cover * (np.float32(colour[primary]) - plane[where])
         plane *= factor
         np.minimum(plane, 1.0, out=plane)
         # A window's texels are those of its frame and mullions; between these a ray leaves the room.
-        for _, where, cover in windows:
+        for where, cover in windows:
             plane[where] += cover * (np.float32(BAR_REFLECTANCE) - plane[where])
         planes.append(plane)
     return cv2.multiply(light, cv2.merge(planes), scale=1.0 / np.pi)

@@ -55,7 +55,8 @@ def test_a_vessel_stands_on_the_table_with_its_wall_and_liquid():
     empty, full = vessel(BOTTLE, GLASS, wall=2e-3), vessel(BOTTLE, GLASS, liquid=WATER, fill=0.4)
     for body in (empty, full):
         lowest = _outside(body).bounds[0, 2] + body.world_T_object[2, 3]
-        assert lowest == pytest.approx(0.0, abs=1e-8)
+        # Not in optical contact with the table: two surfaces in one place have no order.
+        assert lowest == pytest.approx(1e-4, abs=1e-8)
         assert body.size[:2] == pytest.approx((0.072, 0.072), abs=1e-3)
     assert full.liquid is not None
     assert full.liquid.fill == pytest.approx(0.4, rel=1e-6)
