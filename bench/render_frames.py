@@ -50,13 +50,13 @@ def _old_renderer(path: Path, threads: int) -> tuple[int, Callable[[int], Any]]:
 
     scene = load_scene(path)
     activate(spectral=scene.picture.spectral, threads=threads)
-    from glassware.render.pictures.picture import PATH_TRACER  # pyright: ignore
-    from glassware.render.scene.loaded_scene import load  # pyright: ignore
+    from glassware.render.pictures.picture import PATHS  # pyright: ignore
+    from glassware.render.scene.kernel import load  # pyright: ignore
     from glassware.render.view import render_view  # pyright: ignore
 
     shared = is_shared(scene)
     kernel = load(scene, cut=shared)
-    tracer = shared_light(kernel)[0] if shared else PATH_TRACER
+    tracer = shared_light(kernel)[0] if shared else PATHS
     return len(scene.cameras), lambda view: render_view(kernel, view, tracer)
 
 

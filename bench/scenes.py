@@ -12,7 +12,7 @@ from pathlib import Path
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh
-from glassware.procedural.description.scene import Interface, Prop, Scene, Vessel
+from glassware.procedural.description.scene import GlassBody, Interface, Prop, Scene
 from glassware.procedural.description.surroundings import PictureEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
@@ -121,7 +121,7 @@ def _polished(prop: Prop, number: int) -> Prop:
     return prop.model_copy(update={"material": prop.material.model_copy(update=look)})
 
 
-def _clear_vessel(vessel: Vessel) -> Vessel:
+def _clear_vessel(vessel: GlassBody) -> GlassBody:
     liquid = vessel.liquid and vessel.liquid.model_copy(update={"medium": _clear(vessel.liquid.medium)})
     interfaces = tuple(_clear_interface(interface) for interface in vessel.interfaces)
     return vessel.model_copy(update={"glass": _clear(vessel.glass), "liquid": liquid, "interfaces": interfaces})

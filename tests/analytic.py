@@ -139,7 +139,8 @@ def frame(description: Scene, view: Camera) -> Frame:
         pictures.append(np.where(glass, picture * (0.4 + 0.6 * shade), colours[seen.id] * shade).astype(np.float32))
     seconds = {"picture": 2.0, "geometry": 0.1, "denoise": 0.3}
     number = next(i for i, camera in enumerate(description.cameras) if camera is view)
-    return Frame(number, *pictures, None, None, geometry(description, view), seconds)
+    left, right = pictures
+    return Frame(number, left, right, None, None, geometry(description, view), seconds)
 
 
 def cast(description: Scene, origin: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

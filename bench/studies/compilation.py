@@ -26,7 +26,7 @@ from command import Output, run
 from table import Row, report
 
 from glassware.dataset.settings.config import preset
-from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.description.scene import GlassBody, Scene
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
@@ -119,7 +119,7 @@ def _copy(model: M, **update: object) -> M:
     return model.model_copy(update=update)
 
 
-def _denser(vessel: Vessel) -> Vessel:
+def _denser(vessel: GlassBody) -> GlassBody:
     def dense(medium: Medium) -> Medium:
         return _copy(medium, eta=1.01 * medium.eta) if medium.eta > 1.0 else medium
 

@@ -93,5 +93,5 @@ def alone(description: Scene) -> Scene:
 
 
 def _speck() -> Table:
-    mesh = Mesh("table", _TABLE, [[0, 1, 2]], uv=np.zeros((3, 2)))
-    return Table(mesh=mesh, material=scenes.matte(), size=(1e-5,) * 3)
+    mesh = Mesh("table", _TABLE, np.array([[0, 1, 2]]), uv=np.zeros((3, 2)))
+    return Table(mesh=mesh, material=scenes.matte(), size=(1e-5, 1e-5, 1e-5))

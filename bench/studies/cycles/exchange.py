@@ -13,7 +13,7 @@ import numpy as np
 
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.material import OpaqueMaterial
-from glassware.procedural.description.scene import Scene, Vessel
+from glassware.procedural.description.scene import GlassBody, Prop, Scene
 from glassware.procedural.description.surroundings import Camera
 from glassware.procedural.materials.textures import bake
 from glassware.procedural.surroundings.environments import bake_environment
@@ -40,10 +40,10 @@ def write_exchange(scene: Scene, folder: Path, lambertian: bool = False) -> None
     arrays: dict[str, np.ndarray] = {}
     bodies = [_opaque_body(scene.table.mesh, np.eye(4), scene.table.material, lambertian, arrays)]
     for item in scene.objects:
-        if isinstance(item, Vessel):
-            bodies += _vessel_bodies(item, arrays)
-        else:
+        if isinstance(item, Prop):
             bodies.append(_opaque_body(item.mesh, item.world_T_object, item.material, lambertian, arrays))
+        else:
+            bodies += _vessel_bodies(item, arrays)
     arrays["environment"] = bake_environment(scene.environment) * np.float32(scene.environment.strength)
     content = {
         "bodies": bodies,
@@ -56,7 +56,7 @@ def write_exchange(scene: Scene, folder: Path, lambertian: bool = False) -> None
     (folder / "scene.json").write_text(json.dumps(content, indent=1, sort_keys=True), "utf-8")
 
 
-def _vessel_bodies(vessel: Vessel, arrays: dict[str, np.ndarray]) -> list[dict]:
+def _vessel_bodies(vessel: GlassBody, arrays: dict[str, np.ndarray]) -> list[dict]:
     bodies = []
     for interface in vessel.interfaces:
         for medium in (interface.front, interface.back):
