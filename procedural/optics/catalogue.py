@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from math import radians
 
 import numpy as np
 
@@ -111,7 +110,12 @@ WATER_TENSION, ETHANOL_TENSION, GLYCEROL_TENSION, OLIVE_TENSION = 0.07274, 0.022
 SUCROSE_TENSION_RISE = 0.0066
 #: Contact angles on washed household glass. Freshly flamed glass is wet by water at 0 degrees and everyday glass at
 #: 20-40 (Sumner et al. 2004, doi:10.1016/j.apsusc.2004.01.022).
-WATER_ANGLE, ETHANOL_ANGLE, GLYCEROL_ANGLE, OLIVE_ANGLE = radians(25.0), 0.0, radians(20.0), radians(20.0)
+WATER_ANGLE, ETHANOL_ANGLE, GLYCEROL_ANGLE, OLIVE_ANGLE = (
+    math.radians(25.0),
+    0.0,
+    math.radians(20.0),
+    math.radians(20.0),
+)
 
 
 def _medium(

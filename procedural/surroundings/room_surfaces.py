@@ -12,8 +12,7 @@ import cv2
 import numpy as np
 
 from ..description.surroundings import Panel, RoomEnvironment, Window
-from ..materials.noise import fractal_value_noise as fractal_noise
-from ..materials.noise import lattice
+from ..materials.noise import fractal_value_noise, lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, face_frames, face_points, in_rectangle
 from .room_light import solve
 from .windows import BAR_REFLECTANCE, Outside, coverage, outside_of, window_radiance
@@ -152,7 +151,7 @@ def _paint(room: RoomEnvironment, boxes: Boxes, face: int, shape: np.ndarray) ->
     steps = np.maximum(np.ceil(size[face] / _PAINT_STEP), 2).astype(np.int64)
     places = corner[face] + (np.indices(steps).reshape(2, -1).T + 0.5) / steps * size[face]
     points = face_points(boxes, np.full(len(places), face), places) * _PAINT_CELLS
-    factor = _PAINT_LEAST + _PAINT_RANGE * fractal_noise(points, room.seed, _PAINT_OCTAVES)
+    factor = _PAINT_LEAST + _PAINT_RANGE * fractal_value_noise(points, room.seed, _PAINT_OCTAVES)
     return cv2.resize(factor.reshape(steps), (int(shape[1]), int(shape[0])), interpolation=cv2.INTER_LINEAR)
 
 
@@ -168,7 +167,7 @@ def _boards(size: np.ndarray, shape: np.ndarray, width: float, seed: int) -> np.
     points = np.zeros((grain_rows, columns, 3))
     points[..., 0], points[..., 1] = x[:, None] * _GRAIN_CELLS[0], y * _GRAIN_CELLS[1]
     points += board[:, None] * _BOARD_SHIFT
-    grain = _GRAIN_LEAST + _GRAIN_RANGE * fractal_noise(points, seed + _GRAIN_SEED, _GRAIN_OCTAVES)
+    grain = _GRAIN_LEAST + _GRAIN_RANGE * fractal_value_noise(points, seed + _GRAIN_SEED, _GRAIN_OCTAVES)
     grain = cv2.resize(grain, (columns, rows), interpolation=cv2.INTER_LINEAR)
     # The fraction of each texel that a joint covers.
     edges = np.arange(columns + 1) / columns * size[1]

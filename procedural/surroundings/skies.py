@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..description.surroundings import SkyEnvironment
-from ..materials.noise import fractal_value_noise as fractal_noise
+from ..materials.noise import fractal_value_noise
 from .colour import black_body, rgb_of_xyy
 from .preetham import sky_xyy, zenith_xyy
 from .sphere import cosine_weights, texel_directions
@@ -119,9 +119,9 @@ def _clouds_above(environment: SkyEnvironment, directions: np.ndarray) -> tuple[
     plane = directions[..., :2] / up[..., None] * _CLOUD_HEIGHT
     points = np.concatenate([plane, np.zeros_like(plane[..., :1])], axis=-1)
     # Bent by a slower noise, the cells of the lattice no longer show.
-    bend = np.stack([fractal_noise(points * 0.7, environment.seed + k, 3) for k in (31, 37)], axis=-1)
+    bend = np.stack([fractal_value_noise(points * 0.7, environment.seed + k, 3) for k in (31, 37)], axis=-1)
     points[..., :2] += 1.6 * (bend - 0.5)
-    density = fractal_noise(points, environment.seed, 6)
+    density = fractal_value_noise(points, environment.seed, 6)
     weights = np.sqrt(1.0 - directions[..., 2] ** 2)
     threshold = _weighted_quantile(density.ravel(), weights.ravel(), 1.0 - environment.cloudiness)
     thickness = np.clip((density - threshold) / 0.25, 0.0, 1.0)
@@ -179,7 +179,7 @@ def _with_ground(environment: SkyEnvironment, directions: np.ndarray, sky: np.nd
 
 
 def _noise_in(rows: np.ndarray, points: np.ndarray, seed: int, octaves: int) -> np.ndarray:
-    """Return `fractal_noise` in some rows of a map, (h,) bool and (h, w, 3) -> (h, w) float32, and 0 in the others."""
+    """Return `fractal_value_noise` in some rows of a map and 0 elsewhere; (h,) bool, (h, w, 3) -> (h, w) float32."""
     out = np.zeros(points.shape[:-1], np.float32)
-    out[rows] = fractal_noise(points[rows], seed, octaves)
+    out[rows] = fractal_value_noise(points[rows], seed, octaves)
     return out

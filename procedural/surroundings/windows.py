@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..description.surroundings import RoomEnvironment, Window
-from ..materials.noise import fractal_value_noise as fractal_noise
+from ..materials.noise import fractal_value_noise
 from .room_geometry import in_rectangle
 
 #: Width of a mullion and of a window's frame [m], and reflectance of their paint.
@@ -54,7 +54,7 @@ def outside_of(room: RoomEnvironment) -> Outside:
     elevation = (0.5 * np.pi - np.pi * (np.arange(rows) + 0.5) / rows)[:, None]
     azimuth = 2.0 * np.pi * (np.arange(columns) + 0.5) / columns
     compass = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(columns)], axis=-1)
-    skyline = _SKYLINE_HEIGHT * fractal_noise(compass * _SKYLINE_CELLS, room.seed + 101, 4) ** 2
+    skyline = _SKYLINE_HEIGHT * fractal_value_noise(compass * _SKYLINE_CELLS, room.seed + 101, 4) ** 2
     level = np.broadcast_to(1.0 - _ZENITH_DIMMING * np.clip(elevation / _ZENITH_ELEVATION, 0.0, 1.0), (rows, columns))
     sky = np.clip((elevation - skyline) / _SKYLINE_SOFTNESS + 0.5, 0.0, 1.0)
     # The land is worked out where it is seen alone.
@@ -62,7 +62,7 @@ def outside_of(room: RoomEnvironment) -> Outside:
     flat, up = np.cos(elevation[low])[..., None], np.sin(elevation[low])[..., None]
     directions = np.concatenate([flat * compass[None, :, :2], np.broadcast_to(up, (low.sum(), columns, 1))], axis=-1)
     land = np.zeros((rows, columns))
-    land[low] = _LAND * (0.5 + fractal_noise(directions * _LEAF_CELLS, room.seed + 202, 3))
+    land[low] = _LAND * (0.5 + fractal_value_noise(directions * _LEAF_CELLS, room.seed + 202, 3))
     return Outside((sky * level + (1.0 - sky) * land).astype(np.float32))
 
 
