@@ -1,11 +1,12 @@
-"""CPU time of a frame, side by side with another checkout: the same stored scene, alternating processes.
+"""CPU time of a frame, side by side with another checkout: the same stored scene, frames in turn.
 
     python bench/frame_speed.py --scene DATA/scenes/000000/scene.json --other OTHER/.venv/bin/python
 
-OTHER is a checkout of another commit with its own environment; it may be older than `glassware.Renderer`. Each repeat
-starts one process of each checkout, in the opposite order of the repeat before. A process loads the scene, renders
-one frame that compiles the kernels, and then the timed ones. A frame is a stereo view with its geometry, as the scene
-describes it. The ratio of a repeat is this checkout's CPU time over the other's, each the mean of its frames.
+OTHER is a checkout of another commit with its own environment; it may be older than `glassware.Renderer`. One process
+of each checkout loads the scene, stores its light where it does, and renders every view once, which compiles. Then
+they render the views in turn, one frame at a time and in the opposite order each time, so that whatever else the
+machine does meets both. A frame is a stereo view with its geometry, as the scene describes it. A ratio is this
+checkout's CPU time over the other's for one such pair of frames.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ import json
 import subprocess
 import sys
 import tempfile
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import mean, median
+from statistics import median, quantiles
 
 from command import Output, run
-from rich.console import Console
 from table import Row, cores, report
 
 from glassware.core.errors import InputError
@@ -37,10 +38,8 @@ class Options(Output):
     """Stored scene, a file scene.json."""
     other: Path
     """Python of the other checkout's environment."""
-    repeats: int = 5
-    """Processes of each checkout."""
-    frames: int = 3
-    """Timed frames of a process; views are rendered in turn."""
+    pairs: int = 24
+    """Timed frames of each checkout; views are rendered in turn."""
     threads: int = cores()
     """Threads of the renderer."""
 
@@ -51,34 +50,54 @@ def main(options: Options) -> int:
         if not path.is_file():
             raise InputError(name, "a file", str(path))
     pythons = {"this checkout": Path(sys.executable), "the other": options.other}
-    found: dict[str, list[dict]] = {name: [] for name in pythons}
-    for repeat in range(options.repeats):
-        for name in sorted(pythons, reverse=bool(repeat % 2)):
-            Console(stderr=True).print(f"repeat {repeat + 1} of {options.repeats}: {name}", highlight=False)
-            found[name].append(_frames(pythons[name], options))
-    cpu = {name: [mean(process["cpu"]) for process in processes] for name, processes in found.items()}
-    ratios = [a / b for a, b in zip(cpu["this checkout"], cpu["the other"], strict=True)]
-    rows = [_spread(f"CPU time of a frame, {name}", values, "s") for name, values in cpu.items()]
-    wall = {name: [mean(process["wall"]) for process in processes] for name, processes in found.items()}
-    rows += [_spread(f"wall time of a frame, {name}", values, "s") for name, values in wall.items()]
-    middle, low, high = median(ratios), min(ratios), max(ratios)
-    note = f"min {low:.4f}, max {high:.4f} of {len(ratios)} repeats"
-    rows.append(Row("ratio of CPU times, median", middle, bound=BOUND, ok=middle <= BOUND, note=note))
-    same = len({process["digest"] for processes in found.values() for process in processes}) == 1
-    facts = {"scene": options.scene, "frames": options.frames, "threads": options.threads, "same pictures": same}
-    return report("Frames of two checkouts", rows, options.json_file, other=options.other, **facts)
-
-
-def _frames(python: Path, options: Options) -> dict:
-    """Return what one process measured; RuntimeError with its last line where it fails."""
-    scene = options.scene.resolve()
-    command = [str(python.absolute()), "-P", str(_CHILD), str(scene), str(options.frames), str(options.threads)]
     # An empty folder: a checkout in the current one is not imported.
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
-    if done.returncode:
-        raise RuntimeError(f"{python}: {done.stderr.strip().splitlines()[-1]}")
-    return json.loads(done.stdout.splitlines()[-1])
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        children = {name: stack.enter_context(_child(python, options, folder)) for name, python in pythons.items()}
+        views = {name: int(_answer(child)) for name, child in children.items()}
+        found: dict[str, list[dict]] = {name: [] for name in pythons}
+        for pair in range(options.pairs):
+            for name in sorted(pythons, reverse=bool(pair % 2)):
+                found[name].append(_frame(children[name], pair % views[name]))
+    return _report(found, options)
+
+
+def _child(python: Path, options: Options, folder: str) -> subprocess.Popen[str]:
+    command = [str(python.absolute()), "-P", str(_CHILD), str(options.scene.resolve()), str(options.threads)]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder)
+
+
+def _answer(child: subprocess.Popen[str]) -> str:
+    """Return the next line of a process; RuntimeError where it has ended."""
+    assert child.stdout is not None
+    line = child.stdout.readline()
+    if not line:
+        raise RuntimeError(f"{child.args}: exit code {child.wait()}")
+    return line
+
+
+def _frame(child: subprocess.Popen[str], view: int) -> dict:
+    """Return what a process measured of one frame."""
+    assert child.stdin is not None
+    child.stdin.write(f"{view}\n")
+    child.stdin.flush()
+    return json.loads(_answer(child))
+
+
+def _report(found: dict[str, list[dict]], options: Options) -> int:
+    this, other = found["this checkout"], found["the other"]
+    ratios = [a["cpu"] / b["cpu"] for a, b in zip(this, other, strict=True)]
+    rows = []
+    for clock in ("cpu", "wall"):
+        rows += [_spread(f"{clock} time of a frame, {name}", [frame[clock] for frame in frames], "s")
+                 for name, frames in found.items()]  # fmt: skip
+    low, middle, high = quantiles(ratios, n=4)
+    note = f"quartiles {low:.4f} and {high:.4f} of {len(ratios)} pairs"
+    rows.append(Row("ratio of CPU times, median", middle, bound=BOUND, ok=middle <= BOUND, note=note))
+    best = min(frame["cpu"] for frame in this) / min(frame["cpu"] for frame in other)
+    rows.append(Row("ratio of the least CPU times", best))
+    same = all(a["digest"] == b["digest"] for a, b in zip(this, other, strict=True))
+    facts = {"scene": options.scene, "threads": options.threads, "same pictures": same}
+    return report("Frames of two checkouts", rows, options.json_file, other=options.other, **facts)
 
 
 def _spread(name: str, values: list[float], unit: str) -> Row:

@@ -1,9 +1,10 @@
-"""Render frames of a stored scene and print the CPU time of each: one environment's half of `frame_speed.py`.
+"""Render frames of a stored scene on request and print the time of each: one checkout's half of `frame_speed.py`.
 
-    PYTHON -P bench/render_frames.py SCENE FRAMES THREADS
+    PYTHON -P bench/render_frames.py SCENE THREADS
 
 It runs under the Python of any checkout, also one before `glassware.Renderer`, so it imports nothing from its
-neighbours. The first frame compiles and is not timed. One JSON object is printed.
+neighbours. It prints the number of views when it has rendered each once, which compiles; then, for each line of
+standard input that names a view, one JSON object.
 """
 
 from __future__ import annotations
@@ -18,18 +19,18 @@ from typing import Any
 
 
 def main() -> None:
-    """Render and print."""
-    path, frames, threads = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    """Render what is asked for, until the input ends."""
+    path, threads = Path(sys.argv[1]), int(sys.argv[2])
     views, frame = _renderer(path, threads)
-    first = frame(0)
-    cpu, wall = [], []
-    for number in range(frames):
+    for view in range(views):
+        frame(view)
+    print(views, flush=True)  # noqa: T201
+    for line in sys.stdin:
         start, start_cpu = perf_counter(), process_time()
-        frame(number % views)
-        cpu.append(process_time() - start_cpu)
-        wall.append(perf_counter() - start)
-    digest = hashlib.sha256(first.left.tobytes() + first.right.tobytes()).hexdigest()
-    print(json.dumps({"cpu": cpu, "wall": wall, "digest": digest}))  # noqa: T201
+        made = frame(int(line))
+        found = {"cpu": process_time() - start_cpu, "wall": perf_counter() - start}
+        found["digest"] = hashlib.sha256(made.left.tobytes() + made.right.tobytes()).hexdigest()
+        print(json.dumps(found), flush=True)  # noqa: T201
 
 
 def _renderer(path: Path, threads: int) -> tuple[int, Callable[[int], Any]]:
