@@ -81,6 +81,7 @@ def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_p
     assert first.points().shape != points.shape
 
 
+@pytest.mark.slow
 def test_a_stored_scene_renders_the_same_bits_with_the_irradiance_cache_too(tmp_path):
     shared = SMALL | {"picture": {"spp": 2, "light": "shared"}}
     scene = gw.draw(seed=3, vessel_count=(1, 1), prop_count=(0, 0), **shared)

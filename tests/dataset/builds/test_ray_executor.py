@@ -60,6 +60,7 @@ def test_a_cluster_that_loses_a_node_makes_the_same_bytes(
     assert hidden(tmp_path / "data") == []
 
 
+@pytest.mark.slow
 def test_a_cluster_that_is_not_there_is_one_line(builds, tmp_path):
     pytest.importorskip("ray", reason="the extra ray is not installed")
     ended = builds.run(tmp_path / "data", "--executor", "ray", "--address", "127.0.0.1:1")

@@ -16,6 +16,7 @@ def data(undisturbed, tmp_path):
     return shutil.copytree(undisturbed, tmp_path / "data")
 
 
+@pytest.mark.slow
 def test_scenes_that_are_whole_are_kept_and_damaged_ones_made_again(builds, undisturbed, content, data):
     scenes = data / "scenes"
     kept = (scenes / "000001" / "000" / "left.png").stat().st_ino
@@ -48,6 +49,7 @@ def test_another_seed_or_setting_is_refused_with_what_differs(refused, data, mor
     refused(data, *more, says=says)
 
 
+@pytest.mark.slow
 def test_another_version_of_a_package_is_refused_with_what_differs(refused, data):
     head = json.loads((data / "dataset.json").read_text())
     head["versions"]["numpy"] = "1.0"

@@ -146,6 +146,7 @@ def test_a_build_that_is_stopped_goes_on_later(
     assert content(out) == content(undisturbed)
 
 
+@pytest.mark.slow
 def test_a_folder_is_taken_by_one_build_at_a_time(builds, tmp_path, capsys, cleared):
     child = builds.started(tmp_path / "data", scenes="0:60")
     cleared(child)

@@ -130,6 +130,7 @@ def test_weights_of_another_network_are_one_clear_line(path, tiny):
         load_weights(other, load_checkpoint(path).network, path)
 
 
+@pytest.mark.slow
 def test_a_torch_file_that_is_damaged_hostile_or_something_else_is_one_clear_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     bad, state = tmp_path / "bad.ckpt", ReferenceMVTrans().state_dict()

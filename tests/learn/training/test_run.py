@@ -43,6 +43,7 @@ def same(first: dict | None, second: dict | None) -> bool:
     return first.keys() == second.keys() and all(torch.equal(first[name], second[name]) for name in first)
 
 
+@pytest.mark.slow
 def test_a_run_that_was_stopped_goes_on_exactly(settings, rendered, tmp_path, lines):
     train(settings, rendered, tmp_path / "whole", None, lines.append)
     with pytest.raises(KeyboardInterrupt):

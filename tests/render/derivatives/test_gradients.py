@@ -98,6 +98,7 @@ def test_the_replay_walks_the_paths_of_the_picture(rough_drawn):
     assert np.array_equal(np.array(again), np.array(first))
 
 
+@pytest.mark.slow
 def test_the_picture_is_the_one_that_is_rendered_with_evenly_spread_samples(rough_drawn):
     picture = rough_drawn.description.picture.model_copy(update={"adaptive": False})
     kernel = replace(rough_drawn, description=rough_drawn.description.model_copy(update={"picture": picture}))
@@ -162,6 +163,7 @@ def test_gradients_are_the_derivative_images_weighted_by_the_adjoint(rough_drawn
     assert np.count_nonzero(found.alpha) >= 2
 
 
+@pytest.mark.slow
 def test_passes_give_the_same_derivatives_as_one(rough_drawn, monkeypatch):
     whole = _left(rough_drawn)
     monkeypatch.setattr(gradients, "_TAPE", 1)  # one sample a pass

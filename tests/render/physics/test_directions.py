@@ -37,6 +37,7 @@ def test_a_glass_of_water_bends_light_by_air_glass_and_water_in_order(law, holds
     holds(law("lenses").glass_of_water())
 
 
+@pytest.mark.slow
 def test_a_drawn_glass_of_water_agrees_with_a_second_tracer(law, holds):
     holds(law("vessels").second_tracer(40))
 

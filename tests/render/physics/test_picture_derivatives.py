@@ -16,10 +16,12 @@ def test_light_changes_with_its_surroundings_in_proportion(law, holds):
     holds(law("picture_derivatives").light(100_000))
 
 
+@pytest.mark.slow
 def test_light_changes_with_roughness_as_central_differences_do(law, holds):
     holds(law("picture_derivatives").roughness(400_000))
 
 
+@pytest.mark.slow
 def test_lengths_that_are_half_forgotten_are_found(law, broken, monkeypatch):
     replay = importlib.import_module("glassware.render.derivatives.replay")
     right = replay.add_absorption
@@ -29,6 +31,7 @@ def test_lengths_that_are_half_forgotten_are_found(law, broken, monkeypatch):
     assert broken(law("picture_derivatives").absorption(20_000, angles=(0.0,)))
 
 
+@pytest.mark.slow
 def test_a_wrong_score_is_found(law, broken, monkeypatch):
     replay = importlib.import_module("glassware.render.derivatives.replay")
     right = replay.add_roughness
