@@ -23,7 +23,7 @@ SPIRIT = Medium(name="test spirit", eta=1.36, density=789.3, surface_tension=0.0
 
 @pytest.fixture(scope="session")
 def many_vessels() -> list[Vessel]:
-    """A hundred and twenty vessels, fifteen of each category, about six in ten filled, with a flat surface."""
+    """Fifty-six vessels, seven of each category, about six in ten filled, with a flat surface."""
     return [
         draw_vessel(
             stream(11, seed, "vessels"),
@@ -33,7 +33,7 @@ def many_vessels() -> list[Vessel]:
             glass=GLASS,
             liquid_medium=FLAT,
         )
-        for seed in range(120)
+        for seed in range(56)
     ]
 
 
