@@ -29,7 +29,17 @@ from glassware.render.backend.variant import activate
 # test code, which no package holds.
 VARIANT = activate()
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
-from proofs import derivatives, energy, fresnel, lenses, microsurface, picture_derivatives, snell, vessels
+from proofs import (
+    derivatives,
+    energy,
+    fresnel,
+    lenses,
+    microsurface,
+    picture_derivatives,
+    snell,
+    straight_transmittance,
+    vessels,
+)
 from proofs.check import Check
 
 #: Every measurement by its topic, at the budget of the printed table.
@@ -41,10 +51,14 @@ TOPICS: dict[str, tuple[Callable[[], list[Check]], ...]] = {
     ),
     "dispersion": (snell.dispersed_prism,),
     "fresnel": (
-        lambda: fresnel.shares(1 << 20),
+        lambda: fresnel.reflected_fractions(1 << 20),
         fresnel.refracted_share,
         fresnel.critical_angle,
         fresnel.brewster_angle,
+    ),
+    "straight transmittance": (
+        lambda: straight_transmittance.walls(np.radians(np.arange(0.0, 86.0))),
+        straight_transmittance.absorbing_ball,
     ),
     "lenses": (lenses.ball_lens, lenses.plano_convex_lens, lenses.glass_of_water),
     "absorption": (lambda: energy.beer_lambert(4_000_000),),

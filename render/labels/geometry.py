@@ -14,13 +14,15 @@ from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import clearance, leave, pinhole, pixel_rays
-from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media, transmittance_rgb
+from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
 from .layers import LayerRecorder, RayHit, layer_recorder, recorded_layers, write_layer
 
 #: Maximum number of objects of a scene [1]: the silhouettes are bits of a 64-bit integer.
 MAX_OBJECTS = 63
 #: Maximum number of surfaces along a label ray [1]; more indicate a defect of the scene (a prop has tens at most).
 MAX_SURFACES = 4096
+#: Smallest ratio of cosines of the path length [1]: rays that graze a face within 0.06 degrees have no exact angle.
+_MIN_COSINE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +124,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     first, background = mi.Float(dr.inf), mi.Float(dr.inf)
     first_id, background_id = mi.UInt32(0), mi.UInt32(0)
     normal, transmittance = mi.Normal3f(0.0), mi.Color3f(1.0)
+    start_normal = mi.Normal3f(-direction)  # of the surface that the segment starts from
     crossed, reached = mi.UInt64(0), mi.UInt64(0)
     blocker = mi.Int32(-2)  # the first opaque object: -2 none yet, -1 the table
     surfaces, count = mi.UInt32(0), mi.UInt32(0)
@@ -150,8 +153,9 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         stops = unblocked & surface.opaque
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
-        passed = _straight_transmittance(table, surface, ray, unblocked)
+        passed = _straight_transmittance(table, surface, ray, start_normal, unblocked)
         transmittance *= dr.select(unblocked, passed, 1.0)
+        start_normal = mi.Normal3f(surface.ns)
 
         bit = dr.select(active & (item >= 0), mi.UInt64(1) << mi.UInt64(dr.maximum(item, 0)), mi.UInt64(0))
         crossed |= bit
@@ -165,13 +169,45 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 
 
-def _straight_transmittance(table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, active: mi.Bool) -> mi.Color3f:
+def _straight_transmittance(
+    table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
+) -> mi.Color3f:
     """Return the Beer-Lambert factor of the segment times the Fresnel transmittance of the surface at its end.
 
-    A straight ray has no true angle inside glass. The angle is taken as the one on the side of the lower index, which
-    is exact for plates with parallel faces, as most of a vessel's wall is.
+    A straight ray has no true angle inside glass. By Snell's law n sin(theta) is the same in all layers of a wall with
+    parallel faces, so the angle in a medium follows from the straight ray's, which is the one in air. In a round wall
+    n r sin(theta) is the same on all surfaces, and r sin(theta) on the straight ray, so each surface has the right
+    angle as well.
     """
-    eta = relative_index_d(table.eta_d, surface, active)
-    reflectance, *_ = mi.fresnel(dr.abs(dr.dot(surface.ns, ray.d)), dr.maximum(eta, dr.rcp(eta)))
-    fresnel = dr.select(surface.opaque, 1.0, 1.0 - reflectance)
-    return transmittance_rgb(table.sigma_a_rgb, surface, active) * fresnel
+    index = dr.gather(mi.Float, table.eta_d, surface.before)
+    incident = dr.abs(dr.dot(surface.ns, ray.d))
+    factor = _path_length_factor(start_normal, surface.ns, ray.d, index)
+    absorbed = dr.exp(-dr.gather(mi.Color3f, table.sigma_a_rgb, surface.before, active) * surface.distance * factor)
+    cos_i = _inner_cosine(incident, index)
+    reflectance, *_ = mi.fresnel(cos_i, relative_index_d(table.eta_d, surface, active))
+    return absorbed * dr.select(surface.opaque, 1.0, 1.0 - reflectance)
+
+
+def _inner_cosine(cos_air: mi.Float, index: mi.Float) -> mi.Float:
+    """Return the cosine in a medium of the angle that has a given cosine in air."""
+    sin2 = (1.0 - dr.square(cos_air)) / dr.square(index)
+    return dr.safe_sqrt(1.0 - sin2)
+
+
+def _path_length_factor(
+    start_normal: mi.Normal3f, end_normal: mi.Normal3f, direction: mi.Vector3f, index: mi.Float
+) -> mi.Float:
+    """Return the length of the refracted path of a segment over that of the straight one.
+
+    Between parallel faces it is cos / cos' (angles in air and in the medium), because the thickness is the same. Across
+    a ball or a round column, whose normals at both ends are mirror images, it is cos' / cos, because the chord of a
+    circle is 2 r cos. Both are exact. Between these cases the exponent of the ratio is the cosine of the angle between
+    the tangential parts of the normals. Measured for round walls from rays up to 0.9 of their inner radius: within 2 %
+    for walls of 2 to 4 mm on a radius of 10 to 35 mm (the straight length: up to 69 % too long).
+    """
+    ends = [(dr.abs(dr.dot(normal, direction)), normal) for normal in (start_normal, end_normal)]
+    (start_cos, start_tangent), (end_cos, end_tangent) = ((cos, normal + cos * direction) for cos, normal in ends)
+    ratio = (start_cos + end_cos) / (_inner_cosine(start_cos, index) + _inner_cosine(end_cos, index))
+    product = dr.norm(start_tangent) * dr.norm(end_tangent)
+    alignment = dr.select(product > 0.0, dr.dot(start_tangent, end_tangent) / product, 1.0)
+    return dr.power(dr.maximum(ratio, _MIN_COSINE), alignment)

@@ -33,15 +33,16 @@ def reflectance(theta: np.ndarray, eta: float) -> np.ndarray:
     return np.where(sin_t >= 1.0, 1.0, 0.5 * (s**2 + p**2))
 
 
-def shares(coins: int) -> list[Check]:
+def reflected_fractions(count: int) -> list[Check]:
     """Measure reflectance and transmittance at 0 to 89 degrees from both sides.
 
-    Fresnel's coin takes `coins` evenly spread values; the share of them that mirrors is the reflectance.
+    The random number that selects the lobe takes `count` evenly spread values; the fraction of them that is reflected
+    is the reflectance.
 
     Parameters
     ----------
-    coins : int
-        Number of coins for each angle.
+    count : int
+        Numbers for each angle.
     """
     degrees = np.arange(90.0)
     checks = []
@@ -50,9 +51,9 @@ def shares(coins: int) -> list[Check]:
         # rounding; whole degrees stay away from that angle.
         theta = np.radians(degrees)
         expected = reflectance(theta, eta)
-        measured = np.array([_mirrored(angle, eta, coins) for angle in theta])
-        step, slack = 0.5 / coins, _by_rounding(theta, eta)
-        basis = f"{coins} coins, float32"
+        measured = np.array([_reflected(angle, eta, count) for angle in theta])
+        step, slack = 0.5 / count, _by_rounding(theta, eta)
+        basis = f"{count} numbers, float32"
         below = expected < 1.0
         for what, law, found in (
             ("reflectance", expected, measured),
@@ -81,7 +82,7 @@ def critical_angle() -> list[Check]:
     """Find the angle at which reflection from inside the glass becomes total."""
     expected, spread, count = np.arcsin(1.0 / _N), 1e-4, 1 << 16
     theta = expected + np.linspace(-spread, spread, count)
-    # The largest coin below 1 is mirrored only where nothing is let through, to within its distance from 1.
+    # The largest number below 1 is reflected only where nothing is let through, to within its distance from 1.
     passed = scattered(_incoming(theta), 1.0 / _N, 0.0, np.full(count, 1.0 - EPS)).transmitted
     found = theta[np.flatnonzero(passed)[-1]] if passed.any() else theta[0]
     # Let through is 4 k cos_t / (...), about 4 n cos_t near the angle and below EPS only within a hair of it; the
@@ -92,12 +93,12 @@ def critical_angle() -> list[Check]:
 
 def brewster_angle() -> list[Check]:
     """Measure at Brewster's angle that the mirrored and the refracted ray are perpendicular, and the reflectance."""
-    theta, coins = np.arctan(_N), 1 << 20
+    theta, count = np.arctan(_N), 1 << 20
     wi = np.repeat(_incoming(np.array([theta])), 2, 0)
     pair = scattered(wi, _N, 0.0, np.array([0.0, 1.0 - EPS])).direction
     between = np.arccos(pair[0] @ pair[1])
     expected = 0.5 * ((_N**2 - 1.0) / (_N**2 + 1.0)) ** 2  # what is left is perpendicular to the plane alone
-    limit = 100.0 * (0.5 / coins + _by_rounding(np.array([theta]), _N)[0]) / expected
+    limit = 100.0 * (0.5 / count + _by_rounding(np.array([theta]), _N)[0]) / expected
     return [
         _degrees(
             "Brewster's angle: between mirrored and refracted ray", np.pi / 2, between, ROUNDINGS * EPS / np.cos(theta)
@@ -105,9 +106,9 @@ def brewster_angle() -> list[Check]:
         worst(
             "Brewster's angle: reflectance",
             expected,
-            _mirrored(theta, _N, coins),
+            _reflected(theta, _N, count),
             limit,
-            f"{coins} coins, float32",
+            f"{count} numbers, float32",
             relative=True,
             bound=FRESNEL_BOUND,
         ),
@@ -118,10 +119,10 @@ def _incoming(theta: np.ndarray) -> np.ndarray:
     return np.stack([np.sin(theta), np.zeros_like(theta), np.cos(theta)], 1)
 
 
-def _mirrored(theta: float, eta: float, coins: int) -> float:
-    coin = (np.arange(coins) + 0.5) / coins
-    wi = np.broadcast_to(_incoming(np.array([theta])), (coins, 3))
-    return float((~scattered(wi, eta, 0.0, coin).transmitted).mean())
+def _reflected(theta: float, eta: float, count: int) -> float:
+    u_lobe = (np.arange(count) + 0.5) / count
+    wi = np.broadcast_to(_incoming(np.array([theta])), (count, 3))
+    return float((~scattered(wi, eta, 0.0, u_lobe).transmitted).mean())
 
 
 def _by_rounding(theta: np.ndarray, eta: float) -> np.ndarray:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import importlib
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 
 def test_interfaces_mirror_and_let_through_what_fresnel_says(law, holds):
     fresnel = law("fresnel")
-    holds(fresnel.shares(1 << 16) + fresnel.refracted_share())
+    holds(fresnel.reflected_fractions(1 << 16) + fresnel.refracted_share())
 
 
 def test_reflection_becomes_total_at_the_critical_angle(law, holds):
@@ -25,7 +26,7 @@ def test_an_index_wrong_by_a_part_in_a_thousand_is_found_in_the_reflectance(law,
     fresnel = law("fresnel")
     right = fresnel.reflectance
     monkeypatch.setattr(fresnel, "reflectance", lambda theta, eta: right(theta, eta * 1.001))
-    assert broken(fresnel.shares(1 << 16))
+    assert broken(fresnel.reflected_fractions(1 << 16))
 
 
 def test_media_absorb_as_beer_and_lambert_say(law, holds):
@@ -42,6 +43,17 @@ def test_absorption_wrong_by_a_part_in_a_thousand_is_found(law, broken, monkeypa
 
     monkeypatch.setattr(importlib.import_module("glassware.render.scene.loaded_scene"), "surface_table", wrong)
     assert broken(law("energy").beer_lambert(1000, lengths=(0.05,)))
+
+
+def test_straight_rays_through_parallel_walls_and_a_ball_lose_what_fresnel_snell_and_beer_say(law, holds):
+    transmittance = law("straight_transmittance")
+    holds(transmittance.walls(np.radians(np.arange(0.0, 86.0, 5.0))) + transmittance.absorbing_ball())
+
+
+def test_an_absorption_along_the_straight_length_is_found(law, broken, monkeypatch):
+    geometry = importlib.import_module("glassware.render.labels.geometry")
+    monkeypatch.setattr(geometry, "_path_length_factor", lambda *given: 1.0)
+    assert broken(law("straight_transmittance").walls(np.radians(np.array([45.0]))))
 
 
 def test_clear_glass_is_invisible_in_a_white_furnace_smooth_and_rough_empty_and_filled(law, holds):
