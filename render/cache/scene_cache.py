@@ -21,9 +21,9 @@ from .trace_cached import cached_tracer
 #: saves (docs/performance.md).
 CACHE_THRESHOLD = 1e8
 #: Paths that fill the cache, as a fraction of the camera samples; and the fewest and most per cache point on average.
-_PATH_FRACTION, _FEWEST_PATHS, _MOST_PATHS = 0.1, 16, 40
+_PATH_FRACTION, _FEWEST_PATHS, _MOST_PATHS = 0.1, 8, 40
 #: Photons, as a fraction of the camera samples; and the fewest and most of a scene.
-_PHOTON_FRACTION, _FEWEST_PHOTONS, _MOST_PHOTONS = 0.1, 1 << 20, 1 << 23
+_PHOTON_FRACTION, _FEWEST_PHOTONS, _MOST_PHOTONS = 0.05, 1 << 20, 1 << 23
 
 
 def uses_cache(scene: Scene) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from ...procedural.description.picture import Picture
@@ -111,15 +110,14 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
 def denoise_image(image: NoisyImage) -> np.ndarray:
     """Return the picture without fireflies and noise, (H, W, 3) float32 linear Rec.709 radiance.
 
-    Pixels that see the surroundings directly, and whose neighbours do, have no noise and are not changed.
+    Pixels that see the surroundings directly have no noise and are not changed.
     """
     guides = image.guides
     pixels = PixelGuides(guides.albedo, guides.normal, guides.glass)
     radiance, variance = spread_fireflies(image.radiance, image.variance, pixels)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
     clean = blend(radiance, variance, clean)
-    exact = cv2.erode(guides.background.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) > 0
-    return np.where(exact[..., None], image.radiance, clean)
+    return np.where(guides.background[..., None], image.radiance, clean)
 
 
 def _is_below(noise: float | None, target: float) -> bool:
