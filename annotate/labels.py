@@ -9,8 +9,8 @@ from pydantic import Field
 
 from ..core.errors import InputError
 from ..core.model import Matrix4, Model, Vector3
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene, SceneObject
-from ..procedural.description.surroundings import Camera
 from ..render.frame import Frame, Geometry, LineOfSight, PictureNoise
 from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box

@@ -19,8 +19,8 @@ from ..core.errors import InputError
 from ..core.html import html_images
 from ..core.json_file import check_schema, parsed, read_json
 from ..core.model import Model
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.description.surroundings import Camera
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
 from ..render.frame import Eye, Geometry, Layers, Refraction, SurfaceLight

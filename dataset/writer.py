@@ -18,8 +18,8 @@ from ..core.errors import InputError
 from ..core.images import srgb8
 from ..core.json_file import json_text
 from ..core.model import Model
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.description.surroundings import Camera
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout

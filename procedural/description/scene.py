@@ -21,9 +21,10 @@ from ...core.pose import look_at
 from ...core.setting_errors import suggest
 from ..optics.catalogue import dyed, glass_named
 from ..optics.medium import AIR, Medium
+from .camera import Camera
 from .material import OpaqueMaterial
 from .picture import Picture
-from .surroundings import AreaLight, Camera, Environment, Table
+from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"

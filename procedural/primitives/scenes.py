@@ -9,10 +9,11 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.pose import look_at
+from ..description.camera import Camera
 from ..description.material import OpaqueMaterial, UniformTexture
 from ..description.picture import Picture
 from ..description.scene import GlassBody, Prop, Scene
-from ..description.surroundings import AreaLight, Camera, ConstantEnvironment, Environment, Table
+from ..description.surroundings import AreaLight, ConstantEnvironment, Environment, Table
 from ..surroundings.environments import bake_environment
 from ..surroundings.metering import exposure, irradiance
 from .bodies import Point, box_mesh

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, volume_of
+from ..description.camera import Camera
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -19,7 +20,6 @@ from ..description.scene import (
     glass_solid,
     liquid_solid,
 )
-from ..description.surroundings import Camera
 from ..optics.medium import AIR, Medium
 from ..placement.overlap import ALLOWANCE, Solid, overlap
 

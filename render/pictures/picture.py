@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...procedural.description.camera import Camera
 from ...procedural.description.picture import Picture
-from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
