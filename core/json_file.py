@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from .errors import InputError
+from .errors import InputError, cause_of
 from .model import Model
 
 M = TypeVar("M", bound=Model)
@@ -30,7 +30,7 @@ def read_json(path: Path) -> Any:
             parse_float=_finite,
         )
     except OSError as error:
-        raise InputError(path, "a readable file", error.strerror) from error
+        raise InputError(path, "a readable file", cause_of(error)) from error
     except ValueError as error:
         raise InputError(path, "a JSON file", f"{error}") from error
     except RecursionError as error:

@@ -14,7 +14,7 @@ from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
-from ..core.errors import InputError
+from ..core.errors import InputError, cause_of
 from ..core.images import srgb8
 from ..core.json_file import json_text
 from ..core.model import Model
@@ -63,7 +63,7 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
             write_head(root, head)
         (root / layout.SCENES).mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError(root, "a folder that can be created and written to", error.strerror) from error
+        raise InputError(root, "a folder that can be created and written to", cause_of(error)) from error
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
 
