@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from .errors import InputError, cause_of
 from .model import Model
+from .setting_errors import setting_error
 
 M = TypeVar("M", bound=Model)
 
@@ -53,8 +54,7 @@ def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | N
         cause = first.get("ctx", {}).get("error")
         if isinstance(cause, InputError):
             raise cause from None
-        field = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{path}: {field}", first["msg"], repr(first["input"])[:80]) from None
+        raise setting_error(path, error, model) from None
 
 
 def _no_constant(name: str) -> float:
