@@ -36,7 +36,7 @@ def test_a_wrong_setting_is_said_in_plain_words(settings, line):
     [
         (
             "--vew 3",
-            "render-scene: expected known options with valid values (see --help) (is it --views?), found --vew 3",
+            "(see --help) (is it --views?), found --vew 3",
         ),
         ("--fill-probability 1", "(is it --vessels.fill-probability?)"),
         ("--sed 1", "(is it --seed?)"),
