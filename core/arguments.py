@@ -11,6 +11,8 @@ import numpy as np
 from .errors import InputError
 from .setting_errors import shortened
 
+#: Longest representation of a value in an error line [characters].
+LONGEST_SHOWN = 85
 #: Largest absolute coordinate of a point in a scene [m]: single precision, which the renderer uses, still tells points
 #: a tenth of a metre apart there.
 FARTHEST = 1e6
@@ -21,7 +23,8 @@ def described(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
     if value is None or isinstance(value, str | bytes | Real | np.generic | list | tuple | Path):
-        return " ".join(shortened(value).split())
+        text = " ".join(shortened(value).split())
+        return text if len(text) <= LONGEST_SHOWN else f"a {type(value).__name__}"
     name = value.__name__ if isinstance(value, type) else type(value).__name__
     article = "the class" if isinstance(value, type) else "an" if name[:1].lower() in "aeiou" else "a"
     return f"{article} {name}"

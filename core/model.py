@@ -55,7 +55,7 @@ def _mesh(value: object, info: ValidationInfo) -> Mesh:
         return value
     read = (info.context or {}).get("read_mesh")
     if read is None:
-        raise ValueError(f"expected a Mesh (names only in scene files), found a {type(value).__name__}")
+        raise ValueError(f"expected a Mesh (names only in scene files), found {type(value).__name__}")
     return read(value)
 
 
