@@ -219,7 +219,7 @@ def test_scene_frame_and_data_set_show_themselves_in_a_notebook(scene, renderer,
     decoded = cv2.imdecode(np.frombuffer(pictures[0], np.uint8), cv2.IMREAD_COLOR)
     assert decoded is not None
     np.testing.assert_array_equal(decoded[..., ::-1], left)
-    assert "1 scenes in " in gw.Dataset.open(tmp_path / "out")._repr_html_()
+    assert "1 scene in " in gw.Dataset.open(tmp_path / "out")._repr_html_()
 
 
 def test_a_changed_copy_has_its_change_everywhere(scene):

@@ -7,6 +7,9 @@ from pydantic import Field
 
 from ...core.model import Matrix4, Model
 
+#: Longest side of a picture [px], as `CameraSettings` allows it; the product of two is 2^28 pixels.
+LONGEST_SIDE = 16384
+
 
 class Camera(Model):
     """A stereo pair of pinhole cameras with OpenCV axes (x right, y down, z forward).

@@ -10,7 +10,7 @@ import numpy as np
 from ...core.arguments import check_type
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, volume_of
-from ..description.camera import Camera
+from ..description.camera import LONGEST_SIDE, Camera
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -35,8 +35,6 @@ LARGEST_ID = (1 << 16) - 1
 RIGID_TOLERANCE = 1e-6
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
-#: Longest side of a picture [px], as `CameraSettings` allows it; the product of two is 2^28 pixels.
-LONGEST_SIDE = 16384
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
 #: rest is room for maps of floats in other units.
 EXPOSURES = (1e-12, 1e12)

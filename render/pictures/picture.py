@@ -224,5 +224,6 @@ def check_media(counts: np.ndarray, eye: Eye) -> None:
     if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
             f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments end in another medium than they started in "
-            f"(at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing or its normal is reversed"
+            f"(at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing, its normal "
+            "is reversed, or a camera is inside a body"
         )
