@@ -54,7 +54,7 @@ def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | N
         cause = first.get("ctx", {}).get("error")
         if isinstance(cause, InputError):
             raise cause from None
-        raise setting_error(path, error, model) from None
+        raise setting_error(path, error, model, noun="fields") from None
 
 
 def _no_constant(name: str) -> float:

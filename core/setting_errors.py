@@ -31,7 +31,11 @@ _PLAIN = {
 
 
 def setting_error(
-    where: object, error: ValidationError, model: type[BaseModel] | None = None, group: Sequence[str] = ()
+    where: object,
+    error: ValidationError,
+    model: type[BaseModel] | None = None,
+    group: Sequence[str] = (),
+    noun: str = "settings",
 ) -> InputError:
     """Return the first fault of a validation as one line.
 
@@ -45,12 +49,14 @@ def setting_error(
         The validated model, to suggest the correct spelling of an unknown setting.
     group : sequence of str
         Names of the fields that hold the validated model, outermost first.
+    noun : str
+        What the fields are.
     """
     first = error.errors(include_url=False)[0]
     loc = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
     if first["type"] == "extra_forbidden":
         place = [*group, *loc]
-        return InputError(where, f"known settings{_suggestion(model, place)}", ".".join(place))
+        return InputError(where, f"known {noun}{_suggestion(model, place)}", ".".join(place))
     inner, expected, found = fault(first)
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]

@@ -139,7 +139,7 @@ def _check_not_another(root: Path, scene: Scene) -> None:
         same = False
     if not same:
         expected = "a folder without another scene of this number; write to another folder, or pass replace=True"
-        raise InputError(root, expected, f"scene {scene.scene_id}")
+        raise InputError(root, expected, f"another scene {scene.scene_id}")
 
 
 def _preview_row(scene: Scene, frame: Frame, labels: Labels) -> PreviewRow:

@@ -20,6 +20,7 @@ from ..core.errors import InputError
 from ..core.html import html_images
 from ..core.json_file import check_schema, parsed, read_json
 from ..core.model import Model
+from ..core.setting_errors import suggest
 from ..core.user_text import counted
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
@@ -208,6 +209,10 @@ class Dataset:
         """Return the index, one row per view, or some of its columns; the folders of the scenes are not read."""
         path = self.root / layout.VIEWS
         try:
+            known = pq.read_schema(path).names
+            for name in columns or ():
+                if name not in known:
+                    raise InputError(path, f"one of the columns {', '.join(known)}{suggest(name, known)}", repr(name))
             return pq.read_table(path, columns=None if columns is None else list(columns))
         except (OSError, pa.ArrowException) as error:
             raise InputError(path, "an index of views", " ".join(str(error).split())[:200]) from error
