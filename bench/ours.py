@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 import mitsuba as mi
-from pictures import Picture
+from picture import Picture
 from references import PASS_SPP, Reference, reference
 from scenes import digest
 

@@ -1,49 +1,270 @@
-"""Rendered pictures, what they took, and PNG files of them."""
+"""Where the pictures of drawn scenes differ from converged ones: by region, with standard errors.
+
+    python bench/pictures.py --seeds 101 102 103 --pictures .scratch/pictures
+    python bench/pictures.py --seeds 101 --preset standard --assets ../shared/assets
+
+Each seed is drawn with a preset, as `render-scene` does, and one of its views is rendered as the scene says. The
+reference is path traced, in passes that are kept in a folder. Regions are the table, its caustics, every prop and every
+vessel, by the geometry's ids, less the pixels at their outlines. Of each the table shows the ratio of its light to the
+reference's, with a standard error from the reference's passes.
+
+Pixels that see the surroundings directly have no noise: there the clean picture must be the noisy one. Caustics are
+blocks of the table whose light over their albedo is far above the table's median in the reference.
+"""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from time import process_time
 
+import cv2
 import numpy as np
-from references import Reference, relmse
+from command import Output, run
+from ours import Ours, our_reference
+from picture import write_exposed
+from references import Reference
+from skimage.metrics import structural_similarity
+from table import Row, report
 
 from glassware.core.images import srgb8
-from glassware.dataset.format.pictures import write_png
+from glassware.dataset.settings.draw import draw
+from glassware.procedural.description.scene import TABLE_ID, GlassBody, Scene
+from glassware.procedural.surroundings.colour import luminance
+from glassware.render.frame import Frame
+from glassware.render.pictures.guides import trace_guides
+from glassware.render.renderer import Renderer
+from glassware.render.scene.loaded_scene import load
+
+#: Bounds: largest change of a pixel that sees the surroundings [sRGB levels]; largest error of a caustic block, of a
+#: prop and of a vessel [fraction]; smallest PSNR in vessels [dB].
+MAX_CHANGE, MAX_CAUSTIC, MAX_BIAS, MIN_PSNR = 0.5, 0.10, 0.02, 31.0
+#: Standard errors beyond a bound that still count as noise of the reference.
+STANDARD_ERRORS = 3.0
+#: Side of a block [px]; light over the table's median from which a block is a caustic [1].
+BLOCK, CAUSTIC = 8, 1.4
+#: Regions of fewer pixels are left out.
+MIN_PIXELS = 60
+#: Worst blocks that are written enlarged, and the factor.
+_WORST, _ENLARGED, _AROUND = 6, 6, 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Output):
+    """What to measure."""
+
+    seeds: tuple[int, ...] = tuple(range(101, 109))
+    """Seeds that are drawn."""
+    view: int = 0
+    """The view of each."""
+    preset: str = "fast"
+    """Preset that is drawn."""
+    spp: int | None = None
+    """Samples per pixel instead of the preset's."""
+    light: str = "auto"
+    """`picture.light`."""
+    assets: Path | None = None
+    """Folder with `meshes`, `textures` and `hdri`; own surfaces and rooms without it."""
+    reference_spp: int = 1024
+    """Samples per pixel of the references."""
+    cache: Path = Path(".scratch/references")
+    """Folder of the references."""
+    pictures: Path | None = None
+    """Folder for the worst blocks, enlarged: noisy, clean, reference."""
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
-    """One picture by any renderer and what it took."""
+class _Made:
+    """One picture with its reference."""
 
-    noisy: np.ndarray  #: (H, W, 3) float32, linear radiance
-    clean: np.ndarray | None  #: (H, W, 3) float32; None where no denoiser ran
-    seconds: float  #: tracing and denoising
-    denoise_seconds: float = 0.0  #: part of `seconds`, where the renderer reports it
-    setup_seconds: float = 0.0  #: from the request to the first sample, where the renderer reports it
+    seed: int
+    scene: Scene
+    frame: Frame
+    exposure: float
+    reference: Reference
+    albedo: np.ndarray  #: (H, W, 3)
+    seconds: float  #: CPU time of the light and the view [s]
 
     @property
-    def denoised(self) -> np.ndarray:
-        """The picture after the denoiser; ValueError where none ran."""
-        if self.clean is None:
-            raise ValueError("this picture was not denoised")
-        return self.clean
+    def clean(self) -> np.ndarray:
+        """Exposed linear picture, (H, W, 3)."""
+        return self.frame.left * self.exposure
 
-    def errors(self, exposure: float, reference: Reference) -> tuple[float, float]:
-        """Return the relMSE before and after the denoiser."""
-        return relmse(self.noisy * exposure, reference), relmse(self.denoised * exposure, reference)
-
-
-def write_exposed(path: Path, *exposed: np.ndarray) -> None:
-    """Write pictures in exposed linear units, each (H, W, 3), one below the other as 8-bit sRGB."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_png(path, np.concatenate([srgb8(picture, 1.0) for picture in exposed]))
+    @property
+    def noisy(self) -> np.ndarray:
+        """The same before the denoiser."""
+        return (self.frame.left if self.frame.left_noisy is None else self.frame.left_noisy) * self.exposure
 
 
-def write_signed(path: Path, values: np.ndarray, limit: float) -> None:
-    """Write a map of signed numbers, (H, W): 0 is white, `limit` and above red, minus `limit` and below blue."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fraction = np.clip(values / limit, -1.0, 1.0)
-    high, low = 1.0 - np.maximum(-fraction, 0.0), 1.0 - np.maximum(fraction, 0.0)
-    picture = np.stack([high, np.minimum(high, low), low], axis=-1)
-    write_png(path, np.rint(255.0 * picture).astype(np.uint8))
+def main(options: Options) -> int:
+    """Measure and print; 1 where a bound is broken."""
+    rows: list[Row] = []
+    for seed in options.seeds:
+        made = _made(seed, options)
+        rows += _rows(made)
+        if options.pictures is not None:
+            _write_worst(options.pictures, made)
+    facts = {"preset": options.preset, "light": options.light, "reference_spp": options.reference_spp}
+    return report("Pictures of drawn scenes", rows, options.json_file, **facts)
+
+
+def _made(seed: int, options: Options) -> _Made:
+    picture: dict = {"light": options.light} | ({} if options.spp is None else {"spp": options.spp})
+    groups: dict = {}
+    if options.assets is not None:
+        groups = {"mesh_dir": options.assets / "meshes", "texture_dir": options.assets / "textures"}
+        groups["environment"] = {"hdri_dir": options.assets / "hdri"}
+    scene = draw(seed, preset=options.preset, picture=picture, **groups)
+    camera = scene.cameras[options.view]
+    renderer = Renderer(scene)
+    renderer.frame(options.view)  # compiles
+    start = process_time()
+    frame = renderer.frame(options.view)
+    seconds = process_time() - start
+    one = scene.model_copy(update={"cameras": (camera,)})
+    plain = Ours(load(one), 0.0, 0.0)
+    kept = our_reference(plain, options.cache, options.reference_spp)
+    albedo = trace_guides(plain.loaded, camera).albedo
+    return _Made(seed, scene, frame, camera.exposure, kept, albedo, seconds)
+
+
+def regions(scene: Scene, ids: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
+    """Yield kind, name and pixels (H, W) bool of each region, less the pixels at outlines.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    ids : (H, W) int
+        First surface of each pixel's centre.
+    """
+    yield "surroundings", "surroundings", _inner(ids == 0)
+    yield "table", "table", _inner(ids == TABLE_ID)
+    for item in scene.objects:
+        kind = "vessel" if isinstance(item, GlassBody) else "prop"
+        yield kind, f"{kind} {item.id}", _inner(ids == item.id)
+
+
+def _inner(mask: np.ndarray) -> np.ndarray:
+    return cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1).astype(bool)
+
+
+def _rows(made: _Made) -> list[Row]:
+    rows, ids = [], made.frame.geometry.id
+    for kind, name, pixels in regions(made.scene, ids):
+        title = f"{made.seed}: {name}"
+        if pixels.sum() < MIN_PIXELS:
+            continue
+        if kind == "surroundings":
+            rows.append(_change_row(made, title, pixels))
+            continue
+        bound = None if kind == "table" else MAX_BIAS
+        rows.append(_ratio_row(made, title, pixels, bound))
+        if kind == "table":
+            rows += _caustic_rows(made, title, pixels)
+        if kind == "vessel":
+            rows.append(_psnr_row(made, title, pixels))
+    reference, clean = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
+    similarity = float(structural_similarity(reference, clean, channel_axis=2))
+    rows.append(Row(f"{made.seed}: structural similarity", similarity))
+    rows.append(Row(f"{made.seed}: CPU time of the view", made.seconds, "s", note=_light(made)))
+    return rows
+
+
+def _light(made: _Made) -> str:
+    return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in made.frame.seconds.items())
+
+
+def _change_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
+    """Compare clean and noisy pixels that have no noise."""
+    change = np.abs(_srgb(made.clean) - _srgb(made.noisy)).max(axis=-1)[pixels]
+    note = f"{int((change > MAX_CHANGE).sum())} of {change.size} pixels beyond the bound"
+    worst = float(change.max())
+    return Row(f"{title}, largest change", worst, "levels", bound=MAX_CHANGE, ok=worst <= MAX_CHANGE, note=note)
+
+
+def _srgb(exposed: np.ndarray) -> np.ndarray:
+    """Return sRGB levels 0 to 255, not rounded (IEC 61966-2-1)."""
+    x = np.clip(exposed, 0.0, 1.0).astype(np.float64)
+    return 255.0 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
+
+
+def _ratio_row(made: _Made, title: str, pixels: np.ndarray, bound: float | None) -> Row:
+    ratio, error = _ratio(made, pixels)
+    noisy = luminance(made.noisy)[pixels].sum() / luminance(made.reference.picture)[pixels].sum()
+    ok = None if bound is None else abs(ratio - 1.0) <= max(bound, STANDARD_ERRORS * error)
+    note = f"+- {error:.4f}; before the denoiser {noisy:.4f}; {int(pixels.sum())} pixels"
+    return Row(f"{title}, light over the reference's", ratio, bound=bound, ok=ok, note=note)
+
+
+def _ratio(made: _Made, pixels: np.ndarray) -> tuple[float, float]:
+    """Return the ratio of a region's light to the reference's, and the standard error from the reference's passes.
+
+    The noise of the measured picture is not known after the denoiser; that before it is compared in the note.
+    """
+    reference = luminance(made.reference.picture)[pixels].sum()
+    variance = (made.reference.variance @ np.array([0.2126, 0.7152, 0.0722]) ** 2)[pixels].sum()
+    return float(luminance(made.clean)[pixels].sum() / reference), float(np.sqrt(variance) / reference)
+
+
+def caustic_blocks(picture: np.ndarray, albedo: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """Return which blocks of `BLOCK` pixels are caustics on the table, (rows, columns) bool.
+
+    Parameters
+    ----------
+    picture, albedo : (H, W, 3) float
+        Exposed reference, and the reflectance of what each pixel shows.
+    table : (H, W) bool
+        Pixels that show the table directly.
+    """
+    level = luminance(picture) / np.maximum(luminance(albedo), 0.02)
+    whole = block_means(table.astype(np.float64)) == 1.0
+    return whole & (block_means(level) > CAUSTIC * np.median(level[table]))
+
+
+def block_means(values: np.ndarray) -> np.ndarray:
+    """Return the means of blocks of an (H, W) array; a narrower border is left out."""
+    rows, columns = values.shape[0] // BLOCK, values.shape[1] // BLOCK
+    cut = values[: rows * BLOCK, : columns * BLOCK]
+    return cut.reshape(rows, BLOCK, columns, BLOCK).mean(axis=(1, 3))
+
+
+def _caustic_rows(made: _Made, title: str, table: np.ndarray) -> list[Row]:
+    caustic = caustic_blocks(made.reference.picture, made.albedo, table)
+    if not caustic.any():
+        return []
+    reference = block_means(luminance(made.reference.picture))[caustic]
+    variance = block_means(made.reference.variance @ np.array([0.2126, 0.7152, 0.0722]) ** 2)[caustic] / BLOCK**2
+    error = np.abs(block_means(luminance(made.clean))[caustic] / reference - 1.0)
+    excess = error - STANDARD_ERRORS * np.sqrt(variance) / reference
+    worst = int(np.argmax(excess))
+    note = f"{int((excess > MAX_CAUSTIC).sum())} of {len(error)} blocks beyond; noise of the reference there "
+    note += f"{float(np.sqrt(variance[worst]) / reference[worst]):.3f}"
+    ok = bool(excess[worst] <= MAX_CAUSTIC)
+    return [Row(f"{title}, caustic block, largest error", float(error[worst]), bound=MAX_CAUSTIC, ok=ok, note=note)]
+
+
+def _psnr_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
+    """Return the PSNR of the sRGB picture in a region."""
+    error = ((_srgb(made.clean) - _srgb(made.reference.picture)) ** 2)[pixels].mean()
+    psnr = float(10.0 * np.log10(255.0**2 / error))
+    return Row(f"{title}, PSNR", psnr, "dB", bound=MIN_PSNR, ok=psnr >= MIN_PSNR)
+
+
+def _write_worst(folder: Path, made: _Made) -> None:
+    """Write the blocks with the largest relative error, enlarged, and the whole pictures."""
+    stages = (made.noisy, made.clean, made.reference.picture)
+    write_exposed(folder / f"{made.seed}.png", np.concatenate(stages, axis=1))
+    clean, reference = (block_means(luminance(picture)) for picture in stages[1:])
+    error = np.abs(clean - reference) / (reference + 0.05)
+    for rank, block in enumerate(np.argsort(error, axis=None)[: -_WORST - 1 : -1]):
+        row, column = (BLOCK * int(k) + BLOCK // 2 for k in np.unravel_index(block, error.shape))
+        part = slice(max(row - _AROUND, 0), row + _AROUND), slice(max(column - _AROUND, 0), column + _AROUND)
+        enlarged = [np.kron(stage[part], np.ones((_ENLARGED, _ENLARGED, 1))) for stage in stages]
+        write_exposed(folder / f"{made.seed}-worst-{rank}.png", np.concatenate(enlarged, axis=1))
+
+
+if __name__ == "__main__":
+    sys.exit(run(Options, __doc__, main))

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from command import PictureOptions, run
 from ours import Ours, our_reference, prepare, render
-from pictures import write_exposed
+from picture import write_exposed
 from references import RELMSE_EPSILON, Reference
 from scenes import bench_scene
 from table import Row, report

@@ -89,17 +89,34 @@ class LineOfSight:
 
 
 @dataclass(frozen=True)
+class RegionCheck:
+    """Comparison of pictures from the irradiance cache with path-traced ones, in random pixels of one region."""
+
+    id: int  #: of the object that the pixels show
+    #: "all" for a vessel; "lit" or "shaded", the more and the less lit half of a prop; "caustic", "shadow" or "open" of
+    #: the table
+    part: str
+    pixels: int  #: pixels compared
+    difference: float  #: mean difference of the cached pictures, over the region's mean radiance [1]
+    standard_error: float  #: of the difference [1]
+
+
+@dataclass(frozen=True)
 class LightCheck:
-    """Comparison of pictures from a scene's irradiance cache with path-traced ones, in random pixels of its views."""
+    """Comparison of pictures from a scene's irradiance cache with path-traced ones, region by region."""
 
     scene_id: int
     mode: str  #: how the pictures are rendered: "shared" (from the cache), or "path" if the check failed
-    difference: float  #: mean difference of the cached pictures, over the mean radiance [1]
-    standard_error: float  #: of the difference [1]
-    bound: float  #: maximum difference, in addition to three standard errors [1]
+    difference: float  #: mean over the regions of the difference of the cached pictures [1]
+    standard_error: float  #: of that mean [1]
+    bound: float  #: maximum difference of a region, where three standard errors are less [1]
     pixels: int  #: pixels compared
     nodes: int  #: cache points
     paths: int  #: paths that filled the cache
+    photons: int = 0  #: photons that the cache's caustics are made of
+    regions: tuple[RegionCheck, ...] = ()
+    failed: tuple[RegionCheck, ...] = ()  #: regions beyond the bound when all light was read from the cache ...
+    traced: tuple[int, ...] = ()  #: ... and objects whose light is path traced because of that
 
 
 @dataclass(frozen=True, eq=False)

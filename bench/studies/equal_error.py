@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pictures import Picture
+from picture import Picture
 from references import Reference
 from table import Row
 

@@ -30,7 +30,7 @@ from cycles.comparison import peer_of, peer_reference
 from cycles.peer import cycles_python
 from equal_error import Point, Way, curve_rows, measure, time_to
 from ours import Ours, our_reference, prepare, render
-from pictures import Picture, write_exposed
+from picture import Picture, write_exposed
 from references import Reference
 from scenes import ALL_NAMES, NAMES, bench_scene
 from table import Row, cores, report

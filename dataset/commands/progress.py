@@ -68,12 +68,23 @@ class Stages:
 
 
 def light_line(check: LightCheck) -> str:
-    """Return a line about the irradiance cache of a scene and its check against path tracing."""
-    line = (
+    """Return lines about the irradiance cache of a scene and its check against path tracing."""
+    largest = max((abs(region.difference) for region in check.regions), default=0.0)
+    lines = [
         f"irradiance cache filled at {check.nodes} points; pictures from it differ from path-traced ones by "
-        f"{check.difference:+.2%} in the mean (standard error {check.standard_error:.2%})"
-    )
-    return line if check.mode == "shared" else f"{line}, more than {check.bound:.0%}: paths are traced instead"
+        f"{check.difference:+.2%} in the mean of {len(check.regions)} regions, at most {largest:.1%}"
+    ]
+    for region in check.failed:
+        where = f"object {region.id}" + ("" if region.part == "all" else f", {region.part} part")
+        if check.mode == "path":
+            done = "the whole scene is path traced"
+        else:
+            done = "its light is path traced" if region.id in check.traced else "within the bound once props are traced"
+        lines.append(
+            f"{where}: {region.difference:+.1%} (standard error {region.standard_error:.1%}), more than "
+            f"{check.bound:.0%}: {done}"
+        )
+    return "\n".join(lines)
 
 
 class BuildProgress:

@@ -15,13 +15,14 @@ that are too bright for that would still make a spot, and are spread over their 
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pyoidn
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from ...procedural.surroundings.colour import luminance
-from ..pictures.denoise import box_filtered, run_filter
+from ..pictures.denoise import run_filter
 from .cache_points import CachePoints, to_front, vertex_areas
 
 #: Side of the box over which light removed or added by the filter is returned, over the grid's longer side [1]. The
@@ -63,7 +64,7 @@ def denoised_grid(moments: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         image = moments[:, first : first + 3].reshape(*shape, 3)
         filtered = _filtered(image, directional)
         if not directional:
-            filtered = np.maximum(filtered + box_filtered(image - filtered, SPREAD * max(shape)), 0.0)
+            filtered = np.maximum(filtered + _box_filtered(image - filtered, SPREAD * max(shape)), 0.0)
         result[:, first : first + 3] = filtered.reshape(-1, 3)
     return result
 
@@ -74,6 +75,22 @@ def _filtered(image: np.ndarray, directional: bool) -> np.ndarray:
     images = {pyoidn.OIDN_IMAGE_COLOR: image, pyoidn.OIDN_IMAGE_OUTPUT: result}
     run_filter("RTLightmap", images, directional=directional)
     return result
+
+
+def _box_filtered(image: np.ndarray, width: float) -> np.ndarray:
+    """Return a picture filtered with a box whose weights are normalised inside the picture; its sum stays.
+
+    Parameters
+    ----------
+    image : (H, W, 3) float32
+        The picture.
+    width : float
+        Side of the box [px], rounded to an odd number.
+    """
+    side = 2 * int(width / 2) + 1
+    ones = np.ones(image.shape[:2], np.float32)
+    inside = cv2.boxFilter(ones, -1, (side, side), borderType=cv2.BORDER_CONSTANT)
+    return cv2.boxFilter(image / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
 
 
 def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

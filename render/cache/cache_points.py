@@ -26,6 +26,8 @@ MIN_CELL, MAX_CELL = 5e-4, 4e-3
 MAX_CELLS = 1400
 #: Distance from z = 0 up to which a point belongs to the table's top [m]: ray intersections are within a micrometre.
 _TOP = 1e-5
+#: Area given to vertices of triangles without area, which no ray meets [m^2].
+_NO_AREA = 1e-12
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,21 @@ def vertex_areas(points: CachePoints) -> np.ndarray:
     corners = points.positions[points.triangles].astype(np.float64)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     return np.bincount(points.triangles.ravel(), np.repeat(area / 3.0, 3), len(points.positions))
+
+
+def point_areas(points: CachePoints) -> np.ndarray:
+    """Return the area that each cache point represents [m^2], > 0: the places that it is nearest to."""
+    x, y = (_line_widths(axis) for axis in points.axes)
+    back = np.arange(len(points.positions)) - to_front(points)  # back sides have the triangles of their front sides
+    vertices = np.maximum(vertex_areas(points)[back], _NO_AREA)
+    return np.concatenate([np.outer(y, x).ravel(), vertices])
+
+
+def _line_widths(axis: Axis) -> np.ndarray:
+    """Return the width of the strip that is nearest to each grid line [m]."""
+    lines = axis.coordinate(np.arange(axis.lines))
+    steps = np.diff(lines)
+    return 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
 
 
 def grid_axes(scene: Scene) -> tuple[Axis, Axis]:

@@ -1,4 +1,4 @@
-"""Fills the irradiance cache: paths from the surface around every cache point, caustics included.
+"""Fills the irradiance cache: caustics by photons, all other light by paths from the surface around every cache point.
 
 A path starts at a random point of the surface area of its cache point, samples one emitter (next-event estimation), and
 continues in a cosine-distributed direction as the path tracer does. A few pilot paths of every point estimate its
@@ -13,18 +13,19 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import PathOrigin, trace, visible
+from ..pictures.integrator import CausticShade, PathOrigin, trace, visible
 from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
 from .cache_filter import denoised_grid, denoised_meshes
 from .cache_points import CachePoints, vertex_areas
-from .irradiance_cache import MOMENTS, IrradianceCache
+from .irradiance_cache import MOMENTS, IrradianceCache, normalised, weighted
 from .lobes import schlick
+from .photon_map import photon_moments
 from .sample_points import PointSampler, point_sampler, sample_points
+from .stored_caustics import caustic_shade
 
 #: Paths of one pass [1]. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
@@ -51,7 +52,9 @@ class _Sums:
     squares: np.ndarray  #: (points,) of the squared irradiance of groups
 
 
-def fill_cache(loaded: LoadedScene, points: CachePoints, paths: int, seed: int) -> IrradianceCache:
+def fill_cache(
+    loaded: LoadedScene, points: CachePoints, paths: int, seed: int, photons: int = 1 << 20
+) -> IrradianceCache:
     """Return the irradiance at the cache points.
 
     Parameters
@@ -64,24 +67,36 @@ def fill_cache(loaded: LoadedScene, points: CachePoints, paths: int, seed: int) 
         Mean number of paths of a point; at least two groups of every point are traced.
     seed : int
         32-bit seed.
+    photons : int
+        Number of photons that caustics are made of.
     """
-    origins, groups = point_sampler(points), max(2.0, paths / GROUP)
-    pilot = _traced_groups(loaded, origins, np.full(points.count, _PILOT), _PILOT_INDEX, seed)
+    caustics = photon_moments(loaded, points, photons, seed)
+    gather = _Gather(loaded, point_sampler(points), caustic_shade(loaded, points, caustics), seed)
+    groups = max(2.0, paths / GROUP)
+    pilot = _traced_groups(gather, np.full(points.count, _PILOT), _PILOT_INDEX)
     counts = _group_counts(points, *_mean_and_variance(pilot), groups)
-    sums = _traced_groups(loaded, origins, counts, 0, seed)
+    sums = _traced_groups(gather, counts, 0)
     total, odd = sums.moments, sums.odd_moments
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
     moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), denoised_meshes(points, halves)])
-    for colour, vector in ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12))):  # sums become mean directions
-        weight, weighted = luminance(moments[:, colour])[:, None], moments[:, vector]
-        moments[:, vector] = np.divide(weighted, weight, out=np.zeros_like(weighted), where=weight > 0.0)
-    moments = moments.astype(np.float32)
+    moments = normalised(moments).astype(np.float32)
     moments[:grid] = denoised_grid(moments[:grid], (points.axes[1].lines, points.axes[0].lines))
-    return IrradianceCache(points, moments, counts * GROUP)
+    moments = normalised(weighted(moments) + caustics).astype(np.float32)
+    return IrradianceCache(points, moments, counts * GROUP, photons)
 
 
-def _traced_groups(loaded: LoadedScene, origins: PointSampler, counts: np.ndarray, first: int, seed: int) -> _Sums:
+@dataclass(frozen=True, eq=False)
+class _Gather:
+    """What the paths of all passes share."""
+
+    loaded: LoadedScene
+    origins: PointSampler
+    caustics: CausticShade
+    seed: int
+
+
+def _traced_groups(gather: _Gather, counts: np.ndarray, first: int) -> _Sums:
     """Trace groups of paths of every cache point, from sample index `first` on."""
     total, odd, square = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
     point = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
@@ -89,7 +104,7 @@ def _traced_groups(loaded: LoadedScene, origins: PointSampler, counts: np.ndarra
     index, groups_per_pass = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
     for begin in range(0, len(point), groups_per_pass):
         part = slice(begin, begin + groups_per_pass)
-        sums, other = _trace_pass(loaded, origins, point[part], index[part], seed), rank[part] % 2 == 1
+        sums, other = _trace_pass(gather, point[part], index[part]), rank[part] % 2 == 1
         for k in range(MOMENTS):
             total[:, k] += np.bincount(point[part], sums[k], len(counts))
             odd[:, k] += np.bincount(point[part][other], sums[k][other], len(counts))
@@ -132,23 +147,20 @@ def _neighbour_mean(points: CachePoints, values: np.ndarray) -> np.ndarray:
     return np.where(count > 0, np.bincount(corners, mean, len(values)) / np.maximum(count, 1), values)
 
 
-def _trace_pass(
-    loaded: LoadedScene, origins: PointSampler, point: np.ndarray, index: np.ndarray, seed: int
-) -> np.ndarray:
+def _trace_pass(gather: _Gather, point: np.ndarray, index: np.ndarray) -> np.ndarray:
     """Return the sums of the moments over each group, (12, groups) float64."""
     lane = dr.arange(mi.UInt32, len(point) * GROUP)
     group = lane // GROUP
     at, first = (dr.gather(mi.UInt32, mi.UInt32(values), group) for values in (point, index))
-    sampler = sobol_sampler(at, first + lane % GROUP, 1 << 14, seed)
-    values = _incident_moments(loaded, origins, at, sampler)
+    sampler = sobol_sampler(at, first + lane % GROUP, 1 << 14, gather.seed)
+    values = _incident_moments(gather, at, sampler)
     dr.eval(values)
     return np.stack([np.array(dr.block_sum(value, GROUP), np.float64) for value in values])
 
 
-def _incident_moments(
-    loaded: LoadedScene, origins: PointSampler, point: mi.UInt32, sampler: SobolSampler
-) -> list[mi.Float]:
+def _incident_moments(gather: _Gather, point: mi.UInt32, sampler: SobolSampler) -> list[mi.Float]:
     """Trace one path of each lane's point; return E, E weighted with f, and the directions of both by luminance."""
+    loaded, origins = gather.loaded, gather.origins
     scene, offset = loaded.mi_scene, dr.opaque(mi.Float, loaded.offset)
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(point))
     start = sample_points(origins, point, sampler)
@@ -167,7 +179,9 @@ def _incident_moments(
     direction = mi.Frame3f(ns).to_world(local)
     # A direction along the surface would have the density 0, and the MIS weight of an emitter would be 0 / 0.
     origin = PathOrigin(si, dr.maximum(local.z, 1e-6) * dr.inv_pi, mi.Bool(False))
-    found = trace(loaded, leave(si, direction, offset), weight, sampler, loaded.description.picture, origin)
+    found = trace(
+        loaded, leave(si, direction, offset), weight, sampler, loaded.description.picture, origin, gather.caustics
+    )
     # Where the shading normal is tilted, some directions lead into the surface.
     indirect = dr.select(start.valid & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
 

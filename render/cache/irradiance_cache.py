@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...procedural.description.scene import TABLE_ID
+from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 from ..pictures.integrator import Bounce, PathDimensions, visible
 from ..scene.loaded_scene import LoadedScene
@@ -26,6 +27,8 @@ from .lobes import OpaqueParameters, eval_glossy, sample_glossy, schlick
 
 #: Moments of a cache point [1]: E (3), E weighted with f (3), mean direction of both (3 each, by luminance).
 MOMENTS = 12
+#: Columns of an irradiance and of its mean direction.
+DIRECTIONS = ((slice(0, 3), slice(6, 9)), (slice(3, 6), slice(9, 12)))
 #: Survival of Russian roulette for glossy bounces [1]: this many times their weight, times the expected radiance over
 #: the diffuse radiance where that is more than 1, and at least `_MIN_SURVIVAL`.
 _SURVIVAL, _MIN_SURVIVAL = 3.0, 0.2
@@ -41,6 +44,7 @@ class IrradianceCache:
     points: CachePoints
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
     samples: np.ndarray  #: (count,) paths that each point is the mean of
+    photons: int = 0  #: photons that its caustics are made of
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,7 @@ class CachedShader:
     roughness: mi.Float  #: by registry id
     metallic: mi.Float  #: by registry id
     emission: EmissionMap
+    traced: mi.Bool | None = None  #: by registry id: surfaces that are path traced, not read from the cache; None: none
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,16 +81,45 @@ class Moments:
     mean_f: mi.Vector3f
 
 
-def cached_shader(loaded: LoadedScene, cache: IrradianceCache, emission: EmissionMap) -> CachedShader:
-    """Return the shader of a scene's opaque surfaces."""
+def cached_shader(
+    loaded: LoadedScene, cache: IrradianceCache, emission: EmissionMap, traced: tuple[int, ...] = ()
+) -> CachedShader:
+    """Return the shader of a scene's opaque surfaces; objects with the ids `traced` are path traced."""
     table, lookup = loaded.surfaces, lookup_of(cache.points)
     moments = mi.Float(np.ascontiguousarray(cache.moments, np.float32).ravel())
-    parameters = np.zeros((dr.width(table.instance), 2), np.float32)
+    dr.make_opaque(moments)
+    roughness, metallic = material_columns(loaded)
+    rows = mi.Bool(np.isin(np.array(table.instance), traced)) if traced else None
+    if rows is not None:
+        dr.make_opaque(rows)
+    return CachedShader(loaded.mi_scene, table, lookup, moments, roughness, metallic, emission, rows)
+
+
+def material_columns(loaded: LoadedScene) -> tuple[mi.Float, mi.Float]:
+    """Return roughness and metallic of the opaque surfaces, by registry id."""
+    parameters = np.zeros((dr.width(loaded.surfaces.instance), 2), np.float32)
     for body in loaded.opaque_bodies:
         parameters[body.row] = body.roughness, body.metallic
     roughness, metallic = mi.Float(parameters[:, 0].copy()), mi.Float(parameters[:, 1].copy())
-    dr.make_opaque(moments, roughness, metallic)
-    return CachedShader(loaded.mi_scene, table, lookup, moments, roughness, metallic, emission)
+    dr.make_opaque(roughness, metallic)
+    return roughness, metallic
+
+
+def normalised(moments: np.ndarray) -> np.ndarray:
+    """Return moments whose sums of directions, weighted by luminance, are divided by the luminance: mean directions."""
+    result = moments.copy()
+    for colour, vector in DIRECTIONS:
+        weight = luminance(moments[:, colour])[:, None]
+        result[:, vector] = np.divide(moments[:, vector], weight, out=np.zeros((len(moments), 3)), where=weight > 0.0)
+    return result
+
+
+def weighted(moments: np.ndarray) -> np.ndarray:
+    """Return moments with mean directions as sums of directions weighted by luminance: the inverse of `normalised`."""
+    result = moments.astype(np.float64)
+    for colour, vector in DIRECTIONS:
+        result[:, vector] *= luminance(result[:, colour])[:, None]
+    return result
 
 
 def shade(
@@ -112,7 +146,7 @@ def shade(
     frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
     point = _ShadingPoint(si, frame, frame.to_local(eye), material)
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
-    radiance = diffuse(material, point.wi, eye, _interpolated(shader.moments, index, weight))
+    radiance = diffuse(material, point.wi, eye, interpolated(shader.moments, index, weight))
     level = dr.max(radiance)
     radiance += _glossy_emitter(shader.scene, point, offset, u, _FAINT * level)
 
@@ -128,7 +162,7 @@ def shade(
     return Bounce(radiance, direction, factor, pdf, mi.Bool(False))
 
 
-def _interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> Moments:
+def interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> Moments:
     """Return the moments interpolated between cache points."""
     parts = [dr.zeros(mi.Vector4f) for _ in range(3)]
     for point, w in zip(index, weight, strict=True):

@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.randomness import stream, stream_seed
+from ...core.randomness import stream_seed
 from ...procedural.description.scene import TABLE_ID, Scene
-from ...procedural.surroundings.colour import luminance
-from .._mitsuba import dr, mi
+from .._mitsuba import mi
 from ..frame import LightCheck, SurfaceLight
-from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
+from ..pictures.picture import PATH_TRACER, Tracer
 from ..scene.loaded_scene import LoadedScene
-from ..scene.rays import pinhole
 from .cache_points import cache_points_of
 from .fill_cache import fill_cache
 from .irradiance_cache import IrradianceCache
+from .light_check import BOUND, check_regions, is_within, regions_of
 from .trace_cached import cached_tracer
 
 #: Camera samples of a whole scene above which the cache is used by default. Below, filling it costs more time than it
@@ -23,10 +22,8 @@ from .trace_cached import cached_tracer
 CACHE_THRESHOLD = 1e8
 #: Paths that fill the cache, as a fraction of the camera samples; and the fewest and most per cache point on average.
 _PATH_FRACTION, _FEWEST_PATHS, _MOST_PATHS = 0.1, 16, 40
-#: The check: number of pixels, of views that they are taken from at most, and samples of each pixel by both methods.
-_CHECK_PIXELS, _CHECK_VIEWS, _CHECK_SAMPLES = 1024, 8, 128
-#: Largest difference of the mean over these pixels [fraction of the mean], beyond this number of standard errors.
-BOUND, _STANDARD_ERRORS = 0.01, 3.0
+#: Photons, as a fraction of the camera samples; and the fewest and most of a scene.
+_PHOTON_FRACTION, _FEWEST_PHOTONS, _MOST_PHOTONS = 0.1, 1 << 20, 1 << 23
 
 
 def uses_cache(scene: Scene) -> bool:
@@ -53,6 +50,9 @@ def _camera_samples(scene: Scene) -> float:
 def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCache]:
     """Fill the irradiance cache of a scene, and compare pictures from it with path-traced ones.
 
+    Props with a region beyond the bound are path traced, and the comparison is repeated. If a region of the table or of
+    a vessel is beyond it then, the whole scene is path traced.
+
     Parameters
     ----------
     loaded : LoadedScene
@@ -69,61 +69,39 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
     """
     scene = loaded.description
     cache = fill_scene_cache(loaded)
+    regions = regions_of(loaded, cache)
     tracer = cached_tracer(loaded, cache)
-    difference, error = compare_with_paths(loaded, tracer)
-    passed = abs(difference) <= BOUND + _STANDARD_ERRORS * error
+    checks = check_regions(loaded, tracer, regions)
+    failed = tuple(check for check in checks if not is_within(check))
+    traced = tuple(sorted({check.id for check in failed} & {prop.id for prop in scene.props}))
+    if traced:
+        tracer = cached_tracer(loaded, cache, traced)
+        checks = check_regions(loaded, tracer, regions, which=1)
+    passed = all(is_within(check) for check in checks if check.id not in traced)
     check = LightCheck(
         scene_id=scene.scene_id,
         mode="shared" if passed else "path",
-        difference=difference,
-        standard_error=error,
+        difference=float(np.mean([check.difference for check in checks])) if checks else 0.0,
+        standard_error=float(np.sqrt(sum(check.standard_error**2 for check in checks)) / max(len(checks), 1)),
         bound=BOUND,
-        pixels=_CHECK_PIXELS,
+        pixels=sum(check.pixels for check in checks),
         nodes=cache.points.count,
         paths=int(cache.samples.sum()),
+        photons=cache.photons,
+        regions=tuple(checks),
+        failed=failed,
+        traced=traced if passed else (),
     )
     return (tracer if passed else PATH_TRACER), check, cache
 
 
 def fill_scene_cache(loaded: LoadedScene) -> IrradianceCache:
-    """Fill the irradiance cache of a scene with a number of paths in proportion to its camera samples."""
+    """Fill the irradiance cache of a scene with paths and photons in proportion to its camera samples."""
     scene, points = loaded.description, cache_points_of(loaded)
-    paths = int(np.clip(_PATH_FRACTION * _camera_samples(scene) / points.count, _FEWEST_PATHS, _MOST_PATHS))
-    return fill_cache(loaded, points, paths, stream_seed(scene.seed, scene.scene_id, "render/light"))
-
-
-def compare_with_paths(loaded: LoadedScene, tracer: Tracer) -> tuple[float, float]:
-    """Return the relative difference of a tracer's pictures from path-traced ones, and its standard error.
-
-    Both are fractions of the mean luminance of random pixels of the left pictures. The standard error covers the
-    samples of both methods and the choice of pixels, but not the noise of the cache, which all pixels share.
-    """
-    scene = loaded.description
-    rng = stream(scene.seed, scene.scene_id, "render/light/check")
-    views = rng.permutation(len(scene.cameras))[:_CHECK_VIEWS]
-    pairs = [_luminances(loaded, tracer, int(view), rng, _CHECK_PIXELS // len(views)) for view in views]
-    by_paths, by_tracer = (np.concatenate(values) for values in zip(*pairs, strict=True))
-    level, difference = float(by_paths.mean()), by_tracer - by_paths
-    if level <= 0.0:
-        return 0.0, 0.0
-    return float(difference.mean() / level), float(difference.std(ddof=1) / np.sqrt(len(by_paths)) / level)
-
-
-def _luminances(
-    loaded: LoadedScene, tracer: Tracer, view: int, rng: np.random.Generator, pixels: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the luminance of random pixels by the path tracer and by a tracer."""
-    camera, seeds = loaded.description.cameras[view], rng.integers(0, 1 << 32, 2)
-    pixel = rng.integers(0, camera.width * camera.height, pixels).astype(np.uint32)
-    values = []
-    for seed, method in zip(seeds, (PATH_TRACER, tracer), strict=True):
-        first, count = np.zeros_like(pixel), _CHECK_SAMPLES
-        ray, weight, points = camera_paths(pinhole(camera), pixel, first, count, count, int(seed))
-        radiance = method.trace(loaded, ray, weight, points, loaded.description.picture).radiance
-        dr.eval(radiance)
-        means = [np.array(dr.block_sum(channel, _CHECK_SAMPLES), np.float64) / _CHECK_SAMPLES for channel in radiance]
-        values.append(luminance(np.stack(means, axis=1)))
-    return values[0], values[1]
+    samples = _camera_samples(scene)
+    paths = int(np.clip(_PATH_FRACTION * samples / points.count, _FEWEST_PATHS, _MOST_PATHS))
+    photons = int(np.clip(_PHOTON_FRACTION * samples, _FEWEST_PHOTONS, _MOST_PHOTONS))
+    return fill_cache(loaded, points, paths, stream_seed(scene.seed, scene.scene_id, "render/light"), photons)
 
 
 def surface_light(loaded: LoadedScene, cache: IrradianceCache) -> SurfaceLight:

@@ -19,10 +19,13 @@ from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
 from ..pictures.integrator import (
     MAX_SURVIVAL,
+    Bounce,
+    PathDimensions,
     PathOrigin,
     Radiance,
     emitter_hit,
     interface_hit,
+    opaque_event,
     path_dimensions,
 )
 from ..pictures.picture import Tracer
@@ -30,7 +33,7 @@ from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_1d, sample_4d
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import AIR_INDEX, surface_media
+from ..scene.surfaces import AIR_INDEX, registry_id, surface_media
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, cached_shader, shade
 
@@ -86,10 +89,10 @@ class CachedTracing:
         return replace(self, sampler=replace(self.sampler, pixel=state.pixel, index=state.index))
 
 
-def cached_tracer(loaded: LoadedScene, cache: IrradianceCache) -> Tracer:
-    """Return the tracer that reads the irradiance cache of a scene."""
+def cached_tracer(loaded: LoadedScene, cache: IrradianceCache, traced: tuple[int, ...] = ()) -> Tracer:
+    """Return the tracer that reads the irradiance cache of a scene; objects with the ids `traced` are path traced."""
     emission = emission_map(loaded.description)
-    shader = cached_shader(loaded, cache, emission)
+    shader = cached_shader(loaded, cache, emission, traced)
 
     def trace(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
@@ -250,7 +253,7 @@ def _facet_sample(sampler: SobolSampler, depth: mi.UInt32, alpha: mi.Float) -> m
 @syntax
 def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersection3f, outside: mi.Bool) -> PathState:
     """Add the radiance of what paths hit outside the glass, and continue those with a glossy bounce."""
-    shader, sampler, picture, scene = tracing.shader, tracing.sampler, tracing.picture, tracing.loaded.mi_scene
+    sampler, picture, scene = tracing.sampler, tracing.picture, tracing.loaded.mi_scene
     offset = dr.opaque(mi.Float, tracing.loaded.offset)
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta, depth = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta), mi.UInt32(state.depth)
@@ -260,9 +263,9 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     previous.p = ray.o
     L = state.L + beta * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside)
 
-    if dr.hint(outside & si.is_valid(), exclude=[scene, sampler, shader]):
+    if dr.hint(outside & si.is_valid(), exclude=[scene, sampler, tracing]):
         before = depth - 1  # the surface's own depth: the loop has counted it
-        bounce = shade(shader, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
+        bounce = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
         L += beta * bounce.radiance
         beta *= bounce.weight
         ray, pdf, delta = leave(si, bounce.direction, offset), bounce.pdf, bounce.delta
@@ -272,6 +275,40 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     return replace(
         state, origin=ray.o, direction=ray.d, beta=beta, L=L, pdf=pdf, delta=delta, depth=depth, active=active
     )
+
+
+def _opaque_bounce(
+    tracing: CachedTracing,
+    si: mi.SurfaceInteraction3f,
+    barycentric: mi.Point2f,
+    ray: mi.Ray3f,
+    offset: mi.Float,
+    u: PathDimensions,
+) -> Bounce:
+    """Shade opaque surfaces from the cache, and those that are path traced by emitter and BSDF sampling."""
+    shader = tracing.shader
+    cached = shade(shader, si, barycentric, ray, offset, u)
+    if shader.traced is None:  # the usual case has a kernel without the second kind
+        return cached
+    traced = dr.gather(mi.Bool, shader.traced, registry_id(si.shape))
+    return _traced_bounce(tracing.loaded.mi_scene, si, ray, offset, u, cached, traced)
+
+
+@syntax
+def _traced_bounce(
+    scene: mi.Scene,
+    si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
+    offset: mi.Float,
+    u: PathDimensions,
+    cached: Bounce,
+    traced: mi.Bool,
+) -> Bounce:
+    """Replace the bounces of surfaces that are path traced."""
+    bounce = cached
+    if dr.hint(traced, exclude=[scene]):
+        bounce = opaque_event(scene, si, ray, offset, u)
+    return bounce
 
 
 def _russian_roulette(

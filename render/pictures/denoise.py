@@ -1,11 +1,4 @@
-"""Denoising: the firefly filter, and Open Image Denoise with albedo and normal guides.
-
-Fireflies are isolated pixels that a single path made bright. Light that reaches a pixel by rare paths (a caustic seen
-in a mirror, a lamp seen through two glasses) arrives in few bright samples. The mean over all pixels is right, and
-clamping such samples would darken the picture (bias). So the excess is not clamped but spread over the surrounding
-pixels, which the same rare paths reach as well: the mean stays, and the denoiser can handle the result. Pixels that are
-bright in every group of samples are not changed.
-"""
+"""Denoising with Open Image Denoise, and the blend that keeps what has less noise than the denoiser has bias."""
 
 from __future__ import annotations
 
@@ -15,54 +8,10 @@ import cv2
 import numpy as np
 import pyoidn
 
-#: Smallest relative standard error of a firefly [1]. It is 1 where one group of samples carries all light, for any
-#: number of groups, and 0.6 where 63 to 70 % of the light is in one group (of sixteen, of four).
-MIN_RELATIVE_ERROR = 0.6
-#: Smallest ratio of a firefly to the median of its neighbourhood [1].
-MIN_CONTRAST = 3.0
-#: Side of the square that the median is taken over [px].
-MEDIAN_SIDE = 5
-#: Side of the square that the excess is spread over, as a fraction of the picture's width [1]: so wide that the
-#: denoiser does not take it for a detail. Measured on `bench/quality.py --scenes hdri --spp 16`, 240 px wide: relMSE
-#: after denoising 0.036 with a square of 5 px, 0.013 with one of 33; without the filter 0.013 as well, but the denoiser
-#: lost 1.6 % of the light.
-SPREAD = 1 / 8
-
-
-def spread_fireflies(radiance: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """Return the picture with the excess of fireflies spread over their neighbourhood; its mean stays.
-
-    Parameters
-    ----------
-    radiance : (H, W, 3) float32
-        Noisy picture.
-    variance : (H, W, 3) float32
-        Estimated variance of each value.
-    """
-    level = radiance.mean(axis=2)
-    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), MEDIAN_SIDE)
-    # The variance of the mean colour is at most that of fully correlated channels, as those of a firefly are.
-    error = np.sqrt(variance).mean(axis=2)
-    is_firefly = (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around)
-    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[..., None]
-    excess = (radiance * (1.0 - kept)).astype(np.float32)
-    return (radiance * kept + box_filtered(excess, SPREAD * excess.shape[1])).astype(np.float32)
-
-
-def box_filtered(image: np.ndarray, width: float) -> np.ndarray:
-    """Return a picture filtered with a box whose weights are normalised inside the picture; its sum stays.
-
-    Parameters
-    ----------
-    image : (H, W, 3) float32
-        The picture.
-    width : float
-        Side of the box [px], rounded to an odd number.
-    """
-    side = 2 * int(width / 2) + 1
-    ones = np.ones(image.shape[:2], np.float32)
-    inside = cv2.boxFilter(ones, -1, (side, side), borderType=cv2.BORDER_CONSTANT)
-    return cv2.boxFilter(image / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
+#: Standard deviation of the window in which noise and the denoiser's changes are compared [px], and its half-width.
+_BLEND_SIGMA, _BLEND_REACH = 2.5, 7
+#: Weights of the channels in the comparison [1]: linear Rec.709 luminance.
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 
 def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
@@ -93,6 +42,35 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
     result = np.zeros_like(images[pyoidn.OIDN_IMAGE_COLOR])
     run_filter(pyoidn.OIDN_FILTER_TYPE_RT, {**images, pyoidn.OIDN_IMAGE_OUTPUT: result}, hdr=True, cleanAux=True)
     return result
+
+
+def blend(noisy: np.ndarray, variance: np.ndarray, clean: np.ndarray) -> np.ndarray:
+    """Return the mean of the noisy and the denoised picture that has the least expected squared error.
+
+    The noisy picture has the known variance v and no bias, the denoised one the unknown bias b and little variance. The
+    mean of their squared difference is about v + b^2, so the best weight of the denoised picture is v / (v + b^2). Both
+    are averaged over a window. A caustic that the denoiser removes is far above the noise, and stays; noise that it
+    removes is all of the difference, and goes.
+
+    Parameters
+    ----------
+    noisy, variance, clean : (H, W, 3) float32
+        Noisy picture, the estimated variance of its values, and the denoised picture.
+
+    Returns
+    -------
+    (H, W, 3) float32
+        The weight is the same for the three channels of a pixel.
+    """
+    noise = _averaged(variance @ np.square(_LUMINANCE))
+    difference = _averaged(np.square((clean - noisy) @ _LUMINANCE))
+    weight = np.divide(noise, difference, out=np.ones_like(noise), where=difference > noise)
+    return noisy + weight[..., None] * (clean - noisy)
+
+
+def _averaged(values: np.ndarray) -> np.ndarray:
+    side = 2 * _BLEND_REACH + 1
+    return cv2.GaussianBlur(np.ascontiguousarray(values, np.float32), (side, side), _BLEND_SIGMA)
 
 
 def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:

@@ -43,6 +43,7 @@ class Guides:
     normal: np.ndarray  #: (H, W, 3) float32, their normals, world frame
     glass: np.ndarray  #: (H, W) bool, whether any ray hits glass first ...
     polished: np.ndarray  #: ... and whether any ray hits a polished opaque surface first
+    background: np.ndarray  #: (H, W) bool, whether all rays see the surroundings directly: there is no noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,7 @@ class _GuideSample:
     normal: mi.Normal3f
     glass: mi.Bool
     polished: mi.Bool
+    background: mi.Bool
 
 
 def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guides:
@@ -94,9 +96,9 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         more = slice(_FIRST_RAYS, _FIRST_RAYS + _MORE_RAYS)
         values[:, pixel] += _pixel_guides(loaded, view, camera.exposure, pixel, more)[0]
         counts[pixel] += _MORE_RAYS
-    albedo, normal, glass, polished = np.split((values / counts).astype(np.float32).T, (3, 6, 7), axis=1)
+    albedo, normal, glass, polished, background = np.split((values / counts).astype(np.float32).T, (3, 6, 7, 8), axis=1)
     flags = (x.reshape(shape) > 0.0 for x in (glass, polished))
-    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *flags)
+    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *flags, background.reshape(shape) == 1.0)
 
 
 def _pixel_guides(
@@ -106,8 +108,8 @@ def _pixel_guides(
 
     Returns
     -------
-    sums : (8, pixels) float64
-        Sums over the rays of albedo, normal and the flags glass and polished.
+    sums : (9, pixels) float64
+        Sums over the rays of albedo, normal and the flags glass, polished and background.
     ranges : (pixels,) float32
         Largest range (maximum minus minimum) of these over the rays of a pixel.
     """
@@ -126,7 +128,9 @@ def _pixel_guides(
     refracted = _shaded(loaded, end, exposed, True)
     is_reflected = end.reflectance > 0.0
     reflected = _shaded(loaded, _through_smooth_glass(loaded, end.reflected, is_reflected), exposed, is_reflected)
-    flags = (dr.select(flag, mi.Float(1.0), 0.0) for flag in (refracted.glass, refracted.polished))
+    flags = (
+        dr.select(flag, mi.Float(1.0), 0.0) for flag in (refracted.glass, refracted.polished, refracted.background)
+    )
     albedo = refracted.albedo + end.reflectance * reflected.albedo
     normal = refracted.normal + end.reflectance * reflected.normal
     columns = (*albedo, *normal, *flags)
@@ -156,7 +160,11 @@ def _shaded(loaded: LoadedScene, end: _GuideRays, exposure: mi.Float, active: bo
     normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * surface.ns, 0.0)
     direct = hit & (end.bounces == 0)
     glass = (active & (end.bounces > 0)) | (direct & ~surface.opaque)
-    return _GuideSample(albedo, normal, glass, dr.gather(mi.Bool, table.polished, surface.row, direct))
+    polished = dr.gather(mi.Bool, table.polished, surface.row, direct)
+    # An area light is part of the surroundings, as the sky behind it.
+    instance = dr.gather(mi.UInt32, table.instance, surface.row, hit)
+    background = active & (end.bounces == 0) & (~hit | (instance == 0))
+    return _GuideSample(albedo, normal, glass, polished, background)
 
 
 @syntax

@@ -6,8 +6,9 @@ samples it are combined by multiple importance sampling (MIS) with the balance h
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
@@ -67,6 +68,14 @@ class Bounce:
     delta: mi.Bool  #: whether the sampled lobe is a Dirac one
 
 
+#: Light through glass that is stored: takes a point on an opaque surface, its barycentric coordinates, the ray and the
+#: sampled bounce; returns the radiance that the diffuse lobe adds, and the fraction of the bounce's weight that is due
+#: to the glossy lobe. As a text, since `mi` has no types before a variant is set.
+CausticShade: TypeAlias = (
+    "Callable[[mi.SurfaceInteraction3f, mi.Point2f, mi.Ray3f, Bounce], tuple[mi.Color3f, mi.Color3f]]"
+)
+
+
 @syntax
 def trace(
     loaded: LoadedScene,
@@ -75,6 +84,7 @@ def trace(
     sampler: SobolSampler,
     picture: Picture,
     origin: PathOrigin | None = None,
+    caustics: CausticShade | None = None,
 ) -> Radiance:
     """Trace one path for every ray, which starts in air, and return its radiance.
 
@@ -83,6 +93,9 @@ def trace(
     (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others are consumed here
     (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted as well. In polarised
     variants all spectra are Mueller matrices (`mueller`), and emitters are unpolarised.
+
+    With `caustics`, light that reaches a diffuse lobe through glass is read, not found (RGB variants only). The origin
+    counts as diffuse then: its own light through glass is left out.
     """
     scene, table, carried = loaded.mi_scene, loaded.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
@@ -93,10 +106,13 @@ def trace(
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
+    # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
+    through_glass, glossy = mi.Bool(False), mi.Color3f(0.0)
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, sampler, carried]):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
+        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         segments += 1
@@ -104,7 +120,10 @@ def trace(
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = mi.UInt32(surface.before)
 
-        L += beta * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
+        emitted = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
+        if caustics is not None:
+            emitted *= dr.select(through_glass, mi.Spectrum(glossy), 1.0)
+        L += beta * emitted
         active = mi.Bool(hit)
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
@@ -113,6 +132,10 @@ def trace(
             bounce = opaque_event(scene, si, ray, offset, u)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
             L += beta * bounce.radiance
+            if caustics is not None:
+                stored, glossy = caustics(si, pi.prim_uv, ray, bounce)
+                L += beta * stored
+                through_glass = mi.Bool(False)
 
         if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, carried]):
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
@@ -122,6 +145,8 @@ def trace(
             event = interface_event(interface, beta)
             direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale *= event.eta_squared
+            if caustics is not None:
+                through_glass = mi.Bool(True)
             medium = dr.select(event.transmitted, surface.behind, surface.before)
 
         # ---- Next segment, by Russian roulette ----

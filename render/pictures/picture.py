@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from ...procedural.description.camera import Camera
@@ -14,8 +15,9 @@ from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
-from .denoise import denoise, spread_fireflies
+from .denoise import blend, denoise
 from .film import Film
+from .fireflies import PixelGuides, spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import SampleWeights, group_counts
@@ -45,8 +47,7 @@ class NoisyImage:
 
     radiance: np.ndarray  #: (H, W, 3) float32, linear Rec.709
     variance: np.ndarray  #: (H, W, 3) float32, estimated variance of each value; 0 for one sample
-    albedo: np.ndarray  #: (H, W, 3) float32
-    normal: np.ndarray  #: (H, W, 3) float32, world frame
+    guides: Guides
     sampling: PictureNoise  #: mean samples per pixel, and the relative error (`Film.noise`)
     violations: float  #: fraction of segments whose medium is not the one on the near side of the surface at their end
 
@@ -104,13 +105,21 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     shape = (camera.height, camera.width, 3)
     radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
     sampling = PictureNoise(spp=spp, noise=film.noise(camera.exposure))
-    return NoisyImage(radiance, variance, guides.albedo, guides.normal, sampling, float(counts[0] / counts[1]))
+    return NoisyImage(radiance, variance, guides, sampling, float(counts[0] / counts[1]))
 
 
 def denoise_image(image: NoisyImage) -> np.ndarray:
-    """Return the picture without fireflies and noise, (H, W, 3) float32 linear Rec.709 radiance."""
-    radiance = spread_fireflies(image.radiance, image.variance)
-    return denoise(radiance, np.clip(image.albedo, 0.0, 1.0), image.normal)
+    """Return the picture without fireflies and noise, (H, W, 3) float32 linear Rec.709 radiance.
+
+    Pixels that see the surroundings directly, and whose neighbours do, have no noise and are not changed.
+    """
+    guides = image.guides
+    pixels = PixelGuides(guides.albedo, guides.normal, guides.glass)
+    radiance, variance = spread_fireflies(image.radiance, image.variance, pixels)
+    clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
+    clean = blend(radiance, variance, clean)
+    exact = cv2.erode(guides.background.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) > 0
+    return np.where(exact[..., None], image.radiance, clean)
 
 
 def _is_below(noise: float | None, target: float) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from agreement import Agreement, block_means, compared
 from ours import Ours, prepare, render
-from pictures import write_exposed, write_signed
+from picture import write_exposed, write_signed
 from scenes import bench_scene
 from table import Row
 

@@ -10,7 +10,7 @@ from types import TracebackType
 
 import numpy as np
 import OpenEXR
-from pictures import Picture
+from picture import Picture
 
 from glassware.core.errors import InputError
 from glassware.procedural.description.scene import Scene

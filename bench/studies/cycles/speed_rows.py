@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from equal_error import Point, Way, curve_rows, measure, rate, time_to
 from ours import our_reference, prepare, render
-from pictures import Picture, write_exposed
+from picture import Picture, write_exposed
 from scenes import bench_scene
 from table import Row
 

@@ -1,0 +1,153 @@
+"""Photon map: light that reaches opaque surfaces through glass (caustics), traced from the emitters.
+
+Paths from a surface find a small lamp behind glass by chance: one path in a thousand carries all of the light. Traced
+from the lamp, all photons carry the same (Jensen 1996, "Global Illumination using Photon Maps"). A photon is refracted
+and reflected by glass until it lands on an opaque surface, at the cache point that represents the place. Photons that
+land without meeting glass are dropped: that is direct light, which emitter sampling finds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...procedural.description.picture import Picture
+from ...procedural.description.scene import TABLE_ID
+from .._mitsuba import dr, mi, syntax
+from ..interfaces.dielectric import scatter
+from ..pictures.integrator import interface_hit, path_dimensions
+from ..pictures.sampler import SobolSampler, hashed_seed, sobol_sampler
+from ..scene.loaded_scene import LoadedScene
+from ..scene.rays import leave
+from ..scene.surfaces import registry_id, surface_media
+from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of, point_areas
+from .light_sources import Emission, LightSources, emit, light_sources
+from .lobes import schlick
+
+#: Photons of one pass [1]. Each holds 60 bytes of results, so a pass stays near 130 MB.
+PHOTONS_PER_PASS = 1 << 21
+#: Largest correction of an interpolated normal [1] (`_adjoint_factor`), which grows without bound at grazing angles.
+_MAX_CORRECTION = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Landed:
+    """Photons on opaque surfaces, one entry a photon."""
+
+    si: mi.SurfaceInteraction3f
+    uv: mi.Point2f  #: barycentric coordinates
+    direction: mi.Vector3f  #: of the photon
+    power: mi.Color3f
+    valid: mi.Bool
+
+
+def photon_moments(loaded: LoadedScene, points: CachePoints, photons: int, seed: int) -> np.ndarray:
+    """Return the light that reaches the cache points through glass.
+
+    Parameters
+    ----------
+    loaded : LoadedScene
+        The scene, loaded for the cache.
+    points : CachePoints
+        The cache points.
+    photons : int
+        Number of photons.
+    seed : int
+        32-bit seed.
+
+    Returns
+    -------
+    (count, 12) float64
+        Moments as `irradiance_cache.IrradianceCache.moments`, directions not yet divided by the irradiance.
+    """
+    moments = np.zeros((points.count, 12))
+    if not loaded.description.vessels or photons == 0:
+        return moments
+    sources, lookup = light_sources(loaded.description, loaded.mi_scene), lookup_of(points)
+    for first in range(0, photons, PHOTONS_PER_PASS):
+        count = min(PHOTONS_PER_PASS, photons - first)
+        index, values = _trace_pass(loaded, sources, lookup, slice(first, first + count), photons, seed)
+        # In float64 and in the order of the photons: the sum depends on no thread.
+        for k in range(12):
+            moments[:, k] += np.bincount(index, values[k], points.count)
+    return moments / (photons * point_areas(points)[:, None])
+
+
+def _trace_pass(
+    loaded: LoadedScene, sources: LightSources, lookup: Lookup, part: slice, photons: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cache point and the moments of each photon that lands, (n,) and (12, n)."""
+    number = dr.arange(mi.UInt32, part.stop - part.start) + dr.opaque(mi.UInt32, part.start)
+    sampler = sobol_sampler(dr.zeros(mi.UInt32, part.stop - part.start), number, photons, seed)
+    emission = emit(sources, loaded.mi_scene, sampler)
+    landed = _through_glass(loaded, emission, sampler, loaded.description.picture)
+    on_table = dr.gather(mi.UInt32, loaded.surfaces.instance, registry_id(landed.si.shape), landed.valid) == TABLE_ID
+    index, weight = interpolation_weights(lookup, landed.si, landed.uv, -landed.direction, on_table)
+    moments = _moments(landed)
+    dr.eval(index, weight, moments, landed.valid)
+    valid = np.array(landed.valid)
+    # A cache point stands for the places that it is nearest to, as for the paths of `fill_cache`.
+    weights, indices = np.stack([np.array(w) for w in weight]), np.stack([np.array(i) for i in index])
+    nearest = np.take_along_axis(indices, np.argmax(weights, axis=0)[None], axis=0)[0]
+    return nearest[valid].astype(np.int64), np.stack([np.array(m, np.float64) for m in moments])[:, valid]
+
+
+def _moments(landed: _Landed) -> list[mi.Float]:
+    """Return what a photon adds to E, to E weighted with f, and to the directions of both, times the point's area."""
+    si, towards = landed.si, -landed.direction
+    sign = dr.select(dr.dot(si.n, towards) < 0.0, mi.Float(-1.0), mi.Float(1.0))
+    cos, cos_face = sign * dr.dot(si.sh_frame.n, towards), sign * dr.dot(si.n, towards)
+    # Irradiance is by the shading normal, the photons' density by the face.
+    correction = dr.clip(cos / dr.maximum(cos_face, 1e-6), 0.0, _MAX_CORRECTION)
+    E = dr.select(landed.valid, correction * landed.power, 0.0)
+    f = schlick(cos)
+    mean = mi.luminance(E) * towards
+    return [*E, *(f * E), *mean, *(f * mean)]
+
+
+@syntax
+def _through_glass(loaded: LoadedScene, emission: Emission, sampler: SobolSampler, picture: Picture) -> _Landed:
+    """Follow photons from emitters through glass until they land on an opaque surface, leave or are absorbed."""
+    scene, table = loaded.mi_scene, loaded.surfaces
+    offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
+    rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
+    ray, beta = mi.Ray3f(emission.ray), mi.Color3f(1.0)
+    depth, active, landed = mi.UInt32(0), dr.any(emission.power > 0.0), mi.Bool(False)
+    pi = dr.zeros(mi.PreliminaryIntersection3f)
+
+    while dr.hint(active, exclude=[table, scene, sampler]):
+        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
+        hit = active & si.is_valid()
+        surface = surface_media(table, si, ray, hit)
+        beta *= table.transmittance(surface, si.wavelengths, active)
+        landed = hit & surface.opaque & (depth > 0)
+        active = hit & ~surface.opaque
+
+        if dr.hint(active, exclude=[table, scene, sampler]):
+            u = path_dimensions(sampler, depth)
+            interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
+            event = scatter(interface)
+            # Power is not scaled by eta^2, as radiance is.
+            beta *= event.weight * event.eta_squared
+            beta *= _adjoint_factor(surface.n, surface.ns, -ray.d, event.direction)
+            ray = leave(si, event.direction, offset)
+            depth += 1
+            survival = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta), 0.99), 1.0)
+            active = dr.any(beta > 0.0) & (depth < max_depth) & (u.u_rr < survival)
+            beta *= dr.rcp(survival)
+
+    end = pi.compute_surface_interaction(ray, mi.RayFlags.All, landed)
+    is_body = dr.gather(mi.UInt32, table.instance, registry_id(end.shape), landed) > 0  # not an area light
+    return _Landed(end, pi.prim_uv, ray.d, emission.power * beta, landed & is_body)
+
+
+def _adjoint_factor(n: mi.Normal3f, ns: mi.Normal3f, wi: mi.Vector3f, wo: mi.Vector3f) -> mi.Float:
+    """Return the correction of light paths for interpolated normals (Veach 1997, eq. 5.19).
+
+    Paths from the eye and from the light carry the same light along the same points only with it.
+    """
+    above = dr.abs(dr.dot(wo, n) * dr.dot(wi, ns))
+    below = dr.abs(dr.dot(wo, ns) * dr.dot(wi, n))
+    return dr.select(below > 0.0, dr.minimum(above / below, _MAX_CORRECTION), 1.0)

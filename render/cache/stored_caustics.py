@@ -1,0 +1,55 @@
+"""Caustics read from the photon map, for the paths that fill the irradiance cache.
+
+Where a path meets an opaque surface, the diffuse lobe's light through glass is read. If BSDF sampling then leads
+through glass to an emitter, only the glossy lobe's part of what it finds is added: nothing is counted twice.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...procedural.description.scene import TABLE_ID
+from .._mitsuba import dr, mi
+from ..pictures.integrator import Bounce, CausticShade
+from ..scene.loaded_scene import LoadedScene
+from ..scene.surfaces import registry_id
+from .cache_points import CachePoints, interpolation_weights, lookup_of
+from .irradiance_cache import diffuse, interpolated, material_columns, normalised
+from .lobes import OpaqueParameters, eval_glossy
+
+
+def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray) -> CausticShade:
+    """Return the function that reads a scene's photon map.
+
+    Parameters
+    ----------
+    loaded : LoadedScene
+        The scene, loaded for the cache.
+    points : CachePoints
+        The cache points.
+    moments : (count, 12) float64
+        As `photon_map.photon_moments` returns.
+    """
+    lookup, table = lookup_of(points), loaded.surfaces
+    stored = mi.Float(normalised(moments).astype(np.float32).ravel())
+    roughness, metallic = material_columns(loaded)
+    dr.make_opaque(stored)
+
+    def shade(
+        si: mi.SurfaceInteraction3f, barycentric: mi.Point2f, ray: mi.Ray3f, bounce: Bounce
+    ) -> tuple[mi.Color3f, mi.Color3f]:
+        row, eye = registry_id(si.shape), -ray.d
+        instance = dr.gather(mi.UInt32, table.instance, row)
+        colour = mi.Color3f(si.bsdf().eval_diffuse_reflectance(si))
+        material = OpaqueParameters(colour, dr.gather(mi.Float, roughness, row), dr.gather(mi.Float, metallic, row))
+        frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
+        wi = frame.to_local(eye)
+        index, weight = interpolation_weights(lookup, si, barycentric, eye, instance == TABLE_ID)
+        radiance = diffuse(material, wi, eye, interpolated(stored, index, weight))
+        glossy, _ = eval_glossy(material, wi, frame.to_local(bounce.direction))
+        total = mi.Color3f(bounce.weight) * bounce.pdf
+        fraction = dr.select(total > 0.0, dr.clip(glossy / total, 0.0, 1.0), 0.0)
+        is_light = instance == 0
+        return dr.select(is_light, 0.0, radiance), dr.select(is_light, 1.0, fraction)
+
+    return shade

@@ -1,0 +1,101 @@
+"""Fireflies are spread over pixels with noise like theirs, not clamped: light is kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from glassware.render.pictures.fireflies import PixelGuides, spread_fireflies
+
+#: float32 sums over a picture of 64 x 48.
+SUM_ROUNDING = 1e-5
+
+
+@pytest.fixture
+def noisy(rng):
+    radiance = rng.uniform(0.4, 0.6, size=(48, 64, 3)).astype(np.float32)
+    return radiance, np.full_like(radiance, 0.05**2)
+
+
+@pytest.fixture
+def plain() -> PixelGuides:
+    """One grey wall that faces the camera."""
+    return PixelGuides(np.full((48, 64, 3), 0.5), np.full((48, 64, 3), 0.577), np.zeros((48, 64), bool))
+
+
+@pytest.mark.parametrize("place", [(20, 30), (0, 0), (47, 63), (0, 31)])
+def test_a_firefly_is_gone_and_its_light_is_not(noisy, plain, place):
+    radiance, variance = noisy
+    radiance[place], variance[place] = (500.0, 300.0, 100.0), np.square((500.0, 300.0, 100.0))
+    spread, _ = spread_fireflies(radiance, variance, plain)
+    # The kernel of radius 4 px has the sum 26.2, of which a corner has a third. The firefly's own weight is larger than
+    # that of its neighbours; it keeps less than an eighth.
+    assert spread[place].max() < 500.0 / 8.0
+    np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
+
+
+def test_what_is_bright_in_every_group_of_samples_is_left_alone(noisy, plain):
+    radiance, variance = noisy
+    radiance[20, 30], variance[20, 30] = 500.0, 50.0**2  # a lamp's image: a tenth of its value in doubt
+    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain)[0], radiance)
+
+
+def test_a_picture_of_one_sample_of_which_nothing_is_known_is_left_alone(noisy, plain):
+    radiance, variance = noisy
+    radiance[20, 30] = 500.0
+    np.testing.assert_array_equal(spread_fireflies(radiance, np.zeros_like(variance), plain)[0], radiance)
+
+
+def test_noise_on_an_edge_is_no_firefly(noisy, plain):
+    radiance, variance = noisy
+    radiance[:, 32:] *= 100.0
+    variance[:, 32:] *= 100.0**2
+    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain)[0], radiance)
+
+
+@pytest.fixture
+def with_firefly(noisy):
+    radiance, variance = noisy
+    radiance[20, 30], variance[20, 30] = (500.0, 300.0, 100.0), np.square((500.0, 300.0, 100.0))
+    return radiance, variance
+
+
+def test_pixels_without_noise_get_no_light(with_firefly, plain):
+    radiance, variance = with_firefly
+    variance[:, 32:] = 0.0
+    spread, _ = spread_fireflies(radiance, variance, plain)
+    np.testing.assert_array_equal(spread[:, 32:], radiance[:, 32:])
+    np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
+
+
+def test_a_firefly_in_glass_gives_its_light_to_glass_alone(with_firefly, plain):
+    radiance, variance = with_firefly
+    glass = np.zeros((48, 64), bool)
+    glass[16:24, 26:34] = True
+    spread, _ = spread_fireflies(radiance, variance, replace(plain, glass=glass))
+    np.testing.assert_array_equal(spread[~glass], radiance[~glass])
+    assert spread[20, 27].sum() > radiance[20, 27].sum()
+
+
+def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
+    radiance, variance = with_firefly
+    normal = plain.normal.copy()
+    normal[:, 32:] = (1.0, 0.0, 0.0)
+    spread, _ = spread_fireflies(radiance, variance, replace(plain, normal=normal))
+    given = np.maximum(spread - radiance, 0.0)
+    # The normals are 0.92 apart: a weight of exp(-0.5 (0.92 / 0.25)^2) = 0.0012 against 1, over about as many pixels.
+    assert given[:, 32:].sum() < 2e-3 * given[:, :32].sum()
+
+
+def test_the_light_has_no_border():
+    radiance, variance = np.full((128, 256, 3), 0.5, np.float32), np.full((128, 256, 3), 0.05**2, np.float32)
+    radiance[64, 128], variance[64, 128] = 500.0, 500.0**2
+    grey = np.full((128, 256, 3), 0.5)
+    spread, _ = spread_fireflies(radiance, variance, PixelGuides(grey, grey, np.zeros((128, 256), bool)))
+    given = (spread - radiance)[64, 129:, 0]
+    assert (np.diff(given) <= 0.0).all()
+    # The biweight kernel of radius 16 px falls to (1 - (16 / 17)^2)^2 = 0.013 at its last pixel.
+    ends = given[given > 0.0]
+    assert ends[-1] < 0.02 * ends[0]
