@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from ...annotate.checks import check_view
 from ...core.assets import checked_path
 from ...core.errors import InputError
+from ...core.setting_errors import setting_error
 from ...core.user_text import counted
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
@@ -167,7 +168,7 @@ def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:
     except InputError as error:
         yield str(error)
     except ValidationError as error:
-        yield f"{layout.DATASET}: config: {' '.join(str(error).split())[:200]}"
+        yield str(setting_error(f"{layout.DATASET}: config", error))
 
 
 def _with_lists(row: dict | None) -> dict | None:
