@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.description.surroundings import Camera
 from ..procedural.props.mesh_files import MESH_SUFFIXES
 from ..render.frame import Geometry
 from .boxes import EDGES, box_corners, modal_box

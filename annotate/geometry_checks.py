@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import TABLE_ID, Scene
-from ..procedural.description.surroundings import Camera
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
 

@@ -7,10 +7,12 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
+from ..core.arguments import check_type, whole_number
 from ..core.errors import InputError
 from ..core.model import Matrix4, Model, Vector3
+from ..core.user_text import counted
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene, SceneObject
-from ..procedural.description.surroundings import Camera
 from ..render.frame import Frame, Geometry, LineOfSight, PictureNoise
 from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
@@ -81,6 +83,13 @@ class Labels(Model):
     left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
     right: PictureNoise | None = Field(default=None, description="Of the right picture")
 
+    def __repr__(self) -> str:
+        """Return one line: how many objects, and how many of them can be seen."""
+        visible = sum(label.box2d.modal is not None for label in self.objects)
+        return f"Labels({counted(len(self.objects), 'object')}, {visible} visible)"
+
+    __str__ = __repr__
+
 
 def label(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints | None = None) -> Labels:
     """Return the labels of a rendered view's left camera.
@@ -99,13 +108,33 @@ def label(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints
     Raises
     ------
     InputError
-        Where the renderer was made of another scene: picture and label would disagree.
+        Where the renderer was made of another scene, or the frame shows another one: picture and label would disagree.
     """
+    check_type("label: scene", scene, Scene, "a Scene; the order is label(scene, frame, renderer)")
+    check_type("label: frame", frame, Frame, "a Frame; the order is label(scene, frame, renderer)")
+    check_type("label: renderer", renderer, Renderer, "a Renderer; the order is label(scene, frame, renderer)")
     if scene is not renderer.scene:
         raise InputError("label", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
+    _check_frame(scene, frame)
     points = points or scene_keypoints(scene)
     sight = renderer.line_of_sight(frame.view, points.world.reshape(-1, 3))
     return with_noise(annotate(scene, scene.cameras[frame.view], frame.geometry, points, sight), frame.sampling)
+
+
+def _check_frame(scene: Scene, frame: Frame) -> None:
+    """Refuse a frame that does not show a view of the scene."""
+    if frame.scene is not None and frame.scene is not scene:
+        raise InputError("label: frame", f"a frame of {scene!r}", f"one of another scene, {frame.scene!r}")
+    view = whole_number("label: frame, view", frame.view, 0, len(scene.cameras) - 1)
+    camera = scene.cameras[view]
+    shape, count = (camera.height, camera.width), len(scene.objects)
+    for name, found, expected in (
+        ("pictures", frame.left.shape, (*shape, 3)),
+        ("geometry", frame.geometry.id.shape, shape),
+        ("silhouettes", frame.geometry.crossed.shape, (count, *shape)),
+    ):
+        if found != expected:
+            raise InputError("label: frame", f"{name} of shape {expected}, as view {view} has them", found)
 
 
 def with_noise(labels: Labels, sampling: tuple[PictureNoise, PictureNoise] | None) -> Labels:

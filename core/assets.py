@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from .errors import InputError
+from .errors import InputError, cause_of
 from .model import Model
 
 
@@ -28,7 +28,7 @@ def asset(path: Path) -> Asset:
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as error:
-        raise InputError(path, "a readable file", error.strerror) from error
+        raise InputError(path, "a readable file", cause_of(error)) from error
     return Asset(path=path.resolve(), sha256=digest, source=path.name)
 
 

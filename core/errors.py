@@ -17,6 +17,17 @@ class InputError(ValueError):
         return _of_text, (str(self),)
 
 
+def cause_of(error: OSError) -> str:
+    """Return why a file or folder cannot be used, as an error line says it."""
+    if isinstance(error, FileNotFoundError):
+        return "none"
+    if isinstance(error, IsADirectoryError):
+        return "a folder"
+    if isinstance(error, NotADirectoryError):
+        return "a file where a folder should be"
+    return (error.strerror or str(error)).lower()
+
+
 def _of_text(text: str) -> InputError:
     error = InputError.__new__(InputError)
     ValueError.__init__(error, text)

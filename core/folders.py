@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, cause_of
 from .user_text import usable_text
 
 
@@ -35,7 +35,7 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
         entries = folder.rglob("*") if below else folder.iterdir()
         found = [path for path in entries if path.suffix.lower() in suffixes and path.is_file()]
     except OSError as error:
-        raise InputError(folder, f"a readable folder of {content}", error.strerror) from error
+        raise InputError(folder, f"a readable folder of {content}", cause_of(error)) from error
     if not found:
         raise InputError(folder, f"{content} ({' '.join(suffixes)})", "none")
     for path in found:

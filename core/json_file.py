@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from .errors import InputError
+from .errors import InputError, cause_of
 from .model import Model
+from .setting_errors import setting_error
 
 M = TypeVar("M", bound=Model)
 
@@ -30,7 +31,7 @@ def read_json(path: Path) -> Any:
             parse_float=_finite,
         )
     except OSError as error:
-        raise InputError(path, "a readable file", error.strerror) from error
+        raise InputError(path, "a readable file", cause_of(error)) from error
     except ValueError as error:
         raise InputError(path, "a JSON file", f"{error}") from error
     except RecursionError as error:
@@ -53,8 +54,7 @@ def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | N
         cause = first.get("ctx", {}).get("error")
         if isinstance(cause, InputError):
             raise cause from None
-        field = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{path}: {field}", first["msg"], repr(first["input"])[:80]) from None
+        raise setting_error(path, error, model, noun="fields") from None
 
 
 def _no_constant(name: str) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, cause_of
 from .mesh import Mesh
 
 #: Property names by field of a mesh; `s` and `t` are what MeshLab, Blender and Mitsuba take for texture coordinates.
@@ -38,7 +38,7 @@ def read_mesh(path: Path, name: str) -> Mesh:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(path, "a readable mesh file", error.strerror) from error
+        raise InputError(path, "a readable mesh file", cause_of(error)) from error
     end = data.find(_END, 0, _LONGEST_HEADER)
     lines = data[: max(end, 0)].decode("ascii", "replace").split("\n")
     fields, n_vertices, n_faces = _parsed(lines, path)

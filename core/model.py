@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import (
@@ -18,6 +18,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from .errors import InputError
 from .mesh import Mesh
 
 
@@ -26,14 +27,25 @@ class Model(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, allow_inf_nan=False)
 
+    if not TYPE_CHECKING:  # type checkers know the frozen fields without it
+
+        def __setattr__(self, name: str, value: object) -> None:
+            """Refuse assignment to a field, with what does it instead."""
+            if name in type(self).model_fields:
+                expected = f"a changed copy, model_copy(update={{{name!r}: ...}}), as fields are frozen"
+                raise InputError(f"{type(self).__name__}.{name}", expected, "an assignment")
+            super().__setattr__(name, value)
+
 
 def _matrix4(value: object) -> np.ndarray:
     try:
         matrix = np.array(value, dtype=np.float64)
-    except (TypeError, OverflowError) as error:  # pydantic takes neither for a wrong value
-        raise ValueError("expected a 4x4 matrix of numbers") from error
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise ValueError(f"expected a finite 4x4 matrix, got shape {matrix.shape}")
+    except (TypeError, ValueError, OverflowError) as error:  # pydantic takes neither for a wrong value
+        raise ValueError("expected a 4x4 matrix of numbers, found something else") from error
+    if matrix.shape != (4, 4):
+        raise ValueError(f"expected a 4x4 matrix, found shape {matrix.shape}")
+    if not np.isfinite(matrix).all():
+        raise ValueError("expected a 4x4 matrix of finite numbers, found nan or inf")
     matrix.setflags(write=False)
     return matrix
 
@@ -43,7 +55,7 @@ def _mesh(value: object, info: ValidationInfo) -> Mesh:
         return value
     read = (info.context or {}).get("read_mesh")
     if read is None:
-        raise ValueError("expected a Mesh (mesh names are only understood while a scene file is read)")
+        raise ValueError(f"expected a Mesh (names only in scene files), found {type(value).__name__}")
     return read(value)
 
 

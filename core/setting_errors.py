@@ -2,17 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from reprlib import Repr
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from .errors import InputError
+from .model import Ordered
+
+#: What pydantic expects, in plain words, by its types of errors.
+_PLAIN = {
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "bool_type": "yes or no (True or False)",
+    "bool_parsing": "yes or no (True or False)",
+    "string_type": "a text",
+    "path_type": "a path",
+    "tuple_type": "several values (a tuple or a list)",
+    "list_type": "several values (a list)",
+    "dict_type": "settings by name (a dict)",
+    "string_pattern_mismatch": "a text of the right form",
+}
 
 
 def setting_error(
-    where: object, error: ValidationError, model: type[BaseModel] | None = None, group: Sequence[str] = ()
+    where: object,
+    error: ValidationError,
+    model: type[BaseModel] | None = None,
+    group: Sequence[str] = (),
+    noun: str = "settings",
 ) -> InputError:
     """Return the first fault of a validation as one line.
 
@@ -26,18 +49,50 @@ def setting_error(
         The validated model, to suggest the correct spelling of an unknown setting.
     group : sequence of str
         Names of the fields that hold the validated model, outermost first.
+    noun : str
+        What the fields are.
     """
     first = error.errors(include_url=False)[0]
-    place = [*group, *map(str, first["loc"])]
+    loc = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
     if first["type"] == "extra_forbidden":
-        return InputError(where, f"known settings{_suggestion(model, place)}", ".".join(place))
-    expected, found = first["msg"].removeprefix("Input should be "), shortened(first["input"])
-    ours = str(first.get("ctx", {}).get("error", ""))
+        place = [*group, *loc]
+        return InputError(where, f"known {noun}{_suggestion(model, place)}", ".".join(place))
+    inner, expected, found = fault(first)
+    if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
+        expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
+    place = [*group, *loc, *([inner] if inner else [])]
+    return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
+
+
+def fault(first: Any) -> tuple[str, str, str]:
+    """Return the part of a field that a fault of pydantic is about ('' for all of it), what was expected, and found.
+
+    Parameters
+    ----------
+    first : dict
+        One item of `pydantic.ValidationError.errors`.
+    """
+    kind, context = first["type"], first.get("ctx", {})
+    ours = str(context.get("error", ""))
     if ours:  # "expected ..., found ...", raised by one of our validators; one over several fields names a field first
         field, _, text = ours.rpartition("expected ")
-        place += [field.removesuffix(": ")] if field else []
         expected, _, found = text.rpartition(", found ")
-    return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
+        return field.removesuffix(": "), expected, found
+    found = shortened(first["input"])
+    if kind == "missing":
+        return "", "a value", "none"
+    if kind in ("too_short", "too_long"):
+        limit = context["min_length"] if kind == "too_short" else context["max_length"]
+        expected = f"at {'least' if kind == 'too_short' else 'most'} {limit} item{'' if limit == 1 else 's'}"
+        return "", expected, str(context["actual_length"])
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return "", f"one of {context.get('expected_tags', 'the known kinds')}", found
+    if kind in ("model_type", "model_attributes_type") and not isinstance(first["input"], BaseModel):
+        return "", "named values (a dict)", found
+    if kind in ("model_type", "model_attributes_type", "dataclass_type", "is_instance_of"):
+        name = context.get("class_name") or context.get("class") or "dict"
+        return "", f"{'an' if name[0] in 'AEIOU' else 'a'} {name}", found
+    return "", _PLAIN.get(kind) or first["msg"].removeprefix("Input should be "), found
 
 
 def suggest(name: str, known: Sequence[str]) -> str:
@@ -53,11 +108,53 @@ def shortened(value: object) -> str:
     return short.repr(value)
 
 
+def setting_names(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted names of all settings of a model."""
+    for name, field in model.model_fields.items():
+        inner = _model_of(field)
+        if inner is None:
+            yield prefix + name
+        else:
+            yield from setting_names(inner, f"{prefix}{name}.")
+
+
+def suggest_setting(name: str, known: Sequence[str]) -> str:
+    """Return a hint at the dotted name that is spelt most like an unknown one; its last part may be enough."""
+    by_last = {full.rpartition(".")[2]: full for full in reversed(known)}
+    last = get_close_matches(name.rpartition(".")[2], by_last, n=1, cutoff=0.75)
+    return f" (is it {by_last[last[0]]}?)" if last else ""
+
+
 def _suggestion(model: type[BaseModel] | None, place: Sequence[str]) -> str:
+    if model is None:
+        return ""
+    inner: type[BaseModel] | None = model
     for part in place[:-1]:
-        inner = None if model is None else model.model_fields[part].annotation
-        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-            return ""
-        model = inner
-    known = [] if model is None else [".".join([*place[:-1], name]) for name in model.model_fields]
-    return suggest(".".join(place), known)
+        inner = None if inner is None or part not in inner.model_fields else _model_of(inner.model_fields[part])
+    known, last = list(setting_names(model)), place[-1]
+    close = [] if inner is None else get_close_matches(last, inner.model_fields, n=1)
+    if close and not any(name.rpartition(".")[2] == last for name in known):
+        return f" (is it {'.'.join([*place[:-1], close[0]])}?)"
+    return suggest_setting(".".join(place), known)
+
+
+def _is_pair(model: type[BaseModel] | None, place: Sequence[str]) -> bool:
+    """Tell whether a setting is a range from a smallest to a largest number."""
+    if model is None or not place:
+        return False
+    field = model.model_fields.get(place[0])
+    if field is None:
+        return False
+    inner = _model_of(field)
+    return _is_pair(inner, place[1:]) if inner else Ordered in field.metadata
+
+
+def _depth(model: type[BaseModel] | None, place: Sequence[str]) -> int:
+    """Return how many names of a place lead to its setting; the others count inside its value."""
+    inner = _model_of(model.model_fields[place[0]]) if model and place and place[0] in model.model_fields else None
+    return 1 + (_depth(inner, place[1:]) if inner else 0)
+
+
+def _model_of(field: Any) -> type[BaseModel] | None:
+    kind = field.annotation
+    return kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None

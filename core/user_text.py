@@ -1,4 +1,4 @@
-"""Validation of paths and names from users: they must fit file systems and JSON files."""
+"""Text from users, which must fit file systems and JSON files, and counts in text for them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,11 @@ from pydantic import AfterValidator, BeforeValidator
 #: Longest name of a file, and longest path that still leaves room for what is written below it [bytes]: Linux, macOS
 #: and Windows all end names at 255, and Linux ends paths at 4096.
 LONGEST_NAME, LONGEST_PATH = 255, 3584
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number with its noun, such as ``1 view`` or ``2 views``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def usable_text(text: str) -> str:

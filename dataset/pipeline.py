@@ -12,10 +12,12 @@ from pathlib import Path
 
 from ..annotate.keypoints import scene_keypoints
 from ..annotate.labels import Labels, label
+from ..core.arguments import as_path, check_type
 from ..core.errors import InputError
 from ..core.images import srgb8
 from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
+from ..procedural.scene.scene_file import load_scene, scene_digest
 from ..render.frame import Frame, LightCheck
 from ..render.renderer import Renderer
 from .format import layout
@@ -84,8 +86,11 @@ def write(
     scene: Scene,
     renderer: Renderer | None = None,
     name: str = "glassware",
+    replace: bool = False,
 ) -> None:
     """Write a scene as a data set of one, with its index and contact sheet: what ``render-scene`` writes.
+
+    The same scene may be written again. Another scene of the same number is replaced only where `replace` says so.
 
     The head (``dataset.json``) has no settings, since a scene may have been put together or changed in Python.
 
@@ -99,13 +104,21 @@ def write(
         One that was made of this scene; a new one by default.
     name : str
         Name of the data set.
+    replace : bool
+        Whether to replace another scene of the same number in the data set.
 
     Raises
     ------
     InputError
-        Where the folder holds something else, or the renderer was made of another scene.
+        Where the folder holds something else or another scene, or the renderer was made of another scene.
     """
-    root, renderer = Path(out), renderer or Renderer(scene)
+    root = as_path("write: out", out)
+    check_type("write: scene", scene, Scene, "a Scene")
+    check_type("write: renderer", renderer, (Renderer, type(None)), "a Renderer, or None for a new one")
+    check_type("write: name", name, str, "a text")
+    if not replace:
+        _check_not_another(root, scene)
+    renderer = renderer or Renderer(scene)
     if scene is not renderer.scene:
         raise InputError("write", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
     head = new_head(name, scene.seed, {}, installed_versions(), renderer.variant)
@@ -113,6 +126,20 @@ def write(
     written = write_scene(root, renderer, Stopwatch(), previews=chosen_views(len(scene.cameras)))
     finish_dataset(root, head)
     write_png(root / layout.PREVIEW, contact_sheet(f"seed {scene.seed}, scene {scene.scene_id}", written.previews))
+
+
+def _check_not_another(root: Path, scene: Scene) -> None:
+    """Refuse a data set that has another scene of this scene's number, or one that cannot be read."""
+    folder = layout.scene_folder(root, scene.scene_id)
+    if not folder.exists():
+        return
+    try:
+        same = scene_digest(load_scene(folder / layout.SCENE)) == scene_digest(scene)
+    except InputError:
+        same = False
+    if not same:
+        expected = "a folder without another scene of this number; write to another folder, or pass replace=True"
+        raise InputError(root, expected, f"another scene {scene.scene_id}")
 
 
 def _preview_row(scene: Scene, frame: Frame, labels: Labels) -> PreviewRow:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Literal, TypeVar, get_args
+from typing import Literal, TypeVar, cast, get_args
 
 import numpy as np
 import pyarrow as pa
@@ -15,15 +15,18 @@ import pyarrow.parquet as pq
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
 from ..annotate.projection import transformed, unproject
+from ..core.arguments import as_path, check_type, described, whole_number
 from ..core.errors import InputError
 from ..core.html import html_images
 from ..core.json_file import check_schema, parsed, read_json
 from ..core.model import Model
+from ..core.setting_errors import suggest
+from ..core.user_text import counted
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.description.surroundings import Camera
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
-from ..render.frame import Eye, Geometry, Layers, Refraction, SurfaceLight
+from ..render.frame import EYES, Eye, Geometry, Layers, Refraction, SurfaceLight
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.dataset_file import DatasetFile, read_head
@@ -37,6 +40,8 @@ from .preview.gallery import gallery
 
 M = TypeVar("M", bound=Model)
 _Frame = Literal["camera", "world"]
+#: Largest number of a scene: as folders have six digits or more, and names have an end.
+MOST_SCENE = 10**12
 
 
 @dataclass(frozen=True)
@@ -56,11 +61,11 @@ class StoredView:
 
     def picture(self, eye: Eye = "left") -> np.ndarray:
         """Return the 8-bit sRGB picture, (H, W, 3) uint8."""
-        return read_png(self.folder / f"{eye}.png")
+        return read_png(self.folder / f"{_checked_eye(eye)}.png")
 
     def radiance(self, eye: Eye = "left", noisy: bool = False) -> np.ndarray:
         """Return linear Rec.709 radiance, (H, W, 3) float32; ``noisy`` is before the denoiser."""
-        path = self.folder / f"{eye}.exr"
+        path = self.folder / f"{_checked_eye(eye)}.exr"
         return stacked(read_exr(path), "noisy.RGB" if noisy else "RGB", path)
 
     def geometry(self) -> Geometry:
@@ -156,20 +161,30 @@ class Dataset:
     """A data set on disk."""
 
     root: Path
-    head: DatasetFile
+    # The default lets `Dataset(path)` be refused in one line.
+    head: DatasetFile = None  # pyright: ignore[reportAssignmentType]
+
+    def __post_init__(self) -> None:
+        """Refuse a data set made without its head."""
+        check_type("Dataset", self.head, DatasetFile, "Dataset.open(path), which reads the head")
 
     @classmethod
     def open(cls, path: Path | str) -> Dataset:
         """Open a data set; InputError where there is none, or one of an unknown schema."""
-        path = Path(path)
+        path = as_path("Dataset.open: path", path)
         if not path.is_dir():
             raise InputError(path, "the folder of a data set", "none")
         return cls(path, read_head(path))
 
+    def __repr__(self) -> str:
+        """Return one line: folder, name, seed and number of scenes."""
+        count = counted(len(layout.scene_ids(self.root)), "scene")
+        return f"Dataset({str(self.root)!r}: {self.head.name}, seed {self.head.seed}, {count})"
+
     def _repr_html_(self) -> str:
         """Show the first left picture of up to 48 scenes in a notebook."""
-        count = len(layout.scene_ids(self.root))
-        text = f"<p>{escape(self.head.name)}: {count} scenes in {escape(str(self.root))}</p>"
+        count = counted(len(layout.scene_ids(self.root)), "scene")
+        text = f"<p>{escape(self.head.name)}: {count} in {escape(str(self.root))}</p>"
         sheet = gallery(self.root)
         return text if sheet is None else text + html_images([("", sheet)], width=sheet.shape[1])
 
@@ -180,6 +195,7 @@ class Dataset:
 
     def scene(self, scene_id: int) -> StoredScene:
         """Return one scene; InputError where it is missing."""
+        whole_number("scene", scene_id, 0, MOST_SCENE)
         folder = layout.scene_folder(self.root, scene_id)
         if not folder.is_dir():
             raise InputError(self.root, f"a scene {scene_id}", f"scenes {layout.scene_ids(self.root)[:20]}")
@@ -193,15 +209,29 @@ class Dataset:
         """Return the index, one row per view, or some of its columns; the folders of the scenes are not read."""
         path = self.root / layout.VIEWS
         try:
+            known = pq.read_schema(path).names
+            for name in columns or ():
+                if name not in known:
+                    raise InputError(path, f"one of the columns {', '.join(known)}{suggest(name, known)}", repr(name))
             return pq.read_table(path, columns=None if columns is None else list(columns))
         except (OSError, pa.ArrowException) as error:
             raise InputError(path, "an index of views", " ".join(str(error).split())[:200]) from error
 
     def split(self, name: Split) -> tuple[StoredScene, ...]:
         """Return the scenes of a split, in the order of their ids; InputError where the data set has no splits."""
+        if name not in get_args(Split):
+            raise InputError("split", f"one of {', '.join(get_args(Split))}", described(name))
+        if not (self.root / layout.SPLITS).is_file():
+            raise InputError(self.root, "a data set that is split, as build-dataset writes it", "one without splits")
         existing = set(layout.scene_ids(self.root))
         scenes = getattr(read_splits(self.root), name)
         return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in existing)
+
+
+def _checked_eye(eye: object) -> Eye:
+    if eye not in EYES:
+        raise InputError("eye", "'left' or 'right'", described(eye))
+    return cast(Eye, eye)
 
 
 def _read(model: type[M], path: Path, schema: str) -> M:

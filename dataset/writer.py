@@ -14,12 +14,12 @@ from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
-from ..core.errors import InputError
+from ..core.errors import InputError, cause_of
 from ..core.images import srgb8
 from ..core.json_file import json_text
 from ..core.model import Model
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.description.surroundings import Camera
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
@@ -63,7 +63,7 @@ def start_dataset(root: Path, head: DatasetFile, scenes: Collection[int]) -> Non
             write_head(root, head)
         (root / layout.SCENES).mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError(root, "a folder that can be created and written to", error.strerror) from error
+        raise InputError(root, "a folder that can be created and written to", cause_of(error)) from error
     for folder in (root, root / layout.SCENES, root / layout.ASSETS):
         remove_leftovers(folder)
 

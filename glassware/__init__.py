@@ -6,8 +6,8 @@
     renderer = gw.Renderer(scene)
     frame = renderer.frame(0)
     labels = gw.label(scene, frame, renderer)
-    gw.write("out", scene, renderer)
-    gw.Dataset.open("out").views()[0].points()
+    gw.write("out-7", scene, renderer)
+    gw.Dataset.open("out-7").views()[0].points()
 
 Each name loads its module when it is first used, so importing glassware is cheap and loads no renderer.
 """

@@ -145,6 +145,15 @@ class Frame:
     layers: Layers | None = None  #: of the left camera; None if not requested
     refraction: Refraction | None = None  #: of the left camera; None if not requested
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
+    scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand
+
+    def __repr__(self) -> str:
+        """Return one line: view, size, samples and noise, never the arrays."""
+        height, width = self.left.shape[:2]
+        noise = "" if self.sampling is None else f", {self.sampling[0].spp} samples per pixel"
+        if self.sampling is not None and self.sampling[0].noise is not None:
+            noise += f", noise {self.sampling[0].noise:.3g}"
+        return f"Frame(view {self.view}: {width}x{height}{noise})"
 
     def _repr_html_(self) -> str:
         """Show both pictures, depth, normals and ids in a notebook."""

@@ -13,16 +13,20 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from ..core.arguments import check_type, whole_number
+from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.randomness import stream_seed
 from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
-from .backend.variant import activate
+from .backend.variant import SPAWN, activate, check_process
 from .frame import EYES, Eye, Frame, LightCheck, LineOfSight, SurfaceLight
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
+#: Most threads of the processor's kernels: more than the cores of any machine that this was run on.
+MOST_THREADS = 1024
 
 
 class Renderer:
@@ -39,7 +43,7 @@ class Renderer:
     variant : str, optional
         Mitsuba variant, such as ``"llvm_ad_rgb"``; by default the best that works here and fits `scene.picture`.
     threads : int, optional
-        Threads of the processor's kernels; by default one per core. Pictures do not depend on it.
+        Threads of the processor's kernels, 1 to `MOST_THREADS`; by default one per core. Pictures do not depend on it.
 
     Attributes
     ----------
@@ -56,10 +60,17 @@ class Renderer:
     ------
     InputError
         For a scene that cannot exist, a variant that does not exist or does not fit the scene, or a machine without a
-        backend; the message says what to install.
+        backend; the message says what to install. Also in a process that was forked after a renderer was made.
     """
 
     def __init__(self, scene: Scene, variant: str | None = None, threads: int | None = None) -> None:
+        # Checked before the lock, which a forked process may have inherited locked.
+        check_process()
+        if threads is not None:
+            threads = whole_number("Renderer: threads", threads, 1, MOST_THREADS)
+        if variant is not None:
+            check_type("Renderer: variant", variant, str, "the name of a variant, such as 'llvm_ad_rgb'")
+        check_type("Renderer: scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
         check_scene(scene)
         self.scene = scene
         self.light_check: LightCheck | None = None
@@ -103,11 +114,9 @@ class Renderer:
         InputError
             Where the scene has no such view.
         """
-        count = len(self.scene.cameras)
-        if isinstance(view, bool) or not isinstance(view, int | np.integer) or not 0 <= view < count:
-            raise InputError("view", f"a whole number from 0 to {count - 1}", repr(view))
+        number = self._view(view)
         with self._active():
-            return self._rendered(int(view))
+            return self._rendered(number)
 
     def line_of_sight(self, view: int, points: np.ndarray) -> LineOfSight:
         """Trace straight rays from a view's left camera towards points.
@@ -118,12 +127,18 @@ class Renderer:
             Number of the camera in ``scene.cameras``.
         points : (n, 3) float
             Targets, world frame [m].
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or the points are not finite numbers of this shape.
         """
         from .labels.geometry import line_of_sight
 
-        origin = self.scene.cameras[view].world_T_camera[:3, 3]
+        origin = self.scene.cameras[self._view(view)].world_T_camera[:3, 3]
+        targets = checked_points("points", points)
         with self._active():
-            return line_of_sight(self.loaded, origin, points)
+            return line_of_sight(self.loaded, origin, targets)
 
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
@@ -134,12 +149,15 @@ class Renderer:
         with self._active():
             return surface_light(self.loaded, self._cache)
 
+    def _view(self, view: int) -> int:
+        return whole_number("view", view, 0, len(self.scene.cameras) - 1)
+
     @contextmanager
     def _active(self) -> Iterator[None]:
         """Hold the process for a block in which this renderer's variant is the active one."""
         # Checked before the lock, which a forked process may have inherited locked.
         if os.getpid() != self._process:
-            expected = f"to be used in the process that made it ({self._process}); make one in each process"
+            expected = f"to be used in the process that made it ({self._process}); {SPAWN} and make one in each"
             raise InputError("renderer", expected, f"process {os.getpid()}, forked from it")
         with _process_lock:
             activate(self.variant)
@@ -173,6 +191,7 @@ class Renderer:
             layers=layers if picture.layers else None,
             refraction=refraction,
             exposure=camera.exposure,
+            scene=scene,
         )
 
 

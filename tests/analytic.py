@@ -13,9 +13,10 @@ import numpy as np
 import trimesh
 
 from glassware.core.mesh import Mesh
+from glassware.procedural.description.camera import Camera
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import Interface, Prop, Scene, Vessel
-from glassware.procedural.description.surroundings import Camera, SkyEnvironment
+from glassware.procedural.description.surroundings import SkyEnvironment
 from glassware.procedural.optics.medium import AIR, Medium
 from glassware.procedural.primitives import bodies, scenes
 from glassware.render.frame import Frame, Geometry

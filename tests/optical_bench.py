@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.core.mesh import Mesh
+from glassware.procedural.description.camera import Camera
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import GlassBody, Scene
-from glassware.procedural.description.surroundings import Camera, SkyEnvironment
+from glassware.procedural.description.surroundings import SkyEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives import bodies, scenes
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import base64
 import os
+import re
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,6 +16,7 @@ import numpy as np
 import pytest
 
 import glassware as gw
+from glassware.procedural.scene.scene_file import scene_digest
 from glassware.procedural.scene.validate import check_scene
 
 #: Small enough for a test.
@@ -67,7 +70,20 @@ def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_p
     labels = gw.label(scene, frame, renderer)
     gw.write(tmp_path / "out", scene, renderer)
     stored = gw.Dataset.open(str(tmp_path / "out"))
+    assert repr(stored) == f"Dataset({str(tmp_path / 'out')!r}: glassware, seed 7, 1 scene)"
+    assert repr(frame).startswith("Frame(view 1: 48x36, 2 samples per pixel")
+    assert re.fullmatch(r"Labels\(2 objects, [012] visible\)", repr(labels))
     (first, second) = stored.views()
+    for wrong, words in (
+        (lambda: second.picture("top"), "^eye: expected 'left' or 'right', found 'top'$"),
+        (lambda: second.radiance(3), "^eye: expected 'left' or 'right', found 3$"),
+        (lambda: stored.scene("a"), "^scene: expected a whole number"),
+        (lambda: stored.split("test"), "expected a data set that is split, .* found one without splits$"),
+        (lambda: stored.split("tests"), "^split: expected one of train, val, test, found 'tests'$"),
+        (lambda: stored.index(["paths"]), r"expected one of the columns .* \(is it path\?\), found 'paths'$"),
+    ):
+        with pytest.raises(gw.InputError, match=words):
+            wrong()
     np.testing.assert_array_equal(second.radiance("left"), frame.left)
     assert second.labels().model_dump_json() == labels.model_dump_json()
     assert (tmp_path / "out" / "preview.png").is_file()
@@ -155,6 +171,90 @@ def test_labels_of_another_scene_are_refused(scene, renderer):
     assert not Path("nowhere").exists()
 
 
+def test_a_frame_of_another_scene_view_or_size_is_refused(scene, renderer):
+    frame = renderer.frame(0)
+    other = replace(frame, scene=scene.with_camera(0, eye=(0.0, -0.5, 0.4)))
+    for wrong, words in (
+        (other, "expected a frame of Scene"),
+        (replace(frame, view=2), "view: expected a whole number from 0 to 1, found 2"),
+        (replace(frame, left=frame.left[:9]), r"expected pictures of shape \(36, 48, 3\), as view 0 has them"),
+    ):
+        with pytest.raises(gw.InputError, match=rf"^label: frame.*{words}"):
+            gw.label(scene, wrong, renderer)
+
+
+def test_another_scene_is_replaced_only_by_name(scene, renderer, tmp_path):
+    gw.write(tmp_path, scene, renderer)
+    gw.write(tmp_path, scene, renderer)
+    stored = gw.load_scene(tmp_path / "scenes" / "000000" / "scene.json")
+    assert scene_digest(stored) == scene_digest(scene)
+    moved = scene.with_camera(0, eye=(0.0, -0.5, 0.4))
+    assert scene_digest(moved) != scene_digest(scene)
+    with pytest.raises(gw.InputError, match=r"expected a folder without another scene .* replace=True, found another"):
+        gw.write(tmp_path, moved)
+    gw.write(tmp_path, moved, replace=True)
+    camera = gw.Dataset.open(tmp_path).views()[0].camera()
+    np.testing.assert_allclose(camera.world_T_camera[:3, 3], (0.0, -0.5, 0.4))
+
+
+@pytest.mark.parametrize(
+    ("call", "line"),
+    [
+        (
+            lambda s, r: gw.Renderer("scene.json"),
+            "Renderer: scene: expected a Scene, from gw.draw or gw.load_scene, found",
+        ),
+        (
+            lambda s, r: gw.Renderer(None),
+            "Renderer: scene: expected a Scene, from gw.draw or gw.load_scene, found None",
+        ),
+        (lambda s, r: gw.Renderer(s, threads=0), "Renderer: threads: expected a whole number from 1 to 1024, found 0"),
+        (
+            lambda s, r: gw.Renderer(s, threads=1.5),
+            "Renderer: threads: expected a whole number from 1 to 1024, found 1.5",
+        ),
+        (lambda s, r: gw.Renderer(s, 3), "Renderer: variant: expected the name of a variant"),
+        (lambda s, r: r.line_of_sight(5, [[0, 0, 0]]), "view: expected a whole number from 0 to 1, found 5"),
+        (
+            lambda s, r: r.line_of_sight(0, [0, 0, 0]),
+            "points: expected points as an array of finite numbers of shape (n, 3)",
+        ),
+        (lambda s, r: r.line_of_sight(0, [[0, 0, np.nan]]), "points: expected finite numbers"),
+        (lambda s, r: gw.write(s, "out", r), "write: out: expected a path (text or pathlib.Path), found a Scene"),
+        (lambda s, r: gw.write("out", r, s), "write: scene: expected a Scene, found a Renderer"),
+        (
+            lambda s, r: gw.write("out", s, "r"),
+            "write: renderer: expected a Renderer, or None for a new one, found 'r'",
+        ),
+        (
+            lambda s, r: gw.label(s, r, s),
+            "label: frame: expected a Frame; the order is label(scene, frame, renderer), found",
+        ),
+        (lambda s, r: gw.Dataset.open(None), "Dataset.open: path: expected a path (text or pathlib.Path), found None"),
+        (lambda s, r: gw.Dataset("out"), "Dataset: expected Dataset.open(path), which reads the head, found None"),
+        (lambda s, r: gw.load_scene(None), "load_scene: path: expected a path (text or pathlib.Path), found None"),
+        (lambda s, r: gw.load_scene("absent.json"), "absent.json: expected a readable file, found none"),
+        (lambda s, r: gw.save_scene("scene.json", s), "save_scene: scene: expected a Scene, found 'scene.json'"),
+        (lambda s, r: gw.draw("7"), "draw: seed: expected a whole number from 0 to "),
+        (
+            lambda s, r: gw.draw(7, preset="quick"),
+            "draw: preset: expected one of fast, standard, syn-todd, found 'quick'",
+        ),
+    ],
+)
+def test_a_wrong_argument_is_one_clear_line(scene, renderer, call, line):
+    with pytest.raises(gw.InputError) as error:
+        call(scene, renderer)
+    assert str(error.value).startswith(line)
+    assert "\n" not in str(error.value)
+    assert len(str(error.value)) < 200
+
+
+def test_a_number_of_numpy_is_a_seed(scene):
+    few = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
+    assert scene_digest(gw.draw(np.int64(7), np.uint8(0), **few, **SMALL)) == scene_digest(scene)
+
+
 def test_a_changed_copy_that_cannot_exist_is_refused(scene):
     (prop,) = scene.props
     pose = prop.world_T_object.copy()
@@ -182,6 +282,29 @@ def test_a_renderer_is_refused_in_a_forked_process(renderer):
     os.close(reading)
     os.close(writing)
     assert said.startswith(f"renderer: expected to be used in the process that made it ({os.getpid()})")
+    assert '"spawn"' in said
+
+
+def test_a_new_renderer_in_a_forked_process_is_refused_and_does_not_hang(scene, tmp_path):
+    gw.save_scene(scene, tmp_path / "scene.json")
+    code = """
+import os, signal, sys
+import glassware as gw
+scene = gw.load_scene(sys.argv[1])
+gw.Renderer(scene, "llvm_ad_rgb")
+child = os.fork()
+if child == 0:
+    signal.alarm(60)  # ends a child that hangs
+    try:
+        gw.Renderer(scene, "llvm_ad_rgb").frame(0)
+    except gw.InputError as error:
+        print(error, flush=True)
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+"""
+    said = _python(code, str(tmp_path / "scene.json"))
+    assert said.startswith('backend: expected a process of its own; start processes with the "spawn" method')
+    assert said.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -189,7 +312,7 @@ def test_a_renderer_is_refused_in_a_forked_process(renderer):
     [
         ({"vessls": {}}, "vessls"),
         ({"cameras": {"views": 0}}, r"cameras\.views"),
-        ({"preset": "quick"}, "--preset|preset"),
+        ({"preset": "quick"}, r"^draw: preset: expected"),
         ({"seed": -1}, "seed"),
         ({"scene": True}, "scene"),
     ],
@@ -219,7 +342,7 @@ def test_scene_frame_and_data_set_show_themselves_in_a_notebook(scene, renderer,
     decoded = cv2.imdecode(np.frombuffer(pictures[0], np.uint8), cv2.IMREAD_COLOR)
     assert decoded is not None
     np.testing.assert_array_equal(decoded[..., ::-1], left)
-    assert "1 scenes in " in gw.Dataset.open(tmp_path / "out")._repr_html_()
+    assert "1 scene in " in gw.Dataset.open(tmp_path / "out")._repr_html_()
 
 
 def test_a_changed_copy_has_its_change_everywhere(scene):
@@ -254,6 +377,11 @@ def test_a_changed_copy_has_its_change_everywhere(scene):
             "^concentration of the dye: expected a number",
         ),
         (lambda s: s.with_camera(2, eye=(0, 0, 1)), "^view: expected a whole number from 0 to 1, found 2"),
+        (lambda s: s.with_camera(0, eye="above"), r"^camera, eye: expected three finite numbers .*, found 'above'$"),
+        (lambda s: s.with_camera(0, eye=(0, np.nan, 0)), "^camera, eye: expected finite numbers"),
+        (lambda s: s.with_dye("vessel-00", "erythrosine", "much"), r"^concentration of the dye: .*, found 'much'$"),
+        (lambda s: s.with_dye("vessel-00", "erythrosine", 1e9), "^concentration of the dye: .* from 0 to 1000 kg/m"),
+        (lambda s: s.with_glass("vessel-00", 3), "^glass: expected a Medium, or its name in the catalogue, found 3$"),
         (lambda s: s.with_camera(0, eye=(0, 0, 0)), "^camera, target: expected a point away from the eye"),
     ],
 )

@@ -1,4 +1,7 @@
-"""Worker processes on this machine: each renders one scene at a time, and is replaced after a number of scenes."""
+"""Worker processes on this machine: each renders one scene at a time.
+
+The executor restarts dead workers, kills hung ones, and replaces each after a number of scenes.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ _POLL_INTERVAL = 5.0
 
 
 class LocalExecutor:
-    """Renders scenes in a pool of worker processes. Use it as a context manager: leaving it kills the workers.
+    """Renders scenes in a pool of worker processes, and restarts dead workers.
+
+    Use it as a context manager: leaving it kills the workers.
 
     Parameters
     ----------
@@ -132,13 +137,13 @@ class LocalExecutor:
         for slot, worker in list(self._workers.items()):
             if (worker.scene is not None or not worker.ready) and monotonic() - worker.last_message > self._timeout:
                 self._detach(slot).kill()
-                yield from self._lost(worker, f"the worker sent no message for {self._timeout:g} s")
+                yield from self._worker_died(worker, f"the worker sent no message for {self._timeout:g} s")
 
     def _receive(self, slot: int) -> Iterator[Attempt | int]:
         worker = self._workers[slot]
         messages = worker.receive()
         if messages is None:
-            yield from self._lost(self._detach(slot), worker.cause_of_death())
+            yield from self._worker_died(self._detach(slot), worker.cause_of_death())
         for message in messages or ():
             if message.error is not None:
                 raise WorkerInputError(message.error)
@@ -155,7 +160,8 @@ class LocalExecutor:
             self._detach(slot).stop()
         return attempt
 
-    def _lost(self, worker: WorkerProcess, reason: str) -> Iterator[Attempt]:
+    def _worker_died(self, worker: WorkerProcess, reason: str) -> Iterator[Attempt]:
+        """Yield the failed attempt of a dead worker's scene; `_start_workers` restarts the worker."""
         if worker.scene is not None:
             yield Attempt(scene=worker.scene, state="failed", reason=reason, process=worker.pid, served=worker.served)
         elif not worker.ready:

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from ...core.atomic_io import write_atomically
 from ...core.cache_folder import cache_folder
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
@@ -101,7 +101,7 @@ def check_unchanged(before: dict[Path, Stamp]) -> None:
         try:
             status = path.stat()
         except OSError as error:
-            raise InputError(path, "the asset that the worker found when it started", error.strerror) from error
+            raise InputError(path, "the asset that the worker found when it started", cause_of(error)) from error
         if (status.st_size, status.st_mtime_ns) != stamp:
             raise InputError(path, "the asset as it was when the worker started", "a changed file")
 
@@ -148,7 +148,7 @@ class _DigestCache:
                 return known[-1]
             digest = file_digest(path)
         except OSError as error:
-            raise InputError(path, "a readable asset", error.strerror) from error
+            raise InputError(path, "a readable asset", cause_of(error)) from error
         self._known[key], self._changed = [*stamp, digest], True
         return digest
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from ...core.atomic_io import atomic_file, remove_folder, remove_leftovers
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ..format import layout
 from ..format.dataset_file import DatasetFile, read_head, write_head
 from ..format.pictures import write_png
@@ -43,7 +43,7 @@ def lock_output(root: Path, say: Callable[[str], None]) -> Iterator[None]:
         root.mkdir(parents=True, exist_ok=True)
         _acquire(lock, root, say)
     except OSError as error:
-        raise InputError(root, "a folder that can be created and written to", error.strerror) from error
+        raise InputError(root, "a folder that can be created and written to", cause_of(error)) from error
     try:
         yield
     finally:

@@ -14,6 +14,8 @@ from pydantic import ValidationError
 from ...annotate.checks import check_view
 from ...core.assets import checked_path
 from ...core.errors import InputError
+from ...core.setting_errors import setting_error
+from ...core.user_text import counted
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.scene.splits import Split, split_of
@@ -140,7 +142,8 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
         yield f"{stored.folder / layout.OBJECTS}: expected the objects of {layout.SCENE}, found others"
     numbers = [row.view for row in scene_views(root, stored.scene_id).views]
     if not [view.number for view in stored.views] == numbers == list(range(len(scene.cameras))):
-        yield f"{stored.folder}: expected {len(scene.cameras)} views, found {[view.number for view in stored.views]}"
+        expected = counted(len(scene.cameras), "view")
+        yield f"{stored.folder}: expected {expected}, found {[view.number for view in stored.views]}"
         return
     for view in stored.views:
         yield from _view_faults(scene, view)
@@ -165,7 +168,7 @@ def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:
     except InputError as error:
         yield str(error)
     except ValidationError as error:
-        yield f"{layout.DATASET}: config: {' '.join(str(error).split())[:200]}"
+        yield str(setting_error(f"{layout.DATASET}: config", error))
 
 
 def _with_lists(row: dict | None) -> dict | None:

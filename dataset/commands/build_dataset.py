@@ -16,7 +16,7 @@ from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed, run_command
 from ...core.model import Model
-from ...core.user_text import UserPath, UserText
+from ...core.user_text import UserPath, UserText, counted
 from ...procedural.scene.asset_files import AssetFiles, asset_files, check_inputs
 from ...procedural.scene.settings import SceneSettings
 from ..builds.build_log import BuildLog
@@ -122,7 +122,7 @@ def _build_dataset(arguments: Sequence[str]) -> None:
             remove_leftovers(root / layout.SCENES)
         say("writing index, splits and gallery")
         views = finalize_output(root, splits_file(request.settings, files, request.seed, parse_scenes(head.scenes)))
-    say(f"{request.out}: {len(layout.scene_ids(root))} scenes, {views} views")
+    say(f"{request.out}: {counted(len(layout.scene_ids(root)), 'scene')}, {counted(views, 'view')}")
     _report_failures(request, result)
 
 
@@ -155,7 +155,7 @@ def _head(request: BuildDataset, manifest: Manifest, info: WorkerInfo) -> Datase
 
 def _plan(request: BuildDataset, root: Path, scenes: Sequence[int], say: Callable[[str], None]) -> Plan:
     plan = plan_build(root, scenes, request.check == "contents", _cores(), say, request.retry_failed)
-    say(f"{request.out}: {len(plan.to_render)} scenes to render, {len(plan.to_keep)} kept")
+    say(f"{request.out}: {counted(len(plan.to_render), 'scene')} to render, {len(plan.to_keep)} kept")
     return plan
 
 
@@ -193,8 +193,8 @@ def _report_failures(request: BuildDataset, result: Result) -> None:
     if result.failed:
         listed = "; ".join(f"scene {scene}: {reason[:200]}" for scene, reason in sorted(result.failed.items())[:20])
         raise WorkFailed(
-            f"{len(result.failed)} scenes failed ({format_scenes(result.failed)}); {layout.LOG} in {request.out} has "
-            f"the reasons, and --retry-failed renders only these scenes. {listed}"
+            f"{counted(len(result.failed), 'scene')} failed ({format_scenes(result.failed)}); {layout.LOG} in "
+            f"{request.out} has the reasons, and --retry-failed renders only these scenes. {listed}"
         )
 
 

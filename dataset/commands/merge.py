@@ -13,7 +13,7 @@ from rich.console import Console
 from ...core.errors import InputError
 from ...core.exit_codes import run_command
 from ...core.model import Model
-from ...core.user_text import UserPath
+from ...core.user_text import UserPath, counted
 from ..builds.merge import merge
 from ..builds.output_folder import lock_output
 from ..format import layout
@@ -53,7 +53,7 @@ def _merge(arguments: Sequence[str]) -> None:
             raise InputError("--out", "another folder than the sources", source)
     with lock_output(request.out, say):
         views = merge(request.sources, request.out)
-    say(f"{request.out}: {len(layout.scene_ids(request.out))} scenes, {views} views")
+    say(f"{request.out}: {counted(len(layout.scene_ids(request.out)), 'scene')}, {counted(views, 'view')}")
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from ...core.exit_codes import run_command
 from ...core.model import Model
-from ...core.user_text import UserPath, UserText
+from ...core.user_text import UserPath, UserText, counted
 from ...procedural.scene.asset_files import check_inputs
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
@@ -83,7 +83,8 @@ def _render_scene(arguments: Sequence[str]) -> None:
 def _say_what_is_done(request: RenderScene, stages: Stages) -> None:
     if request.scene in layout.scene_ids(request.out):
         stages.say(f"{request.out}: scene {request.scene} of seed {read_head(request.out).seed} will be replaced")
-    stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {request.settings.cameras.views} views")
+    views = counted(request.settings.cameras.views, "view")
+    stages.say(f"drawing scene {request.scene} of seed {request.seed}, then {views}")
 
 
 if __name__ == "__main__":

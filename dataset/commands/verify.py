@@ -19,7 +19,7 @@ from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed, run_command
 from ...core.model import Model
 from ...core.stopping import check_stop
-from ...core.user_text import UserPath
+from ...core.user_text import UserPath, counted
 from ..builds.rerender import chosen, ready, rerendered
 from ..builds.verify import head_faults, index_faults, label_faults, scene_faults
 from ..format import layout
@@ -73,8 +73,8 @@ def _verify(arguments: Sequence[str]) -> None:
         )
     scenes = len(layout.scene_ids(root))
     also = ", labels correct" if request.labels else ""
-    also += f", {sum(map(len, picked.values()))} views rendered again bit for bit" if picked else ""
-    console.print(f"{root}: {scenes} scenes, no faults{also}", markup=False, highlight=False, soft_wrap=True)
+    also += f", {counted(sum(map(len, picked.values())), 'view')} rendered again bit for bit" if picked else ""
+    console.print(f"{root}: {counted(scenes, 'scene')}, no faults{also}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _head(root: Path) -> DatasetFile:

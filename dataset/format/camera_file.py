@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from ...core.model import Matrix4, Model
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 
 CAMERA_SCHEMA = "glassware/camera/1"
 #: Written into every file, because conventions differ between projects.

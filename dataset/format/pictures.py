@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.silence import quiet
 
 
@@ -27,7 +27,7 @@ def read_png(path: Path) -> np.ndarray:
     try:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
-        raise InputError(path, "a readable PNG file", error.strerror) from error
+        raise InputError(path, "a readable PNG file", cause_of(error)) from error
     # Checked first: OpenCV also reads other formats, and returns the readable part of a truncated picture.
     if data[:8].tobytes() != b"\x89PNG\r\n\x1a\n" or data[-8:].tobytes() != b"IEND\xaeB`\x82":
         raise InputError(path, "a whole PNG file", "something else or a part of one")

@@ -12,7 +12,7 @@ from ...annotate.boxes import EDGES
 from ...annotate.labels import Labels, ObjectLabel
 from ...annotate.projection import project_camera
 from ...core.images import depth_colours, id_colour, id_colours, normal_colours
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 from ...render.frame import Geometry
 
 #: Largest number of rows of a sheet, so that it fits a screen.

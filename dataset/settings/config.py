@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
-from ...core.setting_errors import setting_error, shortened, suggest
+from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
 from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
@@ -43,10 +43,10 @@ def preset_names() -> list[str]:
     return sorted(Path(item.name).stem for item in _PRESETS.iterdir() if item.name.endswith(".yaml"))
 
 
-def preset(name: str) -> dict[str, Any]:
+def preset(name: str, where: str = "--preset") -> dict[str, Any]:
     """Return a preset's settings; InputError where no preset has this name."""
     if name not in preset_names():
-        raise InputError("--preset", f"one of {', '.join(preset_names())}", shortened(name))
+        raise InputError(where, f"one of {', '.join(preset_names())}", shortened(name))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
 
 
@@ -92,9 +92,9 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
     default: dict[str, Any] = {"default": _layers(model, arguments)} if "config" in model.model_fields else {}
 
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
-        raise _argument_error(prog, event, model)
+        raise _argument_error(prog, event, model, full)
 
-    full = [_full_name(argument) for argument in arguments]
+    full = _with_full_names(arguments)
     try:
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
@@ -171,9 +171,10 @@ def _check_not_empty(arguments: Sequence[str]) -> None:
             raise InputError(name, "a value", "''")
 
 
-def _full_name(argument: str) -> str:
-    name, equals, value = argument.partition("=")
-    return _SHORT.get(name, name) + equals + value
+def _with_full_names(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with the full names of short options."""
+    parts = [argument.partition("=") for argument in arguments]
+    return [_SHORT.get(name, name) + equals + value for name, equals, value in parts]
 
 
 def _options(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
@@ -187,13 +188,15 @@ def _options(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
             yield option
 
 
-def _argument_error(prog: str, event: tyro_errors.ParseErrorEvent, model: type[BaseModel]) -> InputError:
+def _argument_error(
+    prog: str, event: tyro_errors.ParseErrorEvent, model: type[BaseModel], arguments: Sequence[str]
+) -> InputError:
     """Return an error of the parser as one line."""
     match event:
         case tyro_errors.InstantiationFailure(argument=None):
             return _validation_error(prog, event.message, model)
-        case tyro_errors.InstantiationFailure(argument=argument, message=message):
-            return InputError(_place(prog, argument), _form(argument), message)
+        case tyro_errors.InstantiationFailure(argument=argument):
+            return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
             return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
         case tyro_errors.BadValue(argument=argument, offending_value=value):
@@ -201,9 +204,31 @@ def _argument_error(prog: str, event: tyro_errors.ParseErrorEvent, model: type[B
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
-            hint = suggest(tokens[0].partition("=")[0].removeprefix("--"), list(_options(model)))
+            hint = _option_hint(tokens[0].partition("=")[0], model)
             return InputError(prog, f"known options with valid values (see --help){hint}", " ".join(tokens))
     return InputError(prog, "options as --help lists them", event)
+
+
+def _option_hint(option: str, model: type[BaseModel]) -> str:
+    """Return a hint at the option that is spelt most like an unknown one; short options come first."""
+    if not option.startswith("--"):
+        return ""
+    name = option.removeprefix("--").replace("_", "-")
+    short = [known.removeprefix("--") for known in _SHORT if _SHORT[known].removeprefix("--") in set(_options(model))]
+    hint = suggest(name, short) or suggest_setting(name, list(_options(model)))
+    return hint.replace("(is it ", "(is it --")
+
+
+def _given(argument: Any, arguments: Sequence[str]) -> str:
+    """Return the values that an option was given, as text."""
+    option = argument.display_name()
+    if (value := _value(arguments, option)) is None:
+        return "others"
+    if option not in arguments:
+        return repr(value)
+    rest = arguments[len(arguments) - list(reversed(arguments)).index(option) :]
+    count = next((place for place, word in enumerate(rest) if word.startswith("--")), len(rest))
+    return shortened(" ".join(rest[:count]))
 
 
 def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...core.errors import InputError
+from ...core.arguments import whole_number
 from ...procedural.description.scene import Scene
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
@@ -35,9 +35,8 @@ def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Sc
     InputError
         For an unknown or impossible setting, or objects that do not fit on the table.
     """
-    for name, value, most in (("seed", seed, MOST_SEED), ("scene", scene, MOST_SCENE)):
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= most:
-            raise InputError(f"draw: {name}", f"a whole number from 0 to {most}", repr(value))
-    requested = merged(preset_named(preset), settings)
+    seed = whole_number("draw: seed", seed, 0, MOST_SEED)
+    scene = whole_number("draw: scene", scene, 0, MOST_SCENE)
+    requested = merged(preset_named(preset, "draw: preset"), settings)
     check_booleans(SceneSettings, settings, "draw")
     return draw_scene(validated(SceneSettings, requested, "draw"), seed, scene)

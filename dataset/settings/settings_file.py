@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.setting_errors import setting_error
 from ...core.user_text import UserPath
 
@@ -71,6 +71,6 @@ def _text(path: Path) -> str:
             raise InputError(path, f"a YAML file of at most {MAX_SIZE} bytes", status.st_size)
         return path.read_text("utf-8")
     except OSError as error:
-        raise InputError(path, "a readable YAML file", error.strerror) from error
+        raise InputError(path, "a readable YAML file", cause_of(error)) from error
     except UnicodeDecodeError as error:
         raise InputError(path, "a YAML file in UTF-8", "other bytes") from error

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.model import Model
 from ...dataset.format import layout
 from ...dataset.reader import Dataset
@@ -42,4 +42,4 @@ def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise InputError(path, "a readable file of a data set", error.strerror) from error
+        raise InputError(path, "a readable file of a data set", cause_of(error)) from error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...procedural.surroundings.cameras import RING_VIEWS, RINGS
+from ...procedural.surroundings.camera_poses import RING_VIEWS, RINGS
 
 #: Last grid index of a reference view: views of the lowest ring look along the table (rule of the released code).
 LAST_REFERENCE = 1 + (RINGS - 1) * RING_VIEWS - 1

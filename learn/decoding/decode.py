@@ -1,4 +1,4 @@
-"""Decode the outputs of a network: heatmap peaks, boxes at them, suppression of duplicates, instance masks."""
+"""Decode the outputs of a network: heatmap peaks, boxes at them, suppression of duplicates (NMS), masks."""
 
 from __future__ import annotations
 

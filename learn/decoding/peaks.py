@@ -1,4 +1,4 @@
-"""Peaks of heatmaps: non-maximum suppression by max pooling."""
+"""Peaks of heatmaps: non-maximum suppression (NMS) by max pooling."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 
 from ...core.atomic_io import write_atomically
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.setting_errors import shortened
 from ...core.silence import quiet
@@ -92,7 +92,7 @@ def read_image_and_camera(path: Path) -> CameraView:
     try:
         data = np.frombuffer(path.read_bytes(), np.uint8)
     except OSError as error:
-        raise InputError(path, "a readable picture", error.strerror) from error
+        raise InputError(path, "a readable picture", cause_of(error)) from error
     # Cameras refer to pixels as stored, so the orientation tag of a JPEG is ignored.
     how = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
     try:

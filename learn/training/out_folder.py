@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from ...core.atomic_io import remove_leftovers
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 
 
 def make_out_folder(out: Path) -> None:
@@ -20,7 +20,7 @@ def make_out_folder(out: Path) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(out, "a folder that can be made and written to", error.strerror) from error
+        raise InputError(out, "a folder that can be made and written to", cause_of(error)) from error
     if not os.access(out, os.W_OK):
         raise InputError(out, "a folder that can be written to", "one that cannot")
     remove_leftovers(out)

@@ -12,6 +12,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Discriminator, Field, Tag
 
+from ...core.arguments import check_type, number, point, whole_number
 from ...core.errors import InputError
 from ...core.html import convex_outline, html_table, svg_plan
 from ...core.images import id_colour
@@ -19,11 +20,13 @@ from ...core.mesh import Mesh, joined, turned
 from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
 from ...core.pose import look_at
 from ...core.setting_errors import suggest
+from ...core.user_text import counted
 from ..optics.catalogue import dyed, glass_named
 from ..optics.medium import AIR, Medium
+from .camera import Camera
 from .material import OpaqueMaterial
 from .picture import Picture
-from .surroundings import AreaLight, Camera, Environment, Table
+from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"
@@ -186,8 +189,11 @@ class Scene(Model):
         Raises
         ------
         InputError
-            Where there is no such vessel or glass.
+            Where there is no such vessel or glass, or the roughness is not within 0 and 1.
         """
+        check_type("glass", glass, (str, Medium), "a Medium, or its name in the catalogue")
+        if roughness is not None:
+            roughness = number("roughness", roughness, 0.0, 1.0)
         medium = glass_named(glass) if isinstance(glass, str) else glass
         return self._with_body(self._body(name).with_media(glass=medium, roughness=roughness))
 
@@ -201,12 +207,12 @@ class Scene(Model):
         dye : str
             Name of the dye (`optics.dyes.DYES`), such as ``"brilliant blue FCF"``.
         concentration : float
-            Of the dye [kg/m^3]; a soft drink has 0.002 to 0.1.
+            Of the dye [kg/m^3], 0 to 1000; a soft drink has 0.002 to 0.1.
 
         Raises
         ------
         InputError
-            Where there is no such vessel or dye, or the vessel is empty.
+            Where there is no such vessel or dye, the vessel is empty, or the concentration is impossible.
         """
         body = self._body(name)
         if body.liquid is None:
@@ -226,16 +232,17 @@ class Scene(Model):
         Raises
         ------
         InputError
-            Where there is no such camera, or eye and target are the same point.
+            Where there is no such camera, eye or target is no point, or they are the same point.
         """
-        if not 0 <= view < len(self.cameras):
-            raise InputError("view", f"a whole number from 0 to {len(self.cameras) - 1}", repr(view))
-        if np.allclose(eye, target, rtol=0.0, atol=1e-9):
-            raise InputError("camera, target", "a point away from the eye", list(target))
-        moved = self.cameras[view].model_copy(update={"world_T_camera": look_at(np.array(eye), np.array(target))})
+        view = whole_number("view", view, 0, len(self.cameras) - 1)
+        place, aim = point("camera, eye", eye), point("camera, target", target)
+        if np.allclose(place, aim, rtol=0.0, atol=1e-9):
+            raise InputError("camera, target", "a point away from the eye", aim.tolist())
+        moved = self.cameras[view].model_copy(update={"world_T_camera": look_at(place, aim)})
         return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
 
     def _body(self, name: str) -> GlassBody:
+        check_type("vessel", name, str, "the name of a vessel")
         names = [body.name for body in self.vessels]
         if name not in names:
             known = ", ".join(names) or "nothing, as the scene has no vessel"
@@ -249,7 +256,7 @@ class Scene(Model):
     def __repr__(self) -> str:
         """Return one line: the seed, what is in the scene, and the pictures' size."""
         counts = (("vessel", self.vessels), ("prop", self.props), ("camera", self.cameras))
-        vessels, props, cameras = (f"{len(some)} {name}{'' if len(some) == 1 else 's'}" for name, some in counts)
+        vessels, props, cameras = (counted(len(some), name) for name, some in counts)
         surroundings = {"picture": "map"}.get(self.environment.kind, self.environment.kind)
         sizes = sorted({f"{camera.width}x{camera.height}" for camera in self.cameras})
         seed = f"seed {self.seed}/{self.scene_id}"

@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.silence import quiet
 
@@ -82,7 +82,7 @@ def _decoded(path: Path) -> np.ndarray:
         with quiet():
             picture = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
     except OSError as error:
-        raise InputError(path, "a readable picture", error.strerror) from error
+        raise InputError(path, "a readable picture", cause_of(error)) from error
     except cv2.error as error:
         raise InputError(path, "a readable picture", "an empty or oversized file") from error
     if picture is None:

@@ -1,4 +1,4 @@
-"""The capillary meniscus of a liquid in a cylindrical vessel: the axisymmetric Young-Laplace equation, by collocation.
+"""The capillary meniscus of a liquid in a cylindrical vessel: a solver of the axisymmetric Young-Laplace equation.
 
 With ``lc = sqrt(gamma / (rho g))`` the capillary length, phi the surface's slope angle and z the height above the
 level at which the liquid's pressure is the air's (Laplace 1805; de Gennes, Brochard-Wyart and Quere, "Capillarity and

@@ -6,12 +6,16 @@ import math
 
 import numpy as np
 
+from ...core.arguments import check_type, number
 from ...core.errors import InputError
 from ...core.setting_errors import suggest
 from .colour import LIQUID_LENGTH, WALL_LENGTH, rgb_absorption
 from .dispersion import D_LINE, SODIUM_LINE, Cauchy, Dispersion, Power, Scaled, Sellmeier, abbe_number, index
 from .dyes import DYES
 from .medium import ETA_DIGITS, Absorber, Medium
+
+#: Most of a dye in a liquid [kg/m^3]: the density of water, as a solution holds less dye than solvent.
+MOST_DYE = 1000.0
 
 SODA_LIME = Cauchy(
     A=1.5130,
@@ -251,12 +255,12 @@ def dyed(medium: Medium, dye: str, concentration: float) -> Medium:
     Raises
     ------
     InputError
-        For an unknown dye, a negative concentration, or a medium of which only `sigma_a` is known.
+        For an unknown dye, an impossible concentration, or a medium of which only `sigma_a` is known.
     """
+    check_type("dye", dye, str, "the name of a dye")
     if dye not in DYES:
         raise InputError("dye", f"one of {', '.join(DYES)}{suggest(dye, list(DYES))}", repr(dye))
-    if not 0.0 <= concentration < math.inf:
-        raise InputError("concentration of the dye", "a number of at least 0 kg/m^3", concentration)
+    concentration = number("concentration of the dye", concentration, 0.0, MOST_DYE, "kg/m^3")
     if any(medium.sigma_a) and not medium.absorbers:
         raise InputError(f"medium {medium.name}", "absorbers, to add a dye to them", "sigma_a alone")
     parts = (*medium.absorbers, Absorber(spectrum=dye, amount=concentration))

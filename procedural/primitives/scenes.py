@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...core.arguments import point, whole_number
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.pose import look_at
+from ..description.camera import LONGEST_SIDE, Camera
 from ..description.material import OpaqueMaterial, UniformTexture
 from ..description.picture import Picture
 from ..description.scene import GlassBody, Prop, Scene
-from ..description.surroundings import AreaLight, Camera, ConstantEnvironment, Environment, Table
+from ..description.surroundings import AreaLight, ConstantEnvironment, Environment, Table
 from ..surroundings.environments import bake_environment
 from ..surroundings.metering import exposure, irradiance
 from .bodies import Point, box_mesh
@@ -85,16 +87,20 @@ def camera(
     Raises
     ------
     InputError
-        Where eye and target are the same point.
+        Where eye or target is no point, they are the same point, or width or height is no whole number above 0.
     """
-    if np.allclose(eye, target, rtol=0.0, atol=1e-9):
-        raise InputError("camera, target", "a point away from the eye", list(target))
+    place, aim = point("camera, eye", eye), point("camera, target", target)
+    if np.allclose(place, aim, rtol=0.0, atol=1e-9):
+        raise InputError("camera, target", "a point away from the eye", aim.tolist())
+    width, height = (
+        whole_number(f"camera, {name}", side, 1, LONGEST_SIDE) for name, side in (("width", width), ("height", height))
+    )
     return Camera(
         width=width,
         height=height,
         focal=float(width) if focal is None else focal,
         centre=((width - 1) / 2, (height - 1) / 2),
-        world_T_camera=look_at(np.array(eye), np.array(target), roll),
+        world_T_camera=look_at(place, aim, roll),
         baseline=baseline,
         exposure=exposure,
         grid_index=grid_index,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.mesh import Mesh
 from .mesh_material import MeshMaterial, default_picture_folder, glb_material, obj_material
@@ -147,7 +147,7 @@ def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise InputError(path, "a readable mesh", error.strerror) from error
+        raise InputError(path, "a readable mesh", cause_of(error)) from error
 
 
 def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:

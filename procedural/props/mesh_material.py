@@ -19,7 +19,7 @@ import numpy as np
 
 from ...core.assets import asset
 from ...core.cache_folder import cache_folder
-from ...core.errors import InputError
+from ...core.errors import InputError, cause_of
 from ...core.user_text import usable_path, usable_text
 from ..description.material import PictureTexture, UniformTexture
 from ..materials.picture_files import read_picture
@@ -248,7 +248,7 @@ def _write_picture(path: Path, picture: bytes, folder: Path) -> PictureTexture:
                 file.write(picture)
             Path(file.name).replace(target)
     except OSError as error:
-        raise InputError(folder, "a folder that can be written", error.strerror) from error
+        raise InputError(folder, "a folder that can be written", cause_of(error)) from error
     try:
         return _picture(target)
     except InputError as error:

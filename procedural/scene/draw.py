@@ -11,7 +11,7 @@ from ..optics.draw import draw_glass, draw_liquid
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
-from ..surroundings.cameras import draw_cameras, reach
+from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.colour import luminance
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights

@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from ...core.arguments import as_path, check_type
 from ...core.assets import Asset, checked_path
 from ...core.errors import InputError
 from ...core.json_file import check_schema, json_text, parsed, read_json
@@ -58,7 +59,8 @@ def save_scene(scene: Scene, path: Path | str, assets_dir: Path | None = None) -
     InputError
         Where an asset is missing or has changed since the scene was drawn.
     """
-    path = Path(path)
+    check_type("save_scene: scene", scene, Scene, "a Scene")
+    path = as_path("save_scene: path", path)
     assets_dir = path.parent / ASSETS_FOLDER if assets_dir is None else assets_dir
     meshes: dict[str, Mesh] = {}
     stored = _with_assets(scene, lambda item: _store_asset(item, assets_dir, path))
@@ -79,7 +81,7 @@ def load_scene(path: Path | str) -> Scene:
         For a damaged or unknown file, a missing mesh, an asset that is missing, changed or outside the data set, or
         a scene that cannot exist (`validate.check_scene`).
     """
-    path = Path(path)
+    path = as_path("load_scene: path", path)
     data = read_json(path)
     check_schema(path, data, SCENE_SCHEMA)
     folder = path.parent / MESHES_FOLDER
@@ -91,6 +93,20 @@ def load_scene(path: Path | str) -> Scene:
         error.args = (f"{path}: {error}",)
         raise
     return found
+
+
+def scene_digest(scene: Scene) -> str:
+    """Return the SHA-256 of all that a scene is: its description, its meshes, and the content of its assets."""
+    bare = _with_assets(scene, lambda item: item.model_copy(update={"path": Path(item.sha256)}))
+    data = bare.model_dump(mode="json", context={"write_mesh": _mesh_digest})
+    return hashlib.sha256(json_text(data).encode()).hexdigest()
+
+
+def _mesh_digest(mesh: Mesh) -> str:
+    digest = hashlib.sha256(mesh.name.encode())
+    for array in (mesh.vertices, mesh.faces, mesh.normals, mesh.uv):
+        digest.update(b"none" if array is None else array.tobytes())
+    return digest.hexdigest()
 
 
 def assets_of(scene: Scene) -> tuple[Asset, ...]:

@@ -7,8 +7,10 @@ from itertools import chain, combinations
 
 import numpy as np
 
+from ...core.arguments import check_type
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, volume_of
+from ..description.camera import LONGEST_SIDE, Camera
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -19,9 +21,9 @@ from ..description.scene import (
     glass_solid,
     liquid_solid,
 )
-from ..description.surroundings import Camera
-from ..optics.medium import AIR, Medium
-from ..placement.overlap import ALLOWANCE, Solid, overlap
+from ..optics.medium import AIR
+from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
+from .fields import check_fields
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
 #: most of that, and the default ones a twentieth of a percent.
@@ -33,8 +35,6 @@ LARGEST_ID = (1 << 16) - 1
 RIGID_TOLERANCE = 1e-6
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
-#: Longest side of a picture [px], as `CameraSettings` allows it; the product of two is 2^28 pixels.
-LONGEST_SIDE = 16384
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
 #: rest is room for maps of floats in other units.
 EXPOSURES = (1e-12, 1e12)
@@ -43,8 +43,8 @@ EXPOSURES = (1e-12, 1e12)
 def check_scene(scene: Scene) -> None:
     """Refuse a scene that cannot exist.
 
-    Descriptions are checked field by field when they are read; this looks at what the fields say together, and again
-    at the media, since a changed copy of a description is not validated.
+    Every field is checked again, since a changed copy is not validated (`fields.check_fields`). Then this looks at what
+    the fields say together.
 
     Parameters
     ----------
@@ -54,11 +54,14 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        Naming the object or camera: an id or name that two objects have, a pose that is not rigid, a size that is not
-        that of the mesh, a refractive index below 1, a negative absorption, interfaces whose media or roughness are
-        not those of their body, glass or a liquid whose surface is not closed or is inside out, a liquid above the rim
-        or of another volume, an object in the table, two objects that overlap, a camera that no file can hold.
+        Naming the object or camera: a field with an impossible value, an id or name that two objects have, a pose that
+        is not rigid, a size that is not that of the mesh, interfaces whose media or roughness are not those of their
+        body, glass or a liquid whose surface is not closed or is inside out, a liquid above the rim or of another
+        volume, an object in the table, two objects that overlap, a camera that no file can hold, or that is inside an
+        object.
     """
+    check_type("scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
+    check_fields(scene)
     _check_identities(scene)
     for where, matrix in _poses(scene):
         check_rigid(where, matrix)
@@ -151,35 +154,14 @@ def _check_camera(where: str, camera: Camera) -> None:
     least, most = EXPOSURES
     if not least <= camera.exposure <= most:
         raise InputError(f"{where}, exposure", f"{least:g} to {most:g}", camera.exposure)
-    for field in ("focal", "baseline"):
-        value = getattr(camera, field)
-        if not 0.0 < value < np.inf:
-            raise InputError(f"{where}, {field}", "a finite number above 0", value)
-    if not np.isfinite(camera.centre).all():
-        raise InputError(f"{where}, centre", "finite numbers", camera.centre)
 
 
 def _check_media(body: GlassBody) -> None:
-    """Refuse media that no light can cross, and interfaces between equal media."""
-    for where, medium in _media(body):
-        if not 1.0 <= medium.eta < np.inf:
-            raise InputError(f"{where}, medium {medium.name}", "a refractive index of at least 1", medium.eta)
-        for value in medium.sigma_a:
-            if not 0.0 <= value < np.inf:
-                raise InputError(f"{where}, medium {medium.name}", "an absorption of at least 0 per metre", value)
+    """Refuse interfaces between equal media."""
     for interface in body.interfaces:
         if interface.front == interface.back:
             where = f"{body.name}, {interface.part}"
             raise InputError(where, "two media, one on each side", f"{interface.front.name} on both")
-
-
-def _media(body: GlassBody) -> Iterator[tuple[str, Medium]]:
-    yield f"{body.name}, glass", body.glass
-    if body.liquid is not None:
-        yield f"{body.name}, liquid", body.liquid.medium
-    for interface in body.interfaces:
-        yield f"{body.name}, {interface.part}, front", interface.front
-        yield f"{body.name}, {interface.part}, back", interface.back
 
 
 def _check_interfaces(body: GlassBody) -> None:
@@ -224,6 +206,19 @@ def _check_places(scene: Scene) -> None:
     for (name, solid), (other, another) in combinations(solids.items(), 2):
         if overlap(solid, another):
             raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
+    _check_eyes(scene, {**solids, "the table": _world(scene.table.mesh, np.eye(4))})
+
+
+def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:
+    """Refuse a camera of which an eye is inside an object: light paths begin in air."""
+    poses = [pose for camera in scene.cameras for pose in (camera.world_T_camera, camera.world_T_right)]
+    eyes = np.array([pose[:3, 3] for pose in poses])
+    for name, solid in solids.items():
+        near = ((eyes >= solid.points.min(0)) & (eyes <= solid.points.max(0))).all(1).nonzero()[0]
+        for index in near[contains(solid, eyes[near])] if len(near) else near:
+            view, eye = divmod(int(index), 2)
+            where = f"camera {view}, {('left', 'right')[eye]} eye"
+            raise InputError(where, "a place in the air", f"({', '.join(f'{x:.3f}' for x in eyes[index])}), in {name}")
 
 
 def _solid(item: SceneObject) -> Solid:
@@ -233,5 +228,8 @@ def _solid(item: SceneObject) -> Solid:
     else:
         outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
         mesh = joined(outer, f"{item.name}-body")
-    rotation, origin = item.world_T_object[:3, :3], item.world_T_object[:3, 3]
-    return Solid(mesh.vertices.astype(np.float64) @ rotation.T + origin, mesh.faces)
+    return _world(mesh, item.world_T_object)
+
+
+def _world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
+    return Solid(mesh.vertices.astype(np.float64) @ world_T_mesh[:3, :3].T + world_T_mesh[:3, 3], mesh.faces)

@@ -12,8 +12,8 @@ from ..optics.medium import Medium
 from .curve import Curve
 from .interfaces import dry_interfaces, wet_interfaces
 from .liquid import brimful_volume, level_of_volume
+from .liquid_surface import Surface, surface_of_volume
 from .revolve import segments_for
-from .surface import Surface, surface_of_volume
 from .wall import Section
 
 

@@ -10,9 +10,9 @@ from .build import Filling, build_vessel, vessel_shape
 from .curve import Curve
 from .families import FAMILIES, Family, Size, draw_size
 from .liquid import brimful_volume, volume_below
+from .liquid_surface import most_volume
 from .outline import Outline
 from .settings import VesselSettings
-from .surface import most_volume
 from .wall import WallShape, glass_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.

@@ -14,12 +14,30 @@ from ...core.errors import InputError
 from .llvm import LLVM, LLVM_PATH, OLDEST, find_llvm
 from .trial import passes
 
+#: What a user does whose processes are forked.
+SPAWN = 'start processes with the "spawn" method (multiprocessing.get_context("spawn"))'
 #: Used when the machine has a CUDA device.
 CUDA = "cuda_ad_rgb"
 
 #: Mitsuba's EXR reader waits for a second thread. A process that may use one core has none, and deadlocks
 #: (measured with `taskset -c 0`). Two threads on one core cost nothing there: one picture took 7.8 s with either.
 _LEAST_THREADS = 2
+
+#: The process in which `activate` started the backend; None before.
+_started_in: int | None = None
+
+
+def check_process() -> None:
+    """Refuse a process that was forked after the backend had started: its threads are not there, so it would hang.
+
+    Raises
+    ------
+    InputError
+        With what to do instead.
+    """
+    if _started_in not in (None, os.getpid()):
+        found = f"process {os.getpid()}, forked from process {_started_in} in which the backend runs"
+        raise InputError("backend", f"a process of its own; {SPAWN}", found)
 
 
 def activate(variant: str | None = None, spectral: bool | None = None, threads: int | None = None) -> str:
@@ -43,8 +61,11 @@ def activate(variant: str | None = None, spectral: bool | None = None, threads: 
     Raises
     ------
     InputError
-        If Mitsuba has no such variant, or the machine lacks what it needs: the message says what to install.
+        If Mitsuba has no such variant, or the machine lacks what it needs: the message says what to install. Also in a
+        process that was forked after the backend had started.
     """
+    global _started_in
+    check_process()
     chosen = variant or _coloured(_active() or (CUDA if cuda_works() else LLVM), spectral)
     if chosen == _active():
         return chosen
@@ -68,6 +89,7 @@ def activate(variant: str | None = None, spectral: bool | None = None, threads: 
         )
         raise InputError("backend", f"glassware.render imported first, or {LLVM_PATH} set", found)
     mi.set_variant(chosen)
+    _started_in = os.getpid()
     dr.set_thread_count(max(threads or dr.thread_count(), _LEAST_THREADS))
     return chosen
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight
 from ..scene.loaded_scene import LoadedScene

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye
 from ..interfaces.dielectric import transmission

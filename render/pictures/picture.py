@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...procedural.description.camera import Camera
 from ...procedural.description.picture import Picture
-from ...procedural.description.surroundings import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
@@ -231,5 +231,6 @@ def check_media(counts: np.ndarray, eye: Eye) -> None:
     if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
             f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments end in another medium than they started in "
-            f"(at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing or its normal is reversed"
+            f"(at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing, its normal "
+            "is reversed, or a camera is inside a body"
         )

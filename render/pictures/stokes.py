@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...core.errors import InputError
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye
 from ..scene.loaded_scene import LoadedScene

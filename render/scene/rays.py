@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.errors import InputError
-from ...procedural.description.surroundings import Camera
+from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from glassware.core.mesh import Mesh
+from glassware.procedural.description.camera import Camera
 from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.description.scene import GlassBody, Prop, Scene
-from glassware.procedural.description.surroundings import Camera
 from glassware.procedural.materials.textures import bake
 from glassware.procedural.surroundings.environments import bake_environment
 

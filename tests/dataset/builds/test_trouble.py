@@ -102,7 +102,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
     assert builds.run(out, scenes="1:6").returncode == 0
     ended = builds.run(out, "--memory", 0.05, "--timeout", 60)
     assert ended.returncode == 1
-    assert "1 scenes failed (0); build.jsonl" in ended.stderr
+    assert "1 scene failed (0); build.jsonl" in ended.stderr
     assert hidden(out) == []
     tries = [line for line in _log(out) if line["event"] == "scene" and line["scene"] == 0]
     assert [(line["attempt"], line["state"]) for line in tries] == [(1, "failed"), (2, "failed")]
@@ -111,7 +111,7 @@ def test_workers_without_memory_fail_their_scenes_and_retry_failed_makes_them(
 
     shutil.rmtree(out / "scenes" / "000003")  # not there either, but it did not fail
     ended = builds.run(out, "--retry-failed")
-    assert "1 scenes to render" in ended.stdout
+    assert "1 scene to render" in ended.stdout
     assert sorted(path.name for path in (out / "scenes").iterdir()) == [f"{i:06d}" for i in (0, 1, 2, 4, 5)]
     assert builds.run(out).returncode == 0
     assert content(out) == content(undisturbed)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from glassware.core.setting_errors import shortened
 from glassware.dataset.commands.render_scene import main
 
 #: LLVM 14 aborts the process inside Dr.Jit 1.5; Debian 12 has it first on its path.
@@ -57,7 +58,7 @@ def _everything(folder: Path) -> dict[str, bytes | None]:
         (("--views", "many"), ("cameras.views", "many")),
         (("--vessels.categories", "mug"), ("vessels.categories", "mug", "tumbler")),
         (("--colour", "blue"), ("known options", "--colour blue")),
-        (("--cameras.veiws", "3"), ("known options", "is it cameras.views?", "--cameras.veiws 3")),
+        (("--cameras.veiws", "3"), ("known options", "is it --cameras.views?", "--cameras.veiws 3")),
         (("--preset", "huge"), ("--preset", "fast, standard, syn-todd", "huge")),
         (("--preset=huge",), ("--preset", "fast, standard, syn-todd", "huge")),
     ],
@@ -91,14 +92,10 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
         ),
         (("--picture.dispersion",), "picture.dispersion: expected spectral to be on as well, found it off"),
         (("--lights.size", "2", "1"), "lights.size: expected the smaller number first, found (2.0, 1.0)"),
-        (("--scene", "x"), "scene: expected INT, found invalid literal for int() with base 10: 'x'"),
-        (("--cameras.roll", "x"), "cameras.roll: expected FLOAT, found could not convert string to float: 'x'"),
+        (("--scene", "x"), "scene: expected INT, found 'x'"),
+        (("--cameras.roll", "x"), "cameras.roll: expected FLOAT, found 'x'"),
         (("--vessels.height", "0.1"), "vessels.height: expected FLOAT FLOAT, found fewer values"),
-        (
-            ("--seed", "9" * 5000),
-            "seed: expected INT, found Exceeds the limit (4300 digits) for integer string conversion: value has 5000 "
-            "digits; use sys.set_int_max_str_digits() to increase the limit",
-        ),
+        (("--seed", "9" * 5000), f"seed: expected INT, found {shortened('9' * 5000)}"),
     ],
     ids=lambda value: str(value)[:40],
 )

@@ -52,7 +52,7 @@ def _relabelled(label: dict) -> None:
 
 def test_correct_labels_pass(data, capsys):
     assert main([str(data), "--labels"]) == 0
-    assert "1 scenes, no faults, labels correct" in capsys.readouterr().out
+    assert "1 scene, no faults, labels correct" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

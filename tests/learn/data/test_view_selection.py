@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from glassware.learn.data.view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
-from glassware.procedural.surroundings.cameras import GRID_VIEWS, grid_directions
+from glassware.procedural.surroundings.camera_poses import GRID_VIEWS, grid_directions
 
 
 def test_neighbours_are_next_to_each_other_on_the_sphere():

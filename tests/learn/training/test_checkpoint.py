@@ -95,7 +95,7 @@ def test_a_header_with_wrong_values_is_one_clear_line(path):
         ({"settings": {"network": {"planes": 1}}}, r"network\.planes: expected greater than or equal to 2"),
         ({"step": 1 << 40}, "step: expected one of 0 to 20000, found 1099511627776"),
         ({"step": -1}, "step: expected greater than or equal to 0, found -1"),
-        ({"best_loss": "low"}, "best_loss: expected a valid number"),
+        ({"best_loss": "low"}, "best_loss: expected a number"),
     ):
         write_safetensors(bad, tensors, {"checkpoint": json.dumps(header | change)})
         with pytest.raises(InputError, match=message):

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.pose import look_at
-from ..description.surroundings import Camera
+from ..description.camera import Camera
 from .settings import CameraSettings
 
 RINGS, RING_VIEWS = 4, 14

@@ -8,7 +8,7 @@ from glassware.procedural.optics.capillary import GRAVITY, capillary_length
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.vessels.curve import Curve, arc, chained
 from glassware.procedural.vessels.liquid import RIM_MARGIN, brimful_volume, level_of_volume, volume_below
-from glassware.procedural.vessels.surface import LEAST_ANGLE, Surface, most_volume, surface_of_volume
+from glassware.procedural.vessels.liquid_surface import LEAST_ANGLE, Surface, most_volume, surface_of_volume
 
 CHORD = 15e-6
 ANGLE = float(np.radians(25.0))

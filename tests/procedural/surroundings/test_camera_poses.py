@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from glassware.core.errors import InputError
 from glassware.core.pose import look_at
-from glassware.procedural.surroundings.cameras import (
+from glassware.procedural.surroundings.camera_poses import (
     draw_cameras,
     fit_distance,
     grid_directions,
