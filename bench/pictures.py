@@ -6,7 +6,7 @@
 Each seed is drawn with a preset, as `render-scene` does, and one of its views is rendered as the scene says. The
 reference is path traced, in passes that are kept in a folder. Regions are the table, its caustics, every prop and every
 vessel, by the geometry's ids, less the pixels at their outlines. Of each the table shows the ratio of its light to the
-reference's, with a standard error from the reference's passes.
+reference's, with its standard error.
 
 Pixels that see the surroundings directly have no noise: there the clean picture must be the noisy one. Caustics are
 blocks of the table whose light over their albedo is far above the table's median in the reference.
@@ -30,12 +30,14 @@ from skimage.metrics import structural_similarity
 from table import Row, report
 
 from glassware.core.images import srgb8
+from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
 from glassware.procedural.description.scene import TABLE_ID, GlassBody, Scene
 from glassware.procedural.surroundings.colour import luminance
-from glassware.render.frame import Frame
-from glassware.render.pictures.guides import trace_guides
-from glassware.render.renderer import Renderer
+from glassware.render.cache.scene_cache import make_tracer, uses_cache
+from glassware.render.frame import LightCheck
+from glassware.render.labels.geometry import trace_geometry
+from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, denoise_image, trace_picture
 from glassware.render.scene.loaded_scene import load
 
 #: Bounds: largest change of a pixel that sees the surroundings [sRGB levels]; largest error of a caustic block, of a
@@ -81,21 +83,30 @@ class _Made:
 
     seed: int
     scene: Scene
-    frame: Frame
+    ids: np.ndarray  #: (H, W) first surface of each pixel's centre
+    image: NoisyImage
+    picture: np.ndarray  #: (H, W, 3), denoised
+    check: LightCheck | None
     exposure: float
     reference: Reference
     albedo: np.ndarray  #: (H, W, 3)
-    seconds: float  #: CPU time of the light and the view [s]
+    light_seconds: float  #: CPU time of the irradiance cache and its check [s]
+    seconds: float  #: CPU time of one picture [s]
 
     @property
     def clean(self) -> np.ndarray:
         """Exposed linear picture, (H, W, 3)."""
-        return self.frame.left * self.exposure
+        return self.picture * self.exposure
 
     @property
     def noisy(self) -> np.ndarray:
         """The same before the denoiser."""
-        return (self.frame.left if self.frame.left_noisy is None else self.frame.left_noisy) * self.exposure
+        return self.image.radiance * self.exposure
+
+    @property
+    def noise(self) -> np.ndarray:
+        """Standard error of the luminance of each noisy pixel, exposed, (H, W); channels count as correlated."""
+        return self.exposure * luminance(np.sqrt(self.image.variance))
 
 
 def main(options: Options) -> int:
@@ -117,17 +128,27 @@ def _made(seed: int, options: Options) -> _Made:
         groups = {"mesh_dir": options.assets / "meshes", "texture_dir": options.assets / "textures"}
         groups["environment"] = {"hdri_dir": options.assets / "hdri"}
     scene = draw(seed, preset=options.preset, picture=picture, **groups)
-    camera = scene.cameras[options.view]
-    renderer = Renderer(scene)
-    renderer.frame(options.view)  # compiles
+    camera, seed_of = (
+        scene.cameras[options.view],
+        stream_seed(scene.seed, scene.scene_id, f"render/{options.view}/left"),
+    )
+    cached = uses_cache(scene)
+    loaded, check, tracer = load(scene, for_cache=cached), None, PATH_TRACER
     start = process_time()
-    frame = renderer.frame(options.view)
+    if cached:
+        tracer, check, _ = make_tracer(loaded)
+    light_seconds = process_time() - start
+    trace_picture(loaded, camera, "left", seed_of, tracer)  # compiles
+    start = process_time()
+    image = trace_picture(loaded, camera, "left", seed_of, tracer)
+    clean = denoise_image(image)
     seconds = process_time() - start
     one = scene.model_copy(update={"cameras": (camera,)})
     plain = Ours(load(one), 0.0, 0.0)
     kept = our_reference(plain, options.cache, options.reference_spp)
-    albedo = trace_guides(plain.loaded, camera).albedo
-    return _Made(seed, scene, frame, camera.exposure, kept, albedo, seconds)
+    ids = trace_geometry(loaded, camera).id
+    albedo = image.guides.albedo
+    return _Made(seed, scene, ids, image, clean, check, camera.exposure, kept, albedo, light_seconds, seconds)
 
 
 def regions(scene: Scene, ids: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -152,7 +173,7 @@ def _inner(mask: np.ndarray) -> np.ndarray:
 
 
 def _rows(made: _Made) -> list[Row]:
-    rows, ids = [], made.frame.geometry.id
+    rows, ids = [], made.ids
     for kind, name, pixels in regions(made.scene, ids):
         title = f"{made.seed}: {name}"
         if pixels.sum() < MIN_PIXELS:
@@ -169,12 +190,10 @@ def _rows(made: _Made) -> list[Row]:
     reference, clean = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
     similarity = float(structural_similarity(reference, clean, channel_axis=2))
     rows.append(Row(f"{made.seed}: structural similarity", similarity))
-    rows.append(Row(f"{made.seed}: CPU time of the view", made.seconds, "s", note=_light(made)))
+    rows.append(Row(f"{made.seed}: CPU time of one picture", made.seconds, "s"))
+    note = "" if made.check is None else f"{made.check.mode}, path traced: {made.check.traced}"
+    rows.append(Row(f"{made.seed}: CPU time of the stored light", made.light_seconds, "s", note=note))
     return rows
-
-
-def _light(made: _Made) -> str:
-    return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in made.frame.seconds.items())
 
 
 def _change_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
@@ -200,13 +219,18 @@ def _ratio_row(made: _Made, title: str, pixels: np.ndarray, bound: float | None)
 
 
 def _ratio(made: _Made, pixels: np.ndarray) -> tuple[float, float]:
-    """Return the ratio of a region's light to the reference's, and the standard error from the reference's passes.
+    """Return the ratio of a region's light to the reference's, and its standard error.
 
-    The noise of the measured picture is not known after the denoiser; that before it is compared in the note.
+    The error is that of the reference, from its passes, and of the noisy picture, from its groups of samples.
     """
     reference = luminance(made.reference.picture)[pixels].sum()
-    variance = (made.reference.variance @ np.array([0.2126, 0.7152, 0.0722]) ** 2)[pixels].sum()
+    variance = _reference_variance(made)[pixels].sum() + (made.noise[pixels] ** 2).sum()
     return float(luminance(made.clean)[pixels].sum() / reference), float(np.sqrt(variance) / reference)
+
+
+def _reference_variance(made: _Made) -> np.ndarray:
+    """Return the variance of the reference's luminance, (H, W); channels count as correlated."""
+    return luminance(np.sqrt(made.reference.variance)) ** 2
 
 
 def caustic_blocks(picture: np.ndarray, albedo: np.ndarray, table: np.ndarray) -> np.ndarray:
@@ -236,7 +260,7 @@ def _caustic_rows(made: _Made, title: str, table: np.ndarray) -> list[Row]:
     if not caustic.any():
         return []
     reference = block_means(luminance(made.reference.picture))[caustic]
-    variance = block_means(made.reference.variance @ np.array([0.2126, 0.7152, 0.0722]) ** 2)[caustic] / BLOCK**2
+    variance = block_means(_reference_variance(made))[caustic] / BLOCK**2
     error = np.abs(block_means(luminance(made.clean))[caustic] / reference - 1.0)
     excess = error - STANDARD_ERRORS * np.sqrt(variance) / reference
     worst = int(np.argmax(excess))

@@ -1,16 +1,14 @@
 """Fills the irradiance cache: caustics by photons, all other light by paths from the surface around every cache point.
 
 A path starts at a random point of the surface area of its cache point, samples one emitter (next-event estimation), and
-continues in a cosine-distributed direction as the path tracer does. A few pilot paths of every point estimate its
-variance. They are discarded (means of samples that decided their own number would be biased), and the other paths are
-distributed by the estimate.
+continues in a cosine-distributed direction as the path tracer does. Without caustics all points are about as noisy, so
+the number of paths follows the area that a point represents.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from .._mitsuba import dr, mi
@@ -21,7 +19,7 @@ from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
 from .cache_filter import denoised_grid, denoised_meshes
 from .cache_points import CachePoints, vertex_areas
-from .irradiance_cache import MOMENTS, IrradianceCache, normalised, weighted
+from .irradiance_cache import MOMENTS, IrradianceCache, normalised
 from .lobes import schlick
 from .photon_map import photon_moments
 from .sample_points import PointSampler, point_sampler, sample_points
@@ -30,16 +28,9 @@ from .stored_caustics import caustic_shade
 #: Paths of one pass [1]. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
 #: Paths of a group [1]. The variance between a point's groups gives that of its mean.
-GROUP = 4
-#: Groups of the pilot [1]; minimum and maximum number of groups of a point over the mean number [1].
-_PILOT, _MIN_WEIGHT, _MAX_WEIGHT = 2, 0.25, 8.0
-#: Errors count relative to a point's irradiance plus this fraction of the mean irradiance [1], so that dark points do
-#: not get all paths.
-_FLOOR = 0.1
-#: Side of the square that the pilot's estimates are averaged over on the grid [cells]: two groups are few.
-_PILOT_BLUR = 9
-#: First sample index of the pilot's paths, which the other paths never reach.
-_PILOT_INDEX = 1 << 20
+GROUP = 2
+#: Fewest groups of a point [1]: two halves of its paths tell the filter of meshes what is noise.
+_MIN_GROUPS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +40,6 @@ class _Sums:
     counts: np.ndarray  #: (points,) groups
     moments: np.ndarray  #: (points, 12) over all groups
     odd_moments: np.ndarray  #: (points, 12) over every second group
-    squares: np.ndarray  #: (points,) of the squared irradiance of groups
 
 
 def fill_cache(
@@ -72,17 +62,14 @@ def fill_cache(
     """
     caustics = photon_moments(loaded, points, photons, seed)
     gather = _Gather(loaded, point_sampler(points), caustic_shade(loaded, points, caustics), seed)
-    groups = max(2.0, paths / GROUP)
-    pilot = _traced_groups(gather, np.full(points.count, _PILOT), _PILOT_INDEX)
-    counts = _group_counts(points, *_mean_and_variance(pilot), groups)
-    sums = _traced_groups(gather, counts, 0)
+    counts = _group_counts(points, paths / GROUP)
+    sums = _traced_groups(gather, counts)
     total, odd = sums.moments, sums.odd_moments
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
     moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), denoised_meshes(points, halves)])
-    moments = normalised(moments).astype(np.float32)
+    moments = normalised(moments + caustics).astype(np.float32)
     moments[:grid] = denoised_grid(moments[:grid], (points.axes[1].lines, points.axes[0].lines))
-    moments = normalised(weighted(moments) + caustics).astype(np.float32)
     return IrradianceCache(points, moments, counts * GROUP, photons)
 
 
@@ -96,55 +83,31 @@ class _Gather:
     seed: int
 
 
-def _traced_groups(gather: _Gather, counts: np.ndarray, first: int) -> _Sums:
-    """Trace groups of paths of every cache point, from sample index `first` on."""
-    total, odd, square = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS)), np.zeros(len(counts))
+def _traced_groups(gather: _Gather, counts: np.ndarray) -> _Sums:
+    """Trace groups of paths of every cache point."""
+    total, odd = np.zeros((len(counts), MOMENTS)), np.zeros((len(counts), MOMENTS))
     point = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
     rank = np.arange(len(point)) - np.repeat(np.cumsum(counts) - counts, counts)
-    index, groups_per_pass = (first + rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
+    index, groups_per_pass = (rank * GROUP).astype(np.uint32), PATHS_PER_PASS // GROUP
     for begin in range(0, len(point), groups_per_pass):
         part = slice(begin, begin + groups_per_pass)
         sums, other = _trace_pass(gather, point[part], index[part]), rank[part] % 2 == 1
         for k in range(MOMENTS):
             total[:, k] += np.bincount(point[part], sums[k], len(counts))
             odd[:, k] += np.bincount(point[part][other], sums[k][other], len(counts))
-        square += np.bincount(point[part], sums[:3].mean(0) ** 2, len(counts))
-    return _Sums(counts, total, odd, square)
+    return _Sums(counts, total, odd)
 
 
-def _mean_and_variance(sums: _Sums) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean irradiance over the channels and the estimated variance of that mean, (points,) each."""
-    counts = sums.counts
-    mean = sums.moments[:, :3].mean(1) / (counts * GROUP)
-    between = np.maximum(sums.squares / (counts * GROUP**2) - mean**2, 0.0)
-    return mean, between / np.maximum(counts - 1, 1)
-
-
-def _group_counts(points: CachePoints, mean: np.ndarray, variance: np.ndarray, groups: float) -> np.ndarray:
-    """Return the number of groups of each cache point, even: proportional to its relative error, within bounds."""
-    shape, grid = (points.axes[1].lines, points.axes[0].lines), points.grid_count
-    mean, variance = mean.copy(), variance.copy()
-    for values in (mean, variance):
-        values[:grid] = cv2.blur(values[:grid].reshape(shape), (_PILOT_BLUR, _PILOT_BLUR)).ravel()
-        values[grid:] = _neighbour_mean(points, values[grid:])
-    # (The filter's running sums have rounding errors below zero.)
-    error = np.sqrt(np.maximum(variance, 0.0)) / (mean + _FLOOR * mean.mean()) * _relative_area(points)
-    weight = np.clip(error / max(error.mean(), 1e-12), _MIN_WEIGHT, _MAX_WEIGHT)
-    return 2 * np.maximum(np.rint(0.5 * weight / weight.mean() * groups), 1).astype(np.int64)
+def _group_counts(points: CachePoints, groups: float) -> np.ndarray:
+    """Return the number of groups of each cache point, even: in proportion to its area."""
+    weight = _relative_area(points)
+    return 2 * np.maximum(np.rint(0.5 * weight / weight.mean() * groups), _MIN_GROUPS // 2).astype(np.int64)
 
 
 def _relative_area(points: CachePoints) -> np.ndarray:
     """Return the area of each cache point in fine cells, at most 1: where many share a pixel, each needs few paths."""
     each = vertex_areas(points) / points.fine**2
     return np.concatenate([np.ones(points.grid_count), np.clip(each, 0.0, 1.0)])
-
-
-def _neighbour_mean(points: CachePoints, values: np.ndarray) -> np.ndarray:
-    """Return means over the triangles of each vertex; vertices without triangles, such as back sides, keep theirs."""
-    corners = points.triangles.ravel()
-    mean = np.repeat(values[points.triangles].mean(1), 3)
-    count = np.bincount(corners, minlength=len(values))
-    return np.where(count > 0, np.bincount(corners, mean, len(values)) / np.maximum(count, 1), values)
 
 
 def _trace_pass(gather: _Gather, point: np.ndarray, index: np.ndarray) -> np.ndarray:

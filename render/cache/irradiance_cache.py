@@ -114,14 +114,6 @@ def normalised(moments: np.ndarray) -> np.ndarray:
     return result
 
 
-def weighted(moments: np.ndarray) -> np.ndarray:
-    """Return moments with mean directions as sums of directions weighted by luminance: the inverse of `normalised`."""
-    result = moments.astype(np.float64)
-    for colour, vector in DIRECTIONS:
-        result[:, vector] *= luminance(result[:, colour])[:, None]
-    return result
-
-
 def shade(
     shader: CachedShader,
     si: mi.SurfaceInteraction3f,

@@ -1,7 +1,9 @@
 """Path tracer with next-event estimation, MIS and Russian roulette; glass by the surface table, the rest by BSDFs.
 
 Next-event estimation is called emitter sampling in Mitsuba. A path that hits an emitter by BSDF sampling and one that
-samples it are combined by multiple importance sampling (MIS) with the balance heuristic.
+samples it are combined by multiple importance sampling (MIS) with the balance heuristic (Veach 1997, eq. 9.8). A
+segment is attenuated by the medium on the near side of the surface at its end (Beer-Lambert). In polarised variants all
+spectra are Mueller matrices (`mueller`), and emitters are unpolarised. Stored caustics are for RGB variants only.
 """
 
 from __future__ import annotations
@@ -88,20 +90,14 @@ def trace(
 ) -> Radiance:
     """Trace one path for every ray, which starts in air, and return its radiance.
 
-    Emitter sampling and BSDF sampling are combined by the balance heuristic (Veach 1997, eq. 9.8). A segment is
-    attenuated by the medium on the near side of the surface at its end (Beer-Lambert). The wavelengths have a `weight`
-    (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others are consumed here
-    (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted as well. In polarised
-    variants all spectra are Mueller matrices (`mueller`), and emitters are unpolarised.
-
-    With `caustics`, light that reaches a diffuse lobe through glass is read, not found (RGB variants only). The origin
-    counts as diffuse then: its own light through glass is left out.
+    The wavelengths have a `weight` (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others
+    are consumed here (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted too.
+    With `caustics`, light that reaches a diffuse lobe through glass is read, not found; the origin counts as diffuse.
     """
     scene, table, carried = loaded.mi_scene, loaded.surfaces, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
-    # ---- Loop state ----
     ray, depth, medium = mi.Ray3f(ray), mi.UInt32(0), mi.UInt32(AIR_INDEX)  # medium of the segment by the last event
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
@@ -120,14 +116,11 @@ def trace(
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = mi.UInt32(surface.before)
 
-        emitted = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
-        if caustics is not None:
-            emitted *= dr.select(through_glass, mi.Spectrum(glossy), 1.0)
-        L += beta * emitted
+        found = mi.Spectrum(1.0) if caustics is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
+        L += beta * found * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
         active = mi.Bool(hit)
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
-
         if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, carried]):
             bounce = opaque_event(scene, si, ray, offset, u)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
@@ -136,23 +129,18 @@ def trace(
                 stored, glossy = caustics(si, pi.prim_uv, ray, bounce)
                 L += beta * stored
                 through_glass = mi.Bool(False)
-
         if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, carried]):
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
             if picture.dispersion:  # from the first interface on the path follows its hero wavelength
-                beta = dr.select(is_hero, beta, hero_wavelength(beta))
-                is_hero = mi.Bool(True)
+                beta, is_hero = dr.select(is_hero, beta, hero_wavelength(beta)), mi.Bool(True)
             event = interface_event(interface, beta)
             direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale *= event.eta_squared
             if caustics is not None:
                 through_glass = mi.Bool(True)
             medium = dr.select(event.transmitted, surface.behind, surface.before)
-
-        # ---- Next segment, by Russian roulette ----
         beta *= factor
-        previous = mi.Interaction3f(si)
-        ray = leave(si, direction, offset)
+        previous, ray = mi.Interaction3f(si), leave(si, direction, offset)
         depth += 1
         survival = dr.select(depth >= rr_depth, survival_probability(beta, eta_scale), 1.0)
         active &= dr.any(unpolarised(beta) > 0.0) & (depth < max_depth) & (u.u_rr < survival)

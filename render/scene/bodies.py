@@ -20,9 +20,9 @@ from .surfaces import Surface
 POLISHED = 0.4
 #: Longest edge of opaque meshes whose vertices are cache points of the irradiance cache [m]: as fine as contact shadows
 #: of small objects and as caustics. The table's sides may have longer ones [m]; its top has a grid of its own.
-MAX_EDGE, MAX_EDGE_OF_TABLE = 0.0025, 0.05
+MAX_EDGE, MAX_EDGE_OF_TABLE = 0.0035, 0.05
 #: Meshes of more triangles are not refined further [1]: a bound on memory.
-MAX_FACES = 60_000
+MAX_FACES = 40_000
 #: Maximum number of passes: each halves the longest edges, so this many reduce an edge of 4 m below 1 mm.
 _MAX_PASSES = 12
 
