@@ -1,0 +1,77 @@
+"""The check of the irradiance cache finds what is wrong on one object, and only that object is path traced."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.primitives import bodies, scenes
+from glassware.render.cache import scene_cache
+from glassware.render.cache.light_check import BOUND, regions_of
+from glassware.render.scene.loaded_scene import load
+
+
+@pytest.fixture(scope="module")
+def blocks(backend):
+    """Two grey blocks on a board in even light, loaded for the cache."""
+    camera = scenes.camera((0.4, 0.1, 0.35), width=96, height=72)
+    props = [scenes.block(_at(x), scenes.matte(), id=number) for number, x in ((2, -0.06), (3, 0.06))]
+    return load(scenes.scene((), (camera,), props=props, picture=Picture(spp=8), seed=4), for_cache=True)
+
+
+def _at(x: float) -> Mesh:
+    return bodies.box_mesh((0.05, 0.08, 0.06), "block", (0.0, x, 0.03))
+
+
+@pytest.fixture
+def cache(blocks):
+    return scene_cache.fill_scene_cache(blocks)
+
+
+def _brighter(blocks, cache, id: int, factor: float):
+    """Return the cache with the light of one object changed."""
+    instance = np.array(blocks.surfaces.instance)
+    moments, start = cache.moments.copy(), cache.points.grid_count
+    for number, body in enumerate(blocks.opaque_bodies):
+        if instance[body.row] == id:
+            moments[start + np.flatnonzero(cache.points.mesh == number), :6] *= factor
+    return replace(cache, moments=moments)
+
+
+def test_regions_are_the_halves_of_each_prop_and_the_parts_of_the_table(blocks, cache):
+    names = {(region.id, region.part) for region in regions_of(blocks, cache)}
+    assert {(2, "lit"), (2, "shaded"), (3, "lit"), (3, "shaded"), (1, "open")} <= names
+
+
+def test_light_that_is_right_passes(blocks):
+    _, check, _ = scene_cache.make_tracer(blocks)
+    assert check.mode == "shared"
+    assert check.traced == ()
+    assert len(check.regions) >= 5
+
+
+def test_a_prop_whose_light_is_wrong_is_path_traced_alone(blocks, cache, monkeypatch):
+    wrong = _brighter(blocks, cache, 3, 1.15)
+    monkeypatch.setattr(scene_cache, "fill_scene_cache", lambda loaded: wrong)
+    _, check, _ = scene_cache.make_tracer(blocks)
+    assert check.mode == "shared"
+    assert check.traced == (3,)
+    assert {region.id for region in check.failed} == {3}
+    # Direct light in a convex block's cache is nearly all of it, so the pictures are as much brighter.
+    assert all(region.difference == pytest.approx(0.15, abs=0.03) for region in check.failed)
+    again = [region for region in check.regions if region.id == 3]
+    assert len(again) == 2
+    assert all(abs(region.difference) < max(BOUND, 4.0 * region.standard_error) for region in again)
+
+
+def test_a_table_whose_light_is_wrong_has_the_whole_scene_path_traced(blocks, cache, monkeypatch):
+    moments = cache.moments.copy()
+    moments[: cache.points.grid_count, :6] *= 1.1
+    monkeypatch.setattr(scene_cache, "fill_scene_cache", lambda loaded: replace(cache, moments=moments))
+    _, check, _ = scene_cache.make_tracer(blocks)
+    assert check.mode == "path"
+    assert check.traced == ()
