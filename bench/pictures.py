@@ -188,7 +188,7 @@ def _rows(made: _Made) -> list[Row]:
         if kind == "vessel":
             rows.append(_psnr_row(made, title, pixels))
     reference, clean = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
-    similarity = float(structural_similarity(reference, clean, channel_axis=2))
+    similarity = np.asarray(structural_similarity(reference, clean, channel_axis=2)).item()
     rows.append(Row(f"{made.seed}: structural similarity", similarity))
     rows.append(Row(f"{made.seed}: CPU time of one picture", made.seconds, "s"))
     note = "" if made.check is None else f"{made.check.mode}, path traced: {made.check.traced}"

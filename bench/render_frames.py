@@ -28,7 +28,7 @@ def main() -> None:
     for line in sys.stdin:
         start, start_cpu = perf_counter(), process_time()
         made = frame(int(line))
-        found = {"cpu": process_time() - start_cpu, "wall": perf_counter() - start}
+        found: dict[str, Any] = {"cpu": process_time() - start_cpu, "wall": perf_counter() - start}
         found["digest"] = hashlib.sha256(made.left.tobytes() + made.right.tobytes()).hexdigest()
         print(json.dumps(found), flush=True)  # noqa: T201
 

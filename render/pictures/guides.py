@@ -97,8 +97,13 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         values[:, pixel] += _pixel_guides(loaded, view, camera.exposure, pixel, more)[0]
         counts[pixel] += _MORE_RAYS
     albedo, normal, glass, polished, background = np.split((values / counts).astype(np.float32).T, (3, 6, 7, 8), axis=1)
-    flags = (x.reshape(shape) > 0.0 for x in (glass, polished))
-    return Guides(albedo.reshape(*shape, 3), normal.reshape(*shape, 3), *flags, background.reshape(shape) == 1.0)
+    return Guides(
+        albedo=albedo.reshape(*shape, 3),
+        normal=normal.reshape(*shape, 3),
+        glass=glass.reshape(shape) > 0.0,
+        polished=polished.reshape(shape) > 0.0,
+        background=background.reshape(shape) == 1.0,
+    )
 
 
 def _pixel_guides(
