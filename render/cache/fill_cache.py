@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._mitsuba import dr, mi
-from ..pictures.integrator import CausticShade, PathOrigin, trace, visible
+from ..pictures.integrator import CausticShade, PathOrigin, balance_heuristic, trace, visible
 from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
@@ -135,7 +135,7 @@ def _incident_moments(gather: _Gather, point: mi.UInt32, sampler: SobolSampler) 
     cos = dr.dot(ns, ds.d)
     lit = start.valid & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(emitted > 0.0)
     lit = visible(scene, si, ds, offset, lit)
-    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + cos * dr.inv_pi))
+    mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, cos * dr.inv_pi))
     direct = dr.select(lit, mis_weight * cos * emitted, 0.0)
 
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(c, d))

@@ -18,7 +18,7 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, PathDimensions, visible
+from ..pictures.integrator import Bounce, PathDimensions, balance_heuristic, visible
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import SurfaceTable, registry_id
 from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of
@@ -186,7 +186,7 @@ def _glossy_emitter(
     """
     ds, arriving = scene.sample_emitter_direction(point.si, u.u_emitter, False)
     value, pdf = eval_glossy(point.material, point.wi, point.frame.to_local(ds.d))
-    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
     radiance = mis_weight * value * arriving
     survival = dr.minimum(dr.max(radiance) / faint, 1.0)
     lit = (ds.pdf > 0.0) & (u.u_rr < survival)

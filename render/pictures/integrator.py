@@ -185,12 +185,17 @@ def survival_probability(beta: mi.Spectrum, eta_scale: mi.Float) -> mi.Float:
     return dr.minimum(dr.max(unpolarised(beta)) * eta_scale, MAX_SURVIVAL)
 
 
+def balance_heuristic(pdf: mi.Float, other: mi.Float) -> mi.Float:
+    """Return the MIS weight of a sample of density `pdf`, which another strategy has with `other` (Veach 1997, 9.8)."""
+    return pdf / (pdf + other)
+
+
 def emitter_hit(scene: mi.Scene, si: mi.SurfaceInteraction3f, origin: PathOrigin, active: mi.Bool) -> mi.Spectrum:
     """Return the radiance of the emitter that BSDF sampling hit, with its MIS weight against emitter sampling."""
     emitter = si.emitter(scene, active)
     ds = mi.DirectionSample3f(scene, si, origin.previous)
     emitter_pdf = scene.pdf_emitter_direction(origin.previous, ds, ~origin.delta & active)
-    mis_weight = dr.select(origin.delta, 1.0, origin.pdf / (origin.pdf + emitter_pdf))
+    mis_weight = dr.select(origin.delta, 1.0, balance_heuristic(origin.pdf, emitter_pdf))
     return dr.select(active, mi.Spectrum(mis_weight) * emitter.eval(si, active), 0.0)
 
 
@@ -224,7 +229,7 @@ def opaque_event(
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
     lit = visible(scene, si, ds, offset, lit)
-    mis_weight = dr.select(ds.delta, 1.0, ds.pdf / (ds.pdf + pdf))
+    mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
     if mi.is_polarized:
