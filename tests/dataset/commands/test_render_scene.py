@@ -127,12 +127,10 @@ def _started(command) -> subprocess.Popen:
         signal.signal(signal.SIGINT, before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "number",
-    [
-        pytest.param(signal.SIGINT, id="ctrl-c"),
-        pytest.param(signal.SIGTERM, id="a scheduler's SIGTERM", marks=pytest.mark.slow),
-    ],
+    [pytest.param(signal.SIGINT, id="ctrl-c"), pytest.param(signal.SIGTERM, id="a scheduler's SIGTERM")],
 )
 def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
     out = tmp_path / "out"

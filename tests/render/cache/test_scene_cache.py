@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.stats import t as student
@@ -11,7 +9,6 @@ from scipy.stats import t as student
 from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import Prop
-from glassware.render.cache import scene_cache
 from glassware.render.cache.cache_points import cache_points_of
 from glassware.render.cache.fill_cache import fill_cache
 from glassware.render.cache.scene_cache import fill_scene_cache, uses_cache
@@ -121,22 +118,6 @@ def test_a_bare_table_in_even_light_has_the_moments_of_a_hemisphere(furnace) -> 
 def test_stored_light_is_the_same_bit_for_bit(furnace) -> None:
     one, two = fill_scene_cache(furnace), fill_scene_cache(furnace)
     np.testing.assert_array_equal(one.moments, two.moments)
-
-
-def test_light_that_is_wrong_is_found_out_and_paths_are_traced_instead(furnace, monkeypatch) -> None:
-    right = scene_cache.fill_scene_cache(furnace)
-    tracer, check, _ = scene_cache.make_tracer(furnace)
-    assert tracer is not PATH_TRACER
-    assert check.mode == "shared"
-    assert abs(check.difference) < 0.01 + 3 * check.standard_error
-
-    brighter = right.moments.copy()
-    brighter[:, :6] *= 1.2
-    monkeypatch.setattr(scene_cache, "fill_scene_cache", lambda kernel: replace(right, moments=brighter))
-    tracer, check, _ = scene_cache.make_tracer(furnace)
-    assert tracer is PATH_TRACER
-    assert check.mode == "path"
-    assert check.difference > 0.01
 
 
 def test_auto_stores_the_light_of_many_samples_only(backend, drawn) -> None:
