@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 
 from ...procedural.surroundings.colour import luminance
 from ..pictures.denoise import run_filter
-from .cache_points import CachePoints, to_front, vertex_areas
+from .cache_points import CachePoints, point_areas
 
 #: Side of the box over which light removed or added by the filter is returned, over the grid's longer side [1]. The
 #: filter removes fireflies as noise: under an environment map with small bright lights the table lost 0.2 % of its
@@ -136,17 +136,11 @@ def _without_fireflies(
     around = _diffused(step, _AVERAGING_STEPS, dark)
     is_firefly = (level > _MIN_CONTRAST * around) & (np.maximum(*levels) > _MIN_HALF_RATIO * dark)
     kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[:, None]
-    area, mesh = _areas(points), 2 * points.mesh.astype(np.int64) + points.back
+    area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
     excess = (area[:, None] * (1.0 - kept) * 0.5 * (halves[0] + halves[1])).T
     whole = np.maximum(np.bincount(mesh, area), 1e-12)
     even = np.stack([np.bincount(mesh, one, len(whole)) / whole for one in excess], axis=1)[mesh]
     return kept * halves[0] + even, kept * halves[1] + even
-
-
-def _areas(points: CachePoints) -> np.ndarray:
-    """Return the area of all vertices, > 0 [m^2]."""
-    # (Back sides have the triangles of their front sides.)
-    return np.maximum(vertex_areas(points)[np.arange(len(points.positions)) - to_front(points)], 1e-12)
 
 
 def _diffused(step: csr_array, steps: int, values: np.ndarray) -> np.ndarray:
@@ -169,7 +163,7 @@ def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:
 def diffusion_step(points: CachePoints) -> csr_array:
     """Return the matrix of one diffusion step: rows sum to 1, and the flow between two vertices is equal by area."""
     count = len(points.positions)
-    area = _areas(points)
+    area = point_areas(points)[points.grid_count :]
     mesh = _MESH_DISTANCE * points.mesh[:, None]
     features = np.concatenate([points.positions / _REACH, points.normals / _NORMAL_REACH, mesh], axis=1)
     distance, other = cKDTree(features).query(features, _NEIGHBOURS + 1, distance_upper_bound=2.0)

@@ -62,7 +62,7 @@ class CachedShader:
 
 
 @dataclass(frozen=True, eq=False)
-class _ShadingPoint:
+class ShadingPoint:
     """A point on an opaque surface, seen from the eye."""
 
     si: mi.SurfaceInteraction3f
@@ -114,6 +114,20 @@ def normalised(moments: np.ndarray) -> np.ndarray:
     return result
 
 
+def shading_point(
+    si: mi.SurfaceInteraction3f, eye: mi.Vector3f, roughness: mi.Float, metallic: mi.Float
+) -> ShadingPoint:
+    """Return points on opaque surfaces as seen from the eye, with `material_columns` of the scene."""
+    row = registry_id(si.shape)
+    material = OpaqueParameters(
+        mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
+        dr.gather(mi.Float, roughness, row),
+        dr.gather(mi.Float, metallic, row),
+    )
+    frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
+    return ShadingPoint(si, frame, frame.to_local(eye), material)
+
+
 def shade(
     shader: CachedShader,
     si: mi.SurfaceInteraction3f,
@@ -130,13 +144,8 @@ def shade(
     table, row, eye = shader.table, registry_id(si.shape), -ray.d
     instance = dr.gather(mi.UInt32, table.instance, row)
     on_table, is_light = instance == TABLE_ID, instance == 0  # area lights emit and are black
-    material = OpaqueParameters(
-        mi.Color3f(si.bsdf().eval_diffuse_reflectance(si)),
-        dr.gather(mi.Float, shader.roughness, row),
-        dr.gather(mi.Float, shader.metallic, row),
-    )
-    frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
-    point = _ShadingPoint(si, frame, frame.to_local(eye), material)
+    point = shading_point(si, eye, shader.roughness, shader.metallic)
+    frame, material = point.frame, point.material
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
     radiance = diffuse(material, point.wi, eye, interpolated(shader.moments, index, weight))
     level = dr.max(radiance)
@@ -178,7 +187,7 @@ def diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, momen
 
 
 def _glossy_emitter(
-    scene: mi.Scene, point: _ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
+    scene: mi.Scene, point: ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
 ) -> mi.Color3f:
     """Return the radiance of the glossy lobe by emitter sampling (next-event estimation), MIS-weighted.
 

@@ -19,6 +19,7 @@ from ..labels.geometry import trace_geometry
 from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole, pixel_rays
+from ..scene.surfaces import registry_id
 from .cache_points import interpolation_weights, lookup_of
 from .irradiance_cache import IrradianceCache, interpolated
 
@@ -115,7 +116,7 @@ def _irradiance(loaded: LoadedScene, cache: IrradianceCache, views: np.ndarray) 
         ray, _ = pixel_rays(pinhole(camera), pixel, mi.Point2f(0.0))
         pi = loaded.mi_scene.ray_intersect_preliminary(ray, True)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.All)
-        row = dr.reinterpret_array(mi.UInt32, si.shape)
+        row = registry_id(si.shape)
         opaque = si.is_valid() & dr.gather(mi.Bool, loaded.surfaces.opaque, row, si.is_valid())
         instance = dr.gather(mi.UInt32, loaded.surfaces.instance, row, si.is_valid())
         opaque &= instance > 0

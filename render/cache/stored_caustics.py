@@ -14,8 +14,8 @@ from ..pictures.integrator import Bounce, CausticShade
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import registry_id
 from .cache_points import CachePoints, interpolation_weights, lookup_of
-from .irradiance_cache import diffuse, interpolated, material_columns, normalised
-from .lobes import OpaqueParameters, eval_glossy
+from .irradiance_cache import diffuse, interpolated, material_columns, normalised, shading_point
+from .lobes import eval_glossy
 
 
 def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray) -> CausticShade:
@@ -40,13 +40,11 @@ def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray)
     ) -> tuple[mi.Color3f, mi.Color3f]:
         row, eye = registry_id(si.shape), -ray.d
         instance = dr.gather(mi.UInt32, table.instance, row)
-        colour = mi.Color3f(si.bsdf().eval_diffuse_reflectance(si))
-        material = OpaqueParameters(colour, dr.gather(mi.Float, roughness, row), dr.gather(mi.Float, metallic, row))
-        frame = mi.Frame3f(dr.select(dr.dot(si.sh_frame.n, eye) < 0.0, -si.sh_frame.n, si.sh_frame.n))
-        wi = frame.to_local(eye)
+        point = shading_point(si, eye, roughness, metallic)
+        material, wi = point.material, point.wi
         index, weight = interpolation_weights(lookup, si, barycentric, eye, instance == TABLE_ID)
         radiance = diffuse(material, wi, eye, interpolated(stored, index, weight))
-        glossy, _ = eval_glossy(material, wi, frame.to_local(bounce.direction))
+        glossy, _ = eval_glossy(material, wi, point.frame.to_local(bounce.direction))
         total = mi.Color3f(bounce.weight) * bounce.pdf
         fraction = dr.select(total > 0.0, dr.clip(glossy / total, 0.0, 1.0), 0.0)
         is_light = instance == 0
