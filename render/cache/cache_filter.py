@@ -105,13 +105,14 @@ def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) 
 
     Returns
     -------
-    (vertices, 12) float64
+    (vertices, 12) float32
         Their mean, filtered. The irradiance is >= 0.
     """
     if len(points.positions) <= _NEIGHBOURS:
         return 0.5 * (halves[0] + halves[1])
-    step = diffusion_step(points)
-    first, second = _without_fireflies(points, step, halves)
+    # In float32: the filter is bound by memory, and the noise is far above the rounding.
+    step = diffusion_step(points).astype(np.float32)
+    first, second = _without_fireflies(points, step, (halves[0].astype(np.float32), halves[1].astype(np.float32)))
     light, noise = 0.5 * (first + second), luminance(0.5 * (first - second)[:, :3])
     result = np.zeros_like(light)
     for steps in _STEPS:
@@ -135,11 +136,13 @@ def _without_fireflies(
     dark, level = np.minimum(*levels), 0.5 * (levels[0] + levels[1])
     around = _diffused(step, _AVERAGING_STEPS, dark)
     is_firefly = (level > _MIN_CONTRAST * around) & (np.maximum(*levels) > _MIN_HALF_RATIO * dark)
-    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[:, None]
+    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[:, None].astype(halves[0].dtype)
     area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
     excess = (area[:, None] * (1.0 - kept) * 0.5 * (halves[0] + halves[1])).T
     whole = np.maximum(np.bincount(mesh, area), 1e-12)
-    even = np.stack([np.bincount(mesh, one, len(whole)) / whole for one in excess], axis=1)[mesh]
+    even = np.stack([np.bincount(mesh, one, len(whole)) / whole for one in excess], axis=1)[mesh].astype(
+        halves[0].dtype
+    )
     return kept * halves[0] + even, kept * halves[1] + even
 
 

@@ -31,6 +31,9 @@ PATHS_PER_PASS = 1 << 21
 GROUP = 2
 #: Fewest groups of a point [1]: two halves of its paths tell the filter of meshes what is noise.
 _MIN_GROUPS = 2
+#: Surfaces that a path meets before Russian roulette begins [1]. The paths' ends hardly matter to a mean over a
+#: hemisphere: against 16 surfaces a third less time, half a percent more variance (seed 104 of the preset `fast`).
+_RR_DEPTH = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,9 +145,8 @@ def _incident_moments(gather: _Gather, point: mi.UInt32, sampler: SobolSampler) 
     direction = mi.Frame3f(ns).to_world(local)
     # A direction along the surface would have the density 0, and the MIS weight of an emitter would be 0 / 0.
     origin = PathOrigin(si, dr.maximum(local.z, 1e-6) * dr.inv_pi, mi.Bool(False))
-    found = trace(
-        loaded, leave(si, direction, offset), weight, sampler, loaded.description.picture, origin, gather.caustics
-    )
+    picture = loaded.description.picture.model_copy(update={"rr_depth": _RR_DEPTH})
+    found = trace(loaded, leave(si, direction, offset), weight, sampler, picture, origin, gather.caustics)
     # Where the shading normal is tilted, some directions lead into the surface.
     indirect = dr.select(start.valid & (dr.dot(si.n, direction) > 0.0), dr.pi * found.radiance, 0.0)
 

@@ -8,11 +8,11 @@ land without meeting glass are dropped: that is direct light, which emitter samp
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ...procedural.description.picture import Picture
 from ...procedural.description.scene import TABLE_ID
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
@@ -22,16 +22,34 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.surfaces import registry_id, surface_media
 from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of, point_areas
-from .light_sources import Emission, LightSources, emit, light_sources
+from .light_sources import LightSources, emit, light_sources
 from .lobes import schlick
 
 #: Photons of one pass [1]. Each holds 60 bytes of results, so a pass stays near 130 MB.
 PHOTONS_PER_PASS = 1 << 21
+#: Surfaces that photons meet in each round [1]; between the rounds the ones in flight are compacted. Most photons have
+#: ended after a few surfaces, and one that total reflection keeps in glass would hold the other lanes of its packet.
+ROUNDS = (1, 3, 8, 1 << 20)
 #: Largest correction of an interpolated normal [1] (`_adjoint_factor`), which grows without bound at grazing angles.
 _MAX_CORRECTION = 4.0
+#: Surfaces of glass that a photon meets before Russian roulette begins [1]: what lands then has nearly equal power.
+_RR_DEPTH = 2
 #: Maximum survival probability of Russian roulette [1]: photons that total reflection keeps in lossless glass end after
 #: some twenty more surfaces. (Paths from the camera survive with 0.99; photons are more, and each carries less.)
 _MAX_SURVIVAL = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class _Photons:
+    """Photons between two surfaces, one entry a photon."""
+
+    origin: mi.Point3f
+    direction: mi.Vector3f
+    power: mi.Color3f  #: when emitted
+    beta: mi.Color3f  #: fraction of it that is left
+    depth: mi.UInt32  #: surfaces met
+    index: mi.UInt32  #: number of the photon
+    active: mi.Bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,31 +87,57 @@ def photon_moments(loaded: LoadedScene, points: CachePoints, photons: int, seed:
         return moments
     sources, lookup = light_sources(loaded.description, loaded.mi_scene), lookup_of(points)
     for first in range(0, photons, PHOTONS_PER_PASS):
-        count = min(PHOTONS_PER_PASS, photons - first)
-        index, values = _trace_pass(loaded, sources, lookup, slice(first, first + count), photons, seed)
-        # In float64 and in the order of the photons: the sum depends on no thread.
-        for k in range(12):
-            moments[:, k] += np.bincount(index, values[k], points.count)
+        numbers = slice(first, min(first + PHOTONS_PER_PASS, photons))
+        for index, values in _trace_pass(loaded, sources, lookup, numbers, photons, seed):
+            # In float64 and in the order of the photons: the sum depends on no thread.
+            for k in range(12):
+                moments[:, k] += np.bincount(index, values[k], points.count)
     return moments / (photons * point_areas(points)[:, None])
 
 
 def _trace_pass(
-    loaded: LoadedScene, sources: LightSources, lookup: Lookup, part: slice, photons: int, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cache point and the moments of each photon that lands, (n,) and (12, n)."""
-    number = dr.arange(mi.UInt32, part.stop - part.start) + dr.opaque(mi.UInt32, part.start)
-    sampler = sobol_sampler(dr.zeros(mi.UInt32, part.stop - part.start), number, photons, seed)
+    loaded: LoadedScene, sources: LightSources, lookup: Lookup, numbers: slice, photons: int, seed: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield the cache point and the moments of the photons that land, (n,) and (12, n), in rounds of surfaces."""
+    index = dr.arange(mi.UInt32, numbers.stop - numbers.start) + dr.opaque(mi.UInt32, numbers.start)
+    sampler = sobol_sampler(dr.zeros(mi.UInt32, dr.width(index)), index, photons, seed)
     emission = emit(sources, loaded.mi_scene, sampler)
-    landed = _through_glass(loaded, emission, sampler, loaded.description.picture)
+    state = _Photons(
+        origin=emission.ray.o,
+        direction=emission.ray.d,
+        power=emission.power,
+        beta=mi.Color3f(1.0),
+        depth=mi.UInt32(0),
+        index=index,
+        active=dr.any(emission.power > 0.0),
+    )
+    for surfaces in ROUNDS:
+        state, landed = _through_glass(loaded, state, sampler, surfaces)
+        yield _at_cache_points(loaded, lookup, landed, state)
+        remaining = dr.compress(state.active)
+        if dr.width(remaining) == 0:
+            return
+        state = _Photons(*(dr.gather(type(value), value, remaining) for value in _values(state)))
+        sampler = replace(sampler, pixel=dr.zeros(mi.UInt32, dr.width(remaining)), index=state.index)
+
+
+def _values(state: _Photons) -> tuple:
+    return tuple(getattr(state, field.name) for field in fields(state))
+
+
+def _at_cache_points(
+    loaded: LoadedScene, lookup: Lookup, landed: _Landed, state: _Photons
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cache point and the moments of each photon that has landed; evaluates the photons' state too."""
     on_table = dr.gather(mi.UInt32, loaded.surfaces.instance, registry_id(landed.si.shape), landed.valid) == TABLE_ID
     index, weight = interpolation_weights(lookup, landed.si, landed.uv, -landed.direction, on_table)
     moments = _moments(landed)
-    dr.eval(index, weight, moments, landed.valid)
+    dr.eval(index, weight, moments, landed.valid, _values(state))
     valid = np.array(landed.valid)
     # A cache point stands for the places that it is nearest to, as for the paths of `fill_cache`.
     weights, indices = np.stack([np.array(w) for w in weight]), np.stack([np.array(i) for i in index])
     nearest = np.take_along_axis(indices, np.argmax(weights, axis=0)[None], axis=0)[0]
-    return nearest[valid].astype(np.int64), np.stack([np.array(m, np.float64) for m in moments])[:, valid]
+    return nearest[valid].astype(np.int64), np.stack([np.array(m)[valid].astype(np.float64) for m in moments])
 
 
 def _moments(landed: _Landed) -> list[mi.Float]:
@@ -110,17 +154,21 @@ def _moments(landed: _Landed) -> list[mi.Float]:
 
 
 @syntax
-def _through_glass(loaded: LoadedScene, emission: Emission, sampler: SobolSampler, picture: Picture) -> _Landed:
-    """Follow photons from emitters through glass until they land on an opaque surface, leave or are absorbed."""
-    scene, table = loaded.mi_scene, loaded.surfaces
+def _through_glass(
+    loaded: LoadedScene, state: _Photons, sampler: SobolSampler, surfaces: int
+) -> tuple[_Photons, _Landed]:
+    """Follow photons through at most `surfaces` surfaces of glass; return those in flight, and those that landed."""
+    scene, table, picture = loaded.mi_scene, loaded.surfaces, loaded.description.picture
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
-    rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
-    ray, beta = mi.Ray3f(emission.ray), mi.Color3f(1.0)
-    depth, active, landed = mi.UInt32(0), dr.any(emission.power > 0.0), mi.Bool(False)
+    limit = state.depth + dr.opaque(mi.UInt32, surfaces)
+    # (Copies: the loop must not change the caller's arrays.)
+    ray, beta = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta)
+    depth, active, landed = mi.UInt32(state.depth), mi.Bool(state.active), mi.Bool(False)
     pi = dr.zeros(mi.PreliminaryIntersection3f)
 
-    while dr.hint(active, exclude=[table, scene, sampler]):
-        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+    while dr.hint(active & (depth < limit), exclude=[table, scene, sampler]):
+        # (Not coherent: neighbouring photons start anywhere, and Embree takes three times as long if told otherwise.)
+        pi = scene.ray_intersect_preliminary(ray, False, active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
@@ -137,13 +185,14 @@ def _through_glass(loaded: LoadedScene, emission: Emission, sampler: SobolSample
             beta *= _adjoint_factor(surface.n, surface.ns, -ray.d, event.direction)
             ray = leave(si, event.direction, offset)
             depth += 1
-            survival = dr.select(depth >= rr_depth, dr.minimum(dr.max(beta), _MAX_SURVIVAL), 1.0)
+            survival = dr.select(depth >= _RR_DEPTH, dr.minimum(dr.max(beta), _MAX_SURVIVAL), 1.0)
             active = dr.any(beta > 0.0) & (depth < max_depth) & (u.u_rr < survival)
             beta *= dr.rcp(survival)
 
     end = pi.compute_surface_interaction(ray, mi.RayFlags.All, landed)
     is_body = dr.gather(mi.UInt32, table.instance, registry_id(end.shape), landed) > 0  # not an area light
-    return _Landed(end, pi.prim_uv, ray.d, emission.power * beta, landed & is_body)
+    flying = replace(state, origin=ray.o, direction=ray.d, beta=beta, depth=depth, active=active)
+    return flying, _Landed(end, pi.prim_uv, ray.d, state.power * beta, landed & is_body)
 
 
 def _adjoint_factor(n: mi.Normal3f, ns: mi.Normal3f, wi: mi.Vector3f, wo: mi.Vector3f) -> mi.Float:

@@ -28,7 +28,7 @@ from .sampler import sample_4d, sobol_sampler
 
 #: Rays of every pixel, and additional rays of a pixel that, like one of its neighbours, has first rays that differ by
 #: more than `_MAX_RANGE` in a channel of the albedo or a component of the normal [1].
-_FIRST_RAYS, _MORE_RAYS, _MAX_RANGE = 4, 16, 0.2
+_FIRST_RAYS, _MORE_RAYS, _MAX_RANGE = 4, 12, 0.2
 #: Seed of their positions in the pixel. They differ from pixel to pixel: what remains is noise and not a pattern.
 _SEED = 0x6D15
 #: Maximum number of interfaces of a ray [1]; it carries little light by then, and a guide only has to show shapes.
@@ -91,7 +91,10 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
     every = np.arange(camera.width * camera.height, dtype=np.uint32)
     values, ranges = _pixel_guides(loaded, view, camera.exposure, every, slice(0, _FIRST_RAYS))
     unsure = cv2.dilate((ranges > _MAX_RANGE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
-    pixel, counts = every[unsure.ravel() > 0], np.full(len(every), float(_FIRST_RAYS))
+    # Pixels of the surroundings alone are not denoised (`denoise.denoised`); those beside objects may show one.
+    objects = cv2.dilate((values[-1] < _FIRST_RAYS).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
+    more_rays = (unsure.ravel() > 0) & (objects.ravel() > 0)
+    pixel, counts = every[more_rays], np.full(len(every), float(_FIRST_RAYS))
     if len(pixel):
         more = slice(_FIRST_RAYS, _FIRST_RAYS + _MORE_RAYS)
         values[:, pixel] += _pixel_guides(loaded, view, camera.exposure, pixel, more)[0]

@@ -94,14 +94,14 @@ def test_noise_on_a_ball_in_soft_light_falls_by_its_own_size() -> None:
 def test_the_mean_over_the_surface_stays() -> None:
     nodes, light = _nodes(BALL), 1.0 + 0.8 * BALL.vertex_normals[:, 2]
     after, before = _errors(nodes, light, _halves(light, 0.4))
-    # Each step gives one vertex what it takes from another: rounding of some hundred float64 sums is left.
-    assert abs(np.sum(AREA * (after - before)) / np.sum(AREA * light)) < 1e-12
+    # Each step gives one vertex what it takes from another: only rounding is left.
+    assert abs(np.sum(AREA * (after - before)) / np.sum(AREA * light)) < ROUNDING
 
 
 def test_without_noise_nothing_changes() -> None:
     light = 1.0 + 0.8 * BALL.vertex_normals[:, 2]
     after, _ = _errors(_nodes(BALL), light, _halves(light, 0.0))
-    np.testing.assert_allclose(after, 0.0, atol=1e-12)  # the scales add up again
+    np.testing.assert_allclose(after, 0.0, atol=1.8 * ROUNDING)  # the scales add up again, to rounding
 
 
 def test_the_edge_of_a_shadow_stays_sharp() -> None:
@@ -124,8 +124,8 @@ def test_a_firefly_is_spread_and_its_light_kept() -> None:
 
     found = denoised_meshes(_nodes(BALL), (first, second))[:, 0]
     # A thousand times a vertex's share of the ball, everywhere.
-    np.testing.assert_allclose(found, 1.0 + 1000.0 * AREA[17] / AREA.sum(), rtol=1e-6)
-    assert np.sum(AREA * (found - 1.0)) == pytest.approx(1000.0 * AREA[17], rel=1e-9)
+    np.testing.assert_allclose(found, 1.0 + 1000.0 * AREA[17] / AREA.sum(), rtol=ROUNDING)
+    assert np.sum(AREA * found) == pytest.approx(AREA.sum() + 1000.0 * AREA[17], rel=ROUNDING)
 
 
 @pytest.mark.parametrize("sides", [1, 2])
@@ -138,4 +138,4 @@ def test_meshes_and_sides_keep_their_own_light(sides) -> None:
     # (Noise everywhere, of one sign by half: all of each scale is taken off, and nothing is left of any detail.)
 
     found = denoised_meshes(nodes, (1.2 * first, 0.8 * second))[:, 0]
-    np.testing.assert_allclose(found, light, rtol=1e-9)
+    np.testing.assert_allclose(found, light, rtol=ROUNDING)
