@@ -35,7 +35,7 @@ class Picture(Model):
         default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"
     )
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
-    rr_depth: int = Field(default=6, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
+    rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
     refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
