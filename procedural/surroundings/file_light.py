@@ -18,10 +18,10 @@ from .sphere import cosine_weights, solid_angles
 # of it is brighter than a quarter of its mean. Of twelve maps (Poly Haven) the five with an open sky have 3.9 to 10
 # times and 0.46 to 1; a place under a bridge and the indoor ones either less than 3 times or at most 0.3, because
 # their light comes from windows and lamps.
-_SKY_OVER_GROUND, _BRIGHT, _BRIGHT_SHARE = 3.0, 0.25, 0.4
+_SKY_OVER_GROUND, _BRIGHT, _BRIGHT_FRACTION = 3.0, 0.25, 0.4
 # The sun: so much of the table's light [1] comes from the brightest so many steradians (the sun's disc has 7e-5, and
 # maps are coarse).
-_SUN_SHARE, _SUN_SOLID_ANGLE = 0.3, 1e-3
+_SUN_FRACTION, _SUN_SOLID_ANGLE = 0.3, 1e-3
 # Illuminance on the table [klx]: indoors what EN 12464-1 asks of rooms from corridors to workplaces; outdoors without a
 # sun from heavy overcast to bright shade, with it a clear day, the sun 25 to 65 degrees high (`sun.clear_daylight`).
 _INDOORS, _OVERCAST, _SUNNY = (0.2, 1.0), (5.0, 25.0), (45.0, 110.0)
@@ -41,7 +41,7 @@ def shows_open_sky(pixels: np.ndarray) -> bool:
     upper = levels[:middle]
     mean = by_row[:middle].sum() / (weights[:middle].sum() * levels.shape[1])
     bright = (upper > _BRIGHT * mean).mean(axis=1) @ weights[:middle] / weights[:middle].sum()
-    return bool(by_row[:middle].sum() >= _SKY_OVER_GROUND * by_row[middle:].sum() and bright >= _BRIGHT_SHARE)
+    return bool(by_row[:middle].sum() >= _SKY_OVER_GROUND * by_row[middle:].sum() and bright >= _BRIGHT_FRACTION)
 
 
 def shows_sun(pixels: np.ndarray) -> bool:
@@ -51,7 +51,7 @@ def shows_sun(pixels: np.ndarray) -> bool:
     order = np.argsort(levels, axis=None)[::-1]
     area = np.cumsum(np.broadcast_to(solid_angles(height)[:, None], levels.shape).ravel()[order])
     brightest = order[: int(np.searchsorted(area, _SUN_SOLID_ANGLE)) + 1]
-    return bool(light.ravel()[brightest].sum() >= _SUN_SHARE * light.sum())
+    return bool(light.ravel()[brightest].sum() >= _SUN_FRACTION * light.sum())
 
 
 def draw_strength(rng: np.random.Generator, pixels: np.ndarray) -> float:

@@ -86,8 +86,10 @@ def bake_sky(environment: SkyEnvironment, height: int = 512) -> np.ndarray:
     disc = disc_coverage(2 * height, environment.sun_elevation, environment.sun_radius)
     passed = np.exp(-_CLOUD_DEPTH * doubled(cover)) * disc
     weights = solid_angles(2 * height)
-    share = float(weights @ passed.sum(axis=1, dtype=np.float64)) / float(weights @ disc.sum(axis=1, dtype=np.float64))
-    land, open_sky = _ground(environment, directions, _horizontal(sky) + beam * share * float(sun[2]))
+    fraction = float(weights @ passed.sum(axis=1, dtype=np.float64)) / float(
+        weights @ disc.sum(axis=1, dtype=np.float64)
+    )
+    land, open_sky = _ground(environment, directions, _horizontal(sky) + beam * fraction * float(sun[2]))
     smooth = doubled(softened((open_sky * sky + land).astype(np.float32)))
     level = disc_luminance(1.0, environment.sun_radius) * passed * doubled(open_sky[..., 0].astype(np.float32))
     return smooth + level[..., None] * beam.astype(np.float32)

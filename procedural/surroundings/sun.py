@@ -33,10 +33,10 @@ _PARTICLES, _OZONE_THICKNESS = (0.04608, -0.04586), 0.35
 # Absorption of ozone [1/cm] by wavelength [nm] (Preetham et al., table 2).
 _OZONE_WAVELENGTHS = np.arange(440.0, 741.0, 20.0)
 _OZONE = (0.002, 0.006, 0.014, 0.03, 0.048, 0.07, 0.095, 0.118, 0.125, 0.105, 0.079, 0.048, 0.023, 0.011, 0.004, 0.0)
-# Of what is scattered, the share that goes down: half of it by molecules, 0.84 by particles (Bird and Hulstrom, "A
+# Of what is scattered, the fraction that goes down: half of it by molecules, 0.84 by particles (Bird and Hulstrom, "A
 # Simplified Clear Sky Model for Direct and Diffuse Insolation on Horizontal Surfaces", SERI/TR-642-761, 1981).
 _DOWN_MOLECULES, _DOWN_PARTICLES = 0.5, 0.84
-# Places per texel and direction where the disc's share of a texel is counted.
+# Places per texel and direction where the disc's fraction of a texel is counted.
 _DISC_SAMPLES = 16
 
 
@@ -98,7 +98,7 @@ def disc_luminance(illuminance: float, radius: float) -> float:
 
 
 def disc_coverage(height: int, elevation: float, radius: float) -> np.ndarray:
-    """Return the share of each texel that a disc at azimuth 0 covers.
+    """Return the fraction of each texel that a disc at azimuth 0 covers.
 
     Counted at 16 x 16 places a texel, then scaled so that all shares together are the disc's solid angle.
 
@@ -120,7 +120,7 @@ def disc_coverage(height: int, elevation: float, radius: float) -> np.ndarray:
     ratio = math.sin(radius) / max(math.cos(elevation), 1e-12)
     half = height if ratio >= 1.0 else min(height, math.ceil(math.asin(ratio) / texel))
     columns = np.arange(-half, half)
-    share = np.zeros((len(rows), len(columns)))
+    fraction = np.zeros((len(rows), len(columns)))
     places = (np.arange(_DISC_SAMPLES) + 0.5) / _DISC_SAMPLES
     for u in places:
         theta = (rows[:, None] + u) * texel
@@ -128,9 +128,9 @@ def disc_coverage(height: int, elevation: float, radius: float) -> np.ndarray:
             half_phi, half_theta = 0.5 * (columns + v) * texel, 0.5 * (theta - polar)
             # The haversine of the angle to the middle keeps its digits where a cosine does not.
             haversine = np.sin(half_theta) ** 2 + np.sin(theta) * math.sin(polar) * np.sin(half_phi) ** 2
-            share += haversine < math.sin(0.5 * radius) ** 2
+            fraction += haversine < math.sin(0.5 * radius) ** 2
     weights = solid_angles(height)[rows][:, None]
-    share *= 2.0 * math.pi * (1.0 - math.cos(radius)) / (share * weights).sum()
+    fraction *= 2.0 * math.pi * (1.0 - math.cos(radius)) / (fraction * weights).sum()
     coverage = np.zeros((height, 2 * height), np.float32)
-    coverage[np.ix_(rows, columns % (2 * height))] = share
+    coverage[np.ix_(rows, columns % (2 * height))] = fraction
     return coverage
