@@ -48,7 +48,7 @@ def measured(seeds: list[int], settings: EnvironmentSettings) -> dict[str, dict[
 
 def main() -> None:
     """Print the median, 5 % and 95 % of each quantity."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Print the light of drawn scenes in photometric units.")
     parser.add_argument("--seeds", default="1:101", help="such as 1:101, without the end")
     parser.add_argument("--hdri-dir", type=Path, help="folder of environment maps; rooms and skies without it")
     arguments = parser.parse_args()

@@ -9,7 +9,14 @@ import pytest
 
 from glassware.core.errors import InputError
 from glassware.procedural.description.scene import Scene
-from glassware.procedural.description.surroundings import AreaLight, Block, RoomEnvironment, SkyEnvironment, Window
+from glassware.procedural.description.surroundings import (
+    AreaLight,
+    Block,
+    LampKind,
+    RoomEnvironment,
+    SkyEnvironment,
+    Window,
+)
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives import bodies, scenes
 from glassware.procedural.scene.draw import draw_scene
@@ -41,7 +48,7 @@ def _room() -> RoomEnvironment:
     )
 
 
-def _lamp(centre=(0.0, 0.5, 1.5), flux: float = 3500.0, size=(0.6, 0.6), kind="panel") -> AreaLight:
+def _lamp(centre=(0.0, 0.5, 1.5), flux: float = 3500.0, size=(0.6, 0.6), kind: LampKind = "panel") -> AreaLight:
     level = 1e-3 * flux / (math.pi * size[0] * size[1])
     pose = aimed(np.array(centre), np.array([0.0, 0.0, -0.1]), 0.0)
     return AreaLight(kind=kind, world_T_light=pose, size=size, radiance=(level, level, level))

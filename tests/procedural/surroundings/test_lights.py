@@ -162,7 +162,7 @@ def test_a_lamp_fits_where_no_part_of_it_is_beyond_a_wall():
 
 def test_a_lamp_that_a_block_pierces_has_no_place():
     # The post goes through the middle of the lamp; no corner is in it.
-    post = Block(lower=(2.95, 2.95, 0.0), upper=(3.05, 3.05, 2.5), colour=(0.5,) * 3)
+    post = Block(lower=(2.95, 2.95, 0.0), upper=(3.05, 3.05, 2.5), colour=(0.5, 0.5, 0.5))
     with_post = room(blocks=(post,))
     assert not fits_in_room(with_post, lamp((1.0, 0.0, 1.0)))
     assert fits_in_room(with_post, lamp((1.31, 0.0, 1.0)))
