@@ -32,7 +32,7 @@ def draw_environment(
     rng : numpy.random.Generator
         Source of all draws.
     settings : EnvironmentSettings
-        Shares, and the size of the sun.
+        Shares, whether files are scaled, and the size of the sun.
     files : sequence of Path, optional
         The environment maps to draw from; by default those in ``settings.hdri_dir``.
 
@@ -47,6 +47,8 @@ def draw_environment(
     if files and from_file:
         chosen = asset(files[int(rng.integers(len(files)))])
         environment = PictureEnvironment(asset=chosen, rotation=float(rng.uniform(0.0, 2.0 * np.pi)))
+        if settings.hdri_calibrated:
+            return environment
         strength = draw_strength(rng, bake_environment(environment))
         return environment.model_copy(update={"strength": strength})
     return draw_room(rng) if indoors else draw_sky(rng, settings.sun_radius)

@@ -32,6 +32,10 @@ class EnvironmentSettings(Model):
     hdri_share: Unit = Field(
         default=1.0, description="Probability that a scene is lit by a file, if there is a folder, 0 to 1"
     )
+    hdri_calibrated: bool = Field(
+        default=False,
+        description="Whether the files hold kcd/m^2; otherwise each is scaled to an illuminance that such a place has",
+    )
     room_share: Unit = Field(
         default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"
     )
