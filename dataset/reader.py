@@ -26,6 +26,7 @@ from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
+from ..procedural.surroundings.photometry import Photometry
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction, SurfaceLight
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
@@ -36,6 +37,7 @@ from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
+from .format.views_table import scene_views
 from .preview.gallery import gallery
 
 M = TypeVar("M", bound=Model)
@@ -148,6 +150,10 @@ class StoredScene:
         """Return the irradiance of the scene's opaque surfaces; None where it was not stored."""
         path = self.folder / layout.LIGHT
         return read_light(path) if path.exists() else None
+
+    def photometry(self) -> Photometry | None:
+        """Return illuminance and lamps of the scene; None in data sets of earlier versions."""
+        return scene_views(self.folder.parent.parent, self.scene_id).photometry
 
     @property
     def views(self) -> tuple[StoredView, ...]:

@@ -21,6 +21,7 @@ from ..core.model import Model
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
+from ..procedural.surroundings.photometry import photometry
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.camera_file import camera_file
@@ -98,7 +99,12 @@ def scene_writer(
         write_json(folder / layout.OBJECTS, objects_file(scene, points))
         writer = SceneWriter(folder, scene)
         yield writer
-        record = SceneViews(views=tuple(writer.rows), assets=_stored_assets(scene), light=check)
+        record = SceneViews(
+            views=tuple(writer.rows),
+            assets=_stored_assets(scene),
+            light=check,
+            photometry=photometry(scene.environment, scene.lights),
+        )
         if light is not None:
             write_light(folder / layout.LIGHT, light)
         write_json(folder / layout.SCENE_VIEWS, record)

@@ -21,6 +21,7 @@ from ...core.errors import InputError
 from ...core.json_file import parsed, read_json
 from ...core.model import Model
 from ...procedural.description.scene import Scene
+from ...procedural.surroundings.photometry import Photometry
 from ...render.frame import Frame, LightCheck
 from . import layout
 
@@ -86,6 +87,7 @@ class SceneViews(Model):
     views: tuple[ViewRow, ...]
     assets: tuple[Asset, ...]  #: paths relative to the data set
     light: LightCheck | None = None  #: of the stored light; null where none was stored
+    photometry: Photometry | None = None  #: illuminance and lamps; null in data sets of earlier versions
 
 
 def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:

@@ -73,12 +73,20 @@ class RoomEnvironment(Model):
 
 
 class SkyEnvironment(Model):
-    """An open sky with a soft sun and a ground."""
+    """An open sky with a sun and a ground."""
 
     kind: Literal["sky"] = "sky"
     sun_elevation: float = Field(gt=0.0, le=1.5707963267948966, description="Elevation of the sun [rad]")
-    sun_radiance: float = Field(ge=0.0, description="Luminance of the blurred disc's middle, relative to the zenith's")
-    sun_radius: float = Field(gt=0.0, description="Angular radius of the blurred disc [rad]")
+    sun_illuminance: float | None = Field(
+        default=None,
+        ge=0.0,
+        description="Illuminance of a plane that faces the sun, under a clear sky [klx]; without it the sun is a soft "
+        "disc of `sun_radiance`",
+    )
+    sun_radiance: float = Field(
+        default=0.0, ge=0.0, description="Luminance of a soft disc's middle, relative to the zenith's"
+    )
+    sun_radius: float = Field(gt=0.0, le=1.5707963267948966, description="Angular radius of the disc [rad]")
     turbidity: float = Field(ge=1.7, le=10.0, description="Haze (Preetham et al. 1999), 2 clear to 10 hazy")
     cloudiness: Unit = Field(description="Fraction of the sky covered by clouds")
     ground: Reflectance = Field(description="Reflectance of the ground, lit by this sky")
@@ -116,9 +124,14 @@ Environment = Annotated[
 ]
 
 
+#: Kinds of lamps. A rectangle is light of no particular source, in the unit of its environment.
+LampKind = Literal["rectangle", "bulb", "desk-lamp", "tube", "panel", "soft-box"]
+
+
 class AreaLight(Model):
     """A rectangle that emits light on one side, along its local +z."""
 
+    kind: LampKind = Field(default="rectangle", description="What it stands for (`lamps.LAMPS` has their limits)")
     world_T_light: Matrix4
     size: tuple[float, float] = Field(description="Extent along its local x and y [m]")
-    radiance: Rgb = Field(description="Linear Rec.709")
+    radiance: Rgb = Field(description="Linear Rec.709; of a lamp [kcd/m^2]")

@@ -12,7 +12,6 @@ from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
 from ..surroundings.camera_poses import draw_cameras, reach
-from ..surroundings.colour import luminance
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
@@ -57,9 +56,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     centre, radius = _workspace(objects)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
     pixels = bake_environment(environment)
-    ambient = float(luminance(irradiance(pixels, environment.strength, ())))
     far = reach(settings.cameras, centre, radius)
-    lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, ambient)
+    lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
     exposed = exposure(irradiance(pixels, environment.strength, lights))
     cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, centre, radius, exposed)
     return Scene(

@@ -24,6 +24,7 @@ from ..description.scene import (
 from ..optics.medium import AIR
 from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
 from .fields import check_fields
+from .validate_light import check_lamp, check_sun
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
 #: most of that, and the default ones a twentieth of a percent.
@@ -58,7 +59,8 @@ def check_scene(scene: Scene) -> None:
         is not rigid, a size that is not that of the mesh, interfaces whose media or roughness are not those of their
         body, glass or a liquid whose surface is not closed or is inside out, a liquid above the rim or of another
         volume, an object in the table, two objects that overlap, a camera that no file can hold, or that is inside an
-        object.
+        object, a sun smaller or brighter than the real one, a lamp brighter than its kind can be, outside its room, or
+        in an object or an eye (`validate_light`).
     """
     check_type("scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
     check_fields(scene)
@@ -79,6 +81,7 @@ def check_scene(scene: Scene) -> None:
         _check_media(body)
         _check_interfaces(body)
         _check_liquid(body)
+    check_sun(scene)
     _check_places(scene)
 
 
@@ -206,7 +209,10 @@ def _check_places(scene: Scene) -> None:
     for (name, solid), (other, another) in combinations(solids.items(), 2):
         if overlap(solid, another):
             raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
-    _check_eyes(scene, {**solids, "the table": _world(scene.table.mesh, np.eye(4))})
+    solids |= {"the table": _world(scene.table.mesh, np.eye(4))}
+    _check_eyes(scene, solids)
+    for number in range(len(scene.lights)):
+        check_lamp(scene, number, solids)
 
 
 def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:

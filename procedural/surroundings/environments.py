@@ -6,19 +6,17 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from ...core.assets import asset
 from ..description.surroundings import ConstantEnvironment, Environment, PictureEnvironment, RoomEnvironment
+from .file_light import draw_strength
 from .hdri import hdri_files, read_hdri
 from .room_map import bake_room
 from .rooms import draw_room
 from .settings import EnvironmentSettings
 from .skies import bake_sky, draw_sky
-
-#: Standard deviation of the blur of procedural maps [texel]. At 1 a straight edge is free of stairs to the eye.
-_SOFTNESS = 1.0
+from .sphere import softened
 
 #: Rows of the map of a constant environment. Any number holds it; few cost nothing.
 _CONSTANT_HEIGHT = 8
@@ -34,22 +32,26 @@ def draw_environment(
     rng : numpy.random.Generator
         Source of all draws.
     settings : EnvironmentSettings
-        Shares.
+        Shares, whether files are scaled, and the size of the sun.
     files : sequence of Path, optional
         The environment maps to draw from; by default those in ``settings.hdri_dir``.
 
     Raises
     ------
     InputError
-        Where the folder is missing or has no environment map.
+        Where the folder is missing or has no environment map, or the chosen one cannot be read.
     """
     if files is None:
         files = () if settings.hdri_dir is None else hdri_files(settings.hdri_dir)
     from_file, indoors = rng.uniform() < settings.hdri_share, rng.uniform() < settings.room_share
     if files and from_file:
         chosen = asset(files[int(rng.integers(len(files)))])
-        return PictureEnvironment(asset=chosen, rotation=float(rng.uniform(0.0, 2.0 * np.pi)))
-    return draw_room(rng) if indoors else draw_sky(rng)
+        environment = PictureEnvironment(asset=chosen, rotation=float(rng.uniform(0.0, 2.0 * np.pi)))
+        if settings.hdri_calibrated:
+            return environment
+        strength = draw_strength(rng, bake_environment(environment))
+        return environment.model_copy(update={"strength": strength})
+    return draw_room(rng) if indoors else draw_sky(rng, settings.sun_radius)
 
 
 def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
@@ -63,7 +65,8 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
     environment : Environment
         A room, a sky, a file or a constant.
     height : int
-        Rows of a room's or a sky's map; a file keeps its own size, and a constant needs few.
+        Rows of a room's map, and half those of a sky's with a sharp sun; a file keeps its own size, and a constant
+        needs few.
 
     Returns
     -------
@@ -71,7 +74,9 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
         Linear Rec.709, laid out as `sphere` says; read-only, because the last map is remembered (the meter and the
         renderer both ask for it).
     """
-    return _baked(environment, height)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
+    changes = {"strength": 1.0} | ({} if isinstance(environment, ConstantEnvironment) else {"rotation": 0.0})
+    plain = environment.model_copy(update=changes)
+    return _baked(plain, height)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
 
 
 @lru_cache(maxsize=1)
@@ -86,18 +91,6 @@ def _fresh(environment: Environment, height: int) -> np.ndarray:
         return read_hdri(environment.asset)
     if isinstance(environment, ConstantEnvironment):
         return np.full((_CONSTANT_HEIGHT, 2 * _CONSTANT_HEIGHT, 3), environment.radiance, np.float32)
-    sharp = (
-        bake_room(environment, height) if isinstance(environment, RoomEnvironment) else bake_sky(environment, height)
-    )
-    return _softened(sharp)
-
-
-def _softened(pixels: np.ndarray) -> np.ndarray:
-    """Return a map whose edges are soft over a texel or two, as those of a background out of focus.
-
-    A camera sees a texel over several pixels. Edges that are sharp to one texel then show as stairs.
-    """
-    margin = 4 * int(np.ceil(_SOFTNESS))
-    wrapped = np.concatenate([pixels[:, -margin:], pixels, pixels[:, :margin]], axis=1)
-    soft = cv2.GaussianBlur(wrapped, (0, 0), _SOFTNESS, borderType=cv2.BORDER_REPLICATE)
-    return np.ascontiguousarray(soft[:, margin:-margin])
+    if isinstance(environment, RoomEnvironment):
+        return softened(bake_room(environment, height))
+    return bake_sky(environment, height)

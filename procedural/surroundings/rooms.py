@@ -2,7 +2,7 @@
 
 Radiance is in kcd/m^2. It comes from real figures: an overcast sky of 10 to 25 klx has a mean luminance of 3 to 8
 (E / pi); a 0.6 m square ceiling panel of 3500 lm has 3.1 (flux / (pi A)); a studio soft box of 10000 lm and 0.6 x 0.9 m
-has 5.9. The light on the walls follows from these by `room_light`.
+has 5.9 (`lamps` has the ranges). The light on the walls follows from these by `room_light`.
 
 The ranges below are chosen, where no source is given, so that furnished rooms from a kitchen to a hall are covered.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from ...core.model import Reflectance
 from ..description.surroundings import Block, Panel, RoomEnvironment, Wall, Window
 from .colour import black_body
+from .lamps import LAMPS
 
 #: Height of the table top over the floor [m] (dining and work tables: 0.72 to 0.76).
 TABLE_HEIGHT = 0.74
@@ -40,15 +41,15 @@ _WINDOW_PITCH, _WINDOW_FILL = 1.5, (0.45, 0.85)
 _LOW_SILL, _SILL, _WINDOW_HEIGHT, _LINTEL, _MOST_BARS = 0.1, (0.7, 1.0), (1.2, 2.2), 0.25, 3
 # Walls with windows: at most 2.
 _MOST_WINDOW_WALLS = 2
-# Ceiling lamps: probability, sides of the usual panels [m], their spacing [m], colour temperature [K] (warm white to
-# daylight white) and luminance [kcd/m^2].
+# Ceiling lamps: probability, sides of the usual panels [m], their spacing [m] and colour temperature [K] (warm white to
+# daylight white); their flux is that of `lamps.LAMPS`.
 _LAMP_PROBABILITY, _LAMP_SIZES = 0.6, ((0.6, 0.6), (1.2, 0.3), (0.3, 1.2), (1.2, 0.6))
-_LAMP_SPACING, _LAMP_TEMPERATURE, _LAMP_RADIANCE = (1.8, 3.0), (3300.0, 5500.0), (2.0, 6.0)
+_LAMP_SPACING, _LAMP_TEMPERATURE = (1.8, 3.0), (3300.0, 5500.0)
 # Soft boxes: probability, side [m], place along the wall as a fraction, height of the centre over the floor and its
-# distance to the ceiling [m], colour temperature [K], luminance [kcd/m^2].
+# distance to the ceiling [m], colour temperature [K]; their flux is that of `lamps.LAMPS`.
 _SOFT_BOX_PROBABILITY, _SOFT_BOX_SIDE, _SOFT_BOX_PLACE = 0.3, (0.5, 1.2), (0.25, 0.75)
 _SOFT_BOX_HEIGHT, _SOFT_BOX_TOP = 1.2, 0.7
-_SOFT_BOX_TEMPERATURE, _SOFT_BOX_RADIANCE = (4000.0, 6500.0), (4.0, 12.0)
+_SOFT_BOX_TEMPERATURE = (4000.0, 6500.0)
 
 # Doors and pictures on walls without windows: distance from the corner [m], least free length [m], gap between two [m].
 _PANEL_START, _PANEL_ROOM, _PANEL_GAP = (0.2, 0.6), 0.6, (0.3, 1.5)
@@ -143,7 +144,7 @@ def _ceiling_lamps(rng: np.random.Generator, size: tuple[float, float, float]) -
     """Draw a regular grid of equal ceiling panels."""
     side = _LAMP_SIZES[int(rng.integers(len(_LAMP_SIZES)))]
     counts = [max(1, int(size[axis] / rng.uniform(*_LAMP_SPACING))) for axis in (0, 1)]
-    radiance = _triple(black_body(rng.uniform(*_LAMP_TEMPERATURE)) * rng.uniform(*_LAMP_RADIANCE))
+    radiance = _radiance(rng, "panel", side, _LAMP_TEMPERATURE)
     return [
         Window(
             kind="lamp",
@@ -161,8 +162,16 @@ def _soft_box(rng: np.random.Generator, size: tuple[float, float, float], wall: 
     width, high = rng.uniform(*_SOFT_BOX_SIDE), rng.uniform(*_SOFT_BOX_SIDE)
     along = _length(size, wall) * rng.uniform(*_SOFT_BOX_PLACE)
     centre = (along, rng.uniform(_SOFT_BOX_HEIGHT, size[2] - _SOFT_BOX_TOP))
-    radiance = _triple(black_body(rng.uniform(*_SOFT_BOX_TEMPERATURE)) * rng.uniform(*_SOFT_BOX_RADIANCE))
+    radiance = _radiance(rng, "soft-box", (width, high), _SOFT_BOX_TEMPERATURE)
     return Window(kind="lamp", wall=wall, centre=centre, size=(width, high), radiance=radiance)
+
+
+def _radiance(
+    rng: np.random.Generator, kind: str, size: tuple[float, float], temperature: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Draw the radiance of an even diffuser with the flux of a kind of lamp [kcd/m^2]."""
+    level = 1e-3 * rng.uniform(*LAMPS[kind].flux) / (np.pi * size[0] * size[1])
+    return _triple(black_body(rng.uniform(*temperature)) * level)
 
 
 def _draw_panels(

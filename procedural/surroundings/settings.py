@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ...core.model import Model, Ordered, Unit
 from ...core.user_text import UserPath
+from .sun import LARGEST_SUN, SMALLEST_SUN, SUN_RADIUS
 
 # Ranges of uniform draws: smallest and largest value, with the limits of both.
-# Sides from a bare LED die to the largest soft boxes [m].
-_Side = Annotated[float, Field(ge=1e-3, le=5.0)]
-# Illuminance over the environment's: from invisible in a 16-bit picture to a spotlight in a dark room.
-_IlluminanceRatio = Annotated[float, Field(ge=1e-5, le=1e3)]
-_Kelvin = Annotated[float, Field(ge=2000.0, le=20000.0)]
 _Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
 # Ten times as far away, the objects are a hundredth of the picture.
 _Factor = Annotated[float, Field(ge=1.0, le=10.0)]
-SideRange = Annotated[tuple[_Side, _Side], Ordered]
-IlluminanceRatioRange = Annotated[tuple[_IlluminanceRatio, _IlluminanceRatio], Ordered]
-KelvinRange = Annotated[tuple[_Kelvin, _Kelvin], Ordered]
 ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
 FactorRange = Annotated[tuple[_Factor, _Factor], Ordered]
+
+
+#: Kinds of lamps that are drawn (`lamps.LAMPS`).
+DrawnKind = Literal["bulb", "desk-lamp", "tube", "panel", "soft-box"]
 
 
 class EnvironmentSettings(Model):
@@ -35,27 +32,43 @@ class EnvironmentSettings(Model):
     hdri_share: Unit = Field(
         default=1.0, description="Probability that a scene is lit by a file, if there is a folder, 0 to 1"
     )
+    hdri_calibrated: bool = Field(
+        default=False,
+        description="Whether the files hold kcd/m^2; otherwise each is scaled to an illuminance that such a place has",
+    )
     room_share: Unit = Field(
         default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"
+    )
+    sun_radius: float = Field(
+        default=SUN_RADIUS,
+        ge=SMALLEST_SUN,
+        le=LARGEST_SUN,
+        description="Angular radius of the sun in drawn skies [rad], from the real 0.27 degrees to 5 degrees. "
+        "Path tracing finds the caustics of a sun of 0.035 (2 degrees) with far fewer samples; its shadows and "
+        "caustics are softer",
     )
 
 
 class LightSettings(Model):
-    """Random rectangular lights around the table."""
+    """Random lamps around the table, indoors; under an open sky there are none."""
 
     max_count: int = Field(
-        default=3, ge=0, le=16, description="Largest number of lights in a scene; 0 to this many are drawn"
+        default=3,
+        ge=0,
+        le=16,
+        description="Largest number of lamps in a scene; 0 to this many are drawn, fewer where the room has no place",
     )
-    size: SideRange = Field(default=(0.1, 0.8), description="Range of the two sides [m], 0.001 to 5")
-    temperature: KelvinRange = Field(
-        default=(2700.0, 6500.0), description="Range of the black body's temperature [K], 2000 to 20000"
+    kinds: tuple[DrawnKind, ...] = Field(
+        default=("bulb", "desk-lamp", "tube", "panel", "soft-box"),
+        min_length=1,
+        description="Kinds that lamps are drawn from; each has the sizes, flux and colour of real ones",
     )
     elevation: ElevationRange = Field(
         default=(math.radians(25.0), math.radians(80.0)),
         description="Range of the elevation seen from the table's centre [rad], 0.1 to pi/2",
     )
     margin: float = Field(
-        default=0.1, ge=0.0, le=20.0, description="Gap between the farthest camera and any light [m], 0 to 20"
+        default=0.1, ge=0.0, le=20.0, description="Gap between the farthest camera and any lamp [m], 0 to 20"
     )
     spread: float = Field(
         default=1.0, ge=0.0, le=20.0, description="Largest extra distance beyond the gap [m], 0 to 20 (a hall)"
@@ -65,10 +78,6 @@ class LightSettings(Model):
         ge=0.0,
         le=2.0,
         description="Largest distance of the aimed-at point from the centre [m], 0 to 2; at most half the light's own",
-    )
-    share: IlluminanceRatioRange = Field(
-        default=(0.1, 0.8),
-        description="Range of a light's illuminance at the table's centre over the environment's, 0.00001 to 1000",
     )
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
@@ -17,7 +18,9 @@ from glassware.core.errors import InputError
 from glassware.dataset.format.views_table import SCHEMA
 from glassware.dataset.reader import Dataset
 from glassware.dataset.writer import finish_dataset, start_dataset
-from glassware.procedural.description.surroundings import PictureEnvironment
+from glassware.procedural.description.surroundings import AreaLight, ConstantEnvironment, PictureEnvironment
+from glassware.procedural.surroundings.lights import aimed
+from glassware.procedural.surroundings.photometry import photometry
 
 TESTS = Path(__file__).parents[1]
 
@@ -184,7 +187,7 @@ def test_an_exception_between_views_leaves_nothing_of_the_scene(made, head, tmp_
 
 def test_assets_are_listed_with_their_licences(made, head, tmp_path, write_scene):
     scene, points, views = made
-    (tmp_path / "sky.hdr").write_bytes(b"not really a sky")
+    assert cv2.imwrite(str(tmp_path / "sky.hdr"), np.full((4, 8, 3), 0.5, np.float32))
     sky = asset(tmp_path / "sky.hdr").model_copy(update={"licence": "CC0"})
     scene = scene.model_copy(update={"environment": PictureEnvironment(asset=sky)})
     start_dataset(tmp_path / "a", head, [0])
@@ -192,7 +195,34 @@ def test_assets_are_listed_with_their_licences(made, head, tmp_path, write_scene
     finish_dataset(tmp_path / "a")
     (listed,) = Dataset.open(tmp_path / "a").head.assets
     assert (listed.licence, listed.source) == ("CC0", "sky.hdr")
-    assert (tmp_path / "a" / listed.path).read_bytes() == b"not really a sky"
+    assert (tmp_path / "a" / listed.path).read_bytes() == (tmp_path / "sky.hdr").read_bytes()
+
+
+def test_the_light_of_a_scene_is_a_label(made, head, tmp_path, write_scene):
+    scene, points, views = made
+    pose = aimed(np.array([0.0, 0.5, 2.0]), np.zeros(3), 0.0)
+    lamp = AreaLight(kind="panel", world_T_light=pose, size=(0.6, 0.6), radiance=(3.0, 3.0, 3.0))
+    even = ConstantEnvironment(radiance=(0.1, 0.1, 0.1))
+    scene = scene.model_copy(update={"environment": even, "lights": (lamp,)})
+    start_dataset(tmp_path / "a", head, [0])
+    write_scene(tmp_path / "a", scene, points, views)
+    finish_dataset(tmp_path / "a")
+    (stored,) = Dataset.open(tmp_path / "a").scenes
+    light = stored.photometry()
+    assert light is not None
+    assert light == photometry(scene.environment, scene.lights)
+    # 100 cd/m^2 all around, and a panel of 3000 cd/m^2.
+    assert light.environment_illuminance == pytest.approx(100.0 * np.pi, rel=1e-6)
+    (panel,) = light.lamps
+    assert (panel.kind, panel.luminance) == ("panel", pytest.approx(3000.0))
+    assert panel.flux == pytest.approx(np.pi * 0.36 * 3000.0)
+    assert light.illuminance == pytest.approx(light.environment_illuminance + panel.illuminance)
+    # A scene of an earlier version has none.
+    file = stored.folder / "views.json"
+    record = json.loads(file.read_text())
+    del record["photometry"]
+    file.write_text(json.dumps(record))
+    assert stored.photometry() is None
 
 
 CHILD = """

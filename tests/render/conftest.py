@@ -53,7 +53,7 @@ def drawn(sky_light) -> Callable[..., Scene]:
             "vessel_count": (2, 2),
             "prop_count": (2, 2),
             "vessels": {"fill_probability": 1.0, "chord_error": 5e-5, "rough_probability": 0.0},
-            "environment": {"hdri_dir": sky_light},
+            "environment": {"hdri_dir": sky_light, "hdri_calibrated": True},
             "lights": {"max_count": 1},
             "cameras": {"views": 2, "width": 64, "height": 48},
             "picture": {"spp": 4},

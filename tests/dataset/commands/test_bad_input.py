@@ -73,8 +73,11 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
     [
         (("--cameras.roll", "nan"), "cameras.roll: expected a finite number, found nan"),
         (("--cameras.slack", "1", "inf"), "cameras.slack.1: expected a finite number, found inf"),
-        (("--lights.size", "1e-300", "1"), "lights.size.0: expected greater than or equal to 0.001, found 1e-300"),
-        (("--lights.share", "1", "1e300"), "lights.share.1: expected less than or equal to 1000, found 1e+300"),
+        (("--lights.elevation", "0", "1"), "lights.elevation.0: expected greater than or equal to 0.1, found 0.0"),
+        (
+            ("--environment.sun-radius", "0.001"),
+            "environment.sun_radius: expected greater than or equal to 0.00465, found 0.001",
+        ),
         (("--lights.margin", "1e9"), "lights.margin: expected less than or equal to 20, found 1000000000.0"),
         (("--lights.spread", "1e9"), "lights.spread: expected less than or equal to 20, found 1000000000.0"),
         (("--lights.aim", "3"), "lights.aim: expected less than or equal to 2, found 3.0"),
@@ -91,7 +94,7 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
             "props.smallest: expected at most largest (0.1 m), found 0.2 m",
         ),
         (("--picture.dispersion",), "picture.dispersion: expected spectral to be on as well, found it off"),
-        (("--lights.size", "2", "1"), "lights.size: expected the smaller number first, found (2.0, 1.0)"),
+        (("--lights.elevation", "1", "0.5"), "lights.elevation: expected the smaller number first, found (1.0, 0.5)"),
         (("--scene", "x"), "scene: expected INT, found 'x'"),
         (("--cameras.roll", "x"), "cameras.roll: expected FLOAT, found 'x'"),
         (("--vessels.height", "0.1"), "vessels.height: expected FLOAT FLOAT, found fewer values"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import OpenEXR
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.procedural.description.surroundings import Environment, PictureEnvironment, RoomEnvironment
 from glassware.procedural.surroundings.environments import bake_environment, draw_environment
+from glassware.procedural.surroundings.photometry import photometry
 from glassware.procedural.surroundings.room_map import bake_room
 from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.procedural.surroundings.sphere import solid_angles
@@ -54,6 +56,27 @@ def test_a_file_is_baked_as_it_is(folder):
     environment = drawn(0, hdri_dir=folder)
     level = float(_file(environment)[0]) + 1.0
     np.testing.assert_array_equal(bake_environment(environment), np.full((4, 8, 3), level))
+
+
+def test_a_file_of_unknown_unit_is_scaled_to_the_light_of_a_room(folder):
+    # The maps are even: as bright below as above, so not outdoors. EN 12464-1: 200 to 1000 lx.
+    environments = [drawn(seed, hdri_dir=folder) for seed in range(30)]
+    levels = [photometry(environment, ()).illuminance for environment in environments]
+    assert min(levels) >= 200.0 * (1 - 1e-6)
+    assert max(levels) <= 1000.0 * (1 + 1e-6)
+    assert max(levels) > 2.0 * min(levels)
+    assert drawn(0, hdri_dir=folder, hdri_calibrated=True).strength == 1.0
+
+
+def test_a_file_with_a_sky_is_scaled_to_daylight(tmp_path):
+    sky = np.full((64, 128, 3), 0.1, np.float32)
+    sky[:32] = 2.0
+    sunny = sky.copy()
+    sunny[10, 20] = 3e4
+    for pixels, least, most in ((sky, 5e3, 25e3), (sunny, 45e3, 110e3)):
+        assert cv2.imwrite(str(tmp_path / "sky.hdr"), pixels)
+        levels = [photometry(drawn(seed, hdri_dir=tmp_path), ()).illuminance for seed in range(5)]
+        assert least * (1 - 1e-6) <= min(levels) < max(levels) <= most * (1 + 1e-6)
 
 
 def test_a_missing_folder_is_refused(tmp_path):

@@ -12,9 +12,11 @@ from glassware.procedural.surroundings.colour import luminance
 from glassware.procedural.surroundings.preetham import sky_xyy, zenith_xyy
 from glassware.procedural.surroundings.skies import bake_sky, disc_solid_angle, draw_sky, sun_direction
 from glassware.procedural.surroundings.sphere import solid_angles, texel_directions
+from glassware.procedural.surroundings.sun import SUN_RADIUS
 
 
 def sky(**changes) -> SkyEnvironment:
+    """A sky with a soft sun, as descriptions have that state no illuminance."""
     values = {
         "sun_elevation": math.radians(40),
         "sun_radiance": 0.0,
@@ -27,15 +29,30 @@ def sky(**changes) -> SkyEnvironment:
     return SkyEnvironment(**{**values, **changes})
 
 
-def test_a_clear_sky_has_the_luminance_of_the_model():
-    pixels, directions = bake_sky(sky(), 64), texel_directions(64)
-    high = directions[..., 2] > 0.5  # above the trees
+def test_a_clear_sky_has_the_distribution_of_the_model():
+    sunless = sky(sun_illuminance=0.0, sun_radius=SUN_RADIUS)
+    pixels, directions = bake_sky(sunless, 256), texel_directions(512)
+    high = _open_sky(directions, sun_direction(sunless))
+    expected = sky_xyy(directions[high], sun_direction(sunless), 3.0)[:, 2]
+    ratio = luminance(pixels[high]) / expected
+    # The colour matrix has four digits, and blue beyond the gamut is cut off; the map is soft over a texel or two of
+    # 0.7 degrees, the most at the pole.
+    np.testing.assert_allclose(ratio, np.median(ratio), rtol=1e-2)
+
+
+def test_a_description_without_an_illuminance_has_the_luminance_of_the_model():
+    pixels, directions = bake_sky(sky(), 256), texel_directions(256)
+    high = _open_sky(directions, sun_direction(sky()))
     expected = sky_xyy(directions[high], sun_direction(sky()), 3.0)[:, 2]
-    # The colour matrix has four digits, and blue beyond the gamut is cut off.
-    np.testing.assert_allclose(luminance(pixels[high]), expected, rtol=2e-3)
+    np.testing.assert_allclose(luminance(pixels[high]), expected, rtol=5e-3)
 
 
-def test_the_sun_adds_its_disc_and_nothing_else():
+def _open_sky(directions: np.ndarray, sun: np.ndarray) -> np.ndarray:
+    """Above the trees, and away from the sun, where the model's glow has a peak that the map softens."""
+    return (directions[..., 2] > 0.5) & (directions @ sun < math.cos(math.radians(10.0)))
+
+
+def test_a_soft_sun_adds_its_disc_and_nothing_else():
     without, lit = bake_sky(sky(), 256), bake_sky(sky(sun_radiance=100.0), 256)
     extra = luminance(lit.astype(np.float64) - without)
     above = np.arange(256) < 100
@@ -82,7 +99,7 @@ def test_drawn_skies_are_finite_and_repeatable():
         drawn = draw_sky(np.random.default_rng(seed))
         assert drawn == draw_sky(np.random.default_rng(seed))
         pixels = bake_sky(drawn, 32)
-        assert pixels.shape == (32, 64, 3)
+        assert pixels.shape == (64, 128, 3)
         assert pixels.dtype == np.float32
         assert np.isfinite(pixels).all()
         assert pixels.min() >= 0.0

@@ -24,7 +24,9 @@ from glassware.render.interfaces.dielectric import InterfaceHit, scatter
 def lamp_scene(drawn):
     """A scene with one lamp at least."""
     for seed in range(20, 60):
-        scene = drawn(seed, vessel_count=(1, 1), prop_count=(0, 0), lights={"max_count": 3})
+        # Of at least the size of the map's cells.
+        lights = {"max_count": 3, "kinds": ("panel", "soft-box")}
+        scene = drawn(seed, vessel_count=(1, 1), prop_count=(0, 0), lights=lights)
         if scene.lights:
             return scene
     raise AssertionError("no scene of forty has a lamp")

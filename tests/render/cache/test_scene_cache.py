@@ -98,7 +98,11 @@ def test_pictures_from_stored_light_agree_with_paths(backend, scenes, name) -> N
 @pytest.fixture(scope="module")
 def furnace(backend, drawn, even_light):
     scene = drawn(
-        2, vessel_count=(0, 0), prop_count=(0, 0), environment={"hdri_dir": even_light}, lights={"max_count": 0}
+        2,
+        vessel_count=(0, 0),
+        prop_count=(0, 0),
+        environment={"hdri_dir": even_light, "hdri_calibrated": True},
+        lights={"max_count": 0},
     )
     return load(scene, for_cache=True)
 

@@ -42,7 +42,7 @@ def furnace(backend, drawn, clear, even_light):
                 vessel_count=(4, 4),
                 prop_count=(0, 0),
                 vessels={"fill_probability": fill, "rough_probability": rough, "roughness": (0.2, 0.5)},
-                environment={"hdri_dir": even_light},
+                environment={"hdri_dir": even_light, "hdri_calibrated": True},
                 lights={"max_count": 0},
                 cameras={"views": 15, "width": 128, "height": 96},
             )

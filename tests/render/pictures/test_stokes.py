@@ -70,7 +70,7 @@ def lifted(polarised, drawn, clear, one_bright_side):
         31,
         vessel_count=(3, 3),
         prop_count=(1, 1),
-        environment={"hdri_dir": one_bright_side},
+        environment={"hdri_dir": one_bright_side, "hdri_calibrated": True},
         cameras={"views": 15, "width": 48, "height": 32},
     )
     scene = clear(scene)
