@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from .catalogue import catalogue, olive_oil, soda_lime, sugar_solution, water
 from .dyes import DYES, PIGMENTS
 from .medium import Absorber, Medium
 
-#: Probabilities of the glasses. Tableware and laboratory ware are mostly soda-lime and borosilicate; the rest
-#: gives a network the whole range of indices (1.46-1.59) and tints.
-GLASS_WEIGHTS = {
-    "soda-lime glass": 0.45,
-    "borosilicate glass 3.3": 0.20,
-    "lead crystal": 0.10,
-    "heavy lead crystal": 0.04,
-    "fused silica": 0.03,
-    "acrylic": 0.04,
-    "polycarbonate": 0.03,
-    "PET": 0.03,
-    "green soda-lime glass": 0.04,
-    "bronze soda-lime glass": 0.02,
-    "grey soda-lime glass": 0.02,
-}
 #: How often a vessel holds what [1]. Water most; coloured water next, because colour is what liquids differ in.
 LIQUID_WEIGHTS = {
     "water": 0.50,
@@ -39,9 +26,9 @@ TWO_DYES = 0.3
 SUGAR_RANGE = (0.05, 0.6)
 
 
-def draw_glass(rng: np.random.Generator) -> Medium:
-    """Return the medium of a vessel's wall, by `GLASS_WEIGHTS`; soda-lime with a random content of iron."""
-    kind = _choice(rng, GLASS_WEIGHTS)
+def draw_glass(rng: np.random.Generator, weights: Mapping[str, float]) -> Medium:
+    """Return a medium of the catalogue for a wall, by weights; soda-lime with a random content of iron."""
+    kind = _choice(rng, weights)
     iron = float(rng.uniform())
     return soda_lime(iron) if kind == "soda-lime glass" else catalogue()[kind]
 
@@ -74,6 +61,6 @@ def _log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float
     return float(np.exp(rng.uniform(*np.log(limits))))
 
 
-def _choice(rng: np.random.Generator, weights: dict[str, float]) -> str:
+def _choice(rng: np.random.Generator, weights: Mapping[str, float]) -> str:
     weight = np.array(list(weights.values()))
     return list(weights)[int(rng.choice(len(weight), p=weight / weight.sum()))]

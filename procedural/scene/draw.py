@@ -7,7 +7,7 @@ import numpy as np
 from ...core.mesh import Mesh
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
-from ..optics.draw import draw_glass, draw_liquid
+from ..optics.draw import draw_liquid
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
@@ -17,7 +17,9 @@ from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
+from ..vessels.families import draw_size
 from ..vessels.settings import VesselSettings
+from ..vessels.wall_materials import draw_wall_material
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
 from .splits import families_of, split_of
@@ -76,8 +78,10 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
 def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
     vessels = []
     for i in range(count):
+        # The family is the first that a vessel's stream gives; the wall's material follows it.
+        category, *_ = draw_size(stream(seed, scene_id, f"vessels/{i}"), settings)
         media = stream(seed, scene_id, f"media/{i}")
-        glass, liquid = draw_glass(media), draw_liquid(media)
+        glass, liquid = draw_wall_material(media, category), draw_liquid(media)
         rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
         vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
     return vessels

@@ -88,7 +88,7 @@ def build_vessel(
     if filling is None:
         liquid, interfaces = None, dry_interfaces(outer, inner, **common)
     else:
-        surface = surface_of_volume(inner, filling.volume, filling.medium, chord_error)
+        surface = surface_of_volume(inner, filling.volume, filling.medium, chord_error, glass)
         liquid = _liquid(inner, surface, filling.medium)
         interfaces = wet_interfaces(outer, inner, surface.top, liquid=filling.medium, **common)
     return Vessel(

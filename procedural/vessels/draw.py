@@ -71,7 +71,7 @@ def draw_vessel(
     outline = FAMILIES[category].outline(rng, size)
     shape = _draw_shape(rng, settings, FAMILIES[category], outline, wall)
     built = vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
-    filling = _draw_filling(rng, settings, built.inner, liquid_medium)
+    filling = _draw_filling(rng, settings, built.inner, glass, liquid_medium)
     roughness = _draw_roughness(rng, settings)
     return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
 
@@ -104,14 +104,14 @@ def _draw_shape(
 
 
 def _draw_filling(
-    rng: np.random.Generator, settings: VesselSettings, inner: Curve, medium: Medium | None
+    rng: np.random.Generator, settings: VesselSettings, inner: Curve, glass: Medium, medium: Medium | None
 ) -> Filling | None:
     filled, fill = rng.random() < settings.fill_probability, rng.uniform(*settings.fill)
     if medium is None or not filled:
         return None
     brimful = brimful_volume(inner.points)
     least = volume_below(inner.points, float(inner.points[0, 1]) + LEAST_DEPTH)
-    return Filling(medium, float(np.clip(fill * brimful, least, most_volume(inner, medium))))
+    return Filling(medium, float(np.clip(fill * brimful, least, most_volume(inner, medium, glass))))
 
 
 def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:

@@ -17,6 +17,7 @@ from scipy.optimize import root_scalar
 from ...core.errors import InputError
 from ..optics.capillary import Meniscus, capillary_length, meniscus
 from ..optics.medium import Medium
+from ..optics.wetting import contact_angle
 from .curve import Curve, directions, simplified
 from .interfaces import CONTACT_MERGE, normal_at
 from .liquid import highest_contact, level_of_volume, volume_below
@@ -51,7 +52,7 @@ class Surface:
     top : Curve
         From the axis to the contact line on the inner curve's polygon, normals into the air.
     contact_angle : float
-        Angle inside the liquid between the wall and the surface where they meet [rad]; that of the medium, unless it
+        Angle inside the liquid between the wall and the surface where they meet [rad]; that of the media, unless it
         is below `LEAST_ANGLE`, the wall leaves no room (`SLOPE_FRACTIONS`), or the surface is flat.
     volume : float
         Volume of the body of revolution between the inner polygon and the top's polygon [m^3].
@@ -72,7 +73,9 @@ class Surface:
         return float(self.top.points[0, 1])
 
 
-def surface_of_volume(inner: Curve, volume: float, medium: Medium, chord_error: float) -> Surface:
+def surface_of_volume(
+    inner: Curve, volume: float, medium: Medium, chord_error: float, wall: Medium | None = None
+) -> Surface:
     """Return the surface under which the inside holds a volume of a liquid.
 
     On a curved wall several surfaces may be at rest, with different contact lines; one of them is returned.
@@ -87,13 +90,15 @@ def surface_of_volume(inner: Curve, volume: float, medium: Medium, chord_error: 
         The liquid.
     chord_error : float
         Largest distance of the surface's polygon from the true curve [m].
+    wall : Medium, optional
+        What the wall is made of, which decides the contact angle (`wetting.contact_angle`); glass without it.
 
     Raises
     ------
     InputError
         Where the volume is not positive, or the contact line would come nearer to the rim than `liquid.RIM_MARGIN`.
     """
-    liquid = _capillary(medium)
+    liquid = _capillary(medium, wall)
     if liquid is not None:
         for fraction in SLOPE_FRACTIONS:
             surface = _fitted(inner, volume, liquid, fraction, chord_error)
@@ -102,9 +107,9 @@ def surface_of_volume(inner: Curve, volume: float, medium: Medium, chord_error: 
     return _flat(inner, level_of_volume(inner.points, volume))
 
 
-def most_volume(inner: Curve, medium: Medium) -> float:
+def most_volume(inner: Curve, medium: Medium, wall: Medium | None = None) -> float:
     """Return the volume of the liquid whose contact line is as high as `liquid.highest_contact` [m^3]."""
-    highest, liquid = highest_contact(inner.points), _capillary(medium)
+    highest, liquid = highest_contact(inner.points), _capillary(medium, wall)
     flat = volume_below(inner.points, highest)
     return flat if liquid is None else min(flat, _volume(inner, highest, liquid, 1.0))
 
@@ -118,10 +123,11 @@ class _Capillary:
     angle: float
 
 
-def _capillary(medium: Medium) -> _Capillary | None:
-    if medium.density is None or medium.surface_tension is None or medium.contact_angle is None:
+def _capillary(medium: Medium, wall: Medium | None) -> _Capillary | None:
+    angle = contact_angle(medium, wall)
+    if medium.density is None or medium.surface_tension is None or angle is None:
         return None
-    angle = min(max(medium.contact_angle, LEAST_ANGLE), np.pi - LEAST_ANGLE)
+    angle = min(max(angle, LEAST_ANGLE), np.pi - LEAST_ANGLE)
     return _Capillary(medium.density, medium.surface_tension, angle)
 
 

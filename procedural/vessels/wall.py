@@ -129,9 +129,13 @@ def _closed(base: Curve, side: Curve, inside: Curve, chord_error: float) -> Sect
     # One crown for both, bit for bit.
     inner_rim.points[-1] = outer_rim.points[-1]
     inner_rim.normals[-1] = outer_rim.normals[-1]
+    # Each part on its own: a segment from far down the straight wall to some way round the rim would lean the normals
+    # of all that is between, and the line of light on a rim becomes a row of dots.
     return Section(
-        outer=chained(base, simplified(chained(side, outer_rim), chord_error)),
-        inner=simplified(chained(Curve(inside.points, -inside.normals), inner_rim), chord_error),
+        outer=chained(base, simplified(side, chord_error), simplified(outer_rim, chord_error)),
+        inner=chained(
+            simplified(Curve(inside.points, -inside.normals), chord_error), simplified(inner_rim, chord_error)
+        ),
         rim_centre=centre,
         rim_radius=radius,
     )

@@ -13,7 +13,7 @@ from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight
 from ..scene.loaded_scene import LoadedScene
-from ..scene.rays import clearance, leave, pinhole, pixel_rays
+from ..scene.rays import clearance, leave, pinhole, pixel_rays, without_crack
 from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
 from .layers import LayerRecorder, RayHit, layer_recorder, recorded_layers, write_layer
 
@@ -119,6 +119,7 @@ def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
 def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | None = None) -> StraightHits:
     """Follow straight rays through all surfaces along them; the recorder takes their layers."""
     scene, table, offset = loaded.mi_scene, loaded.surfaces, mi.Float(loaded.offset)
+    robust = loaded.robust_scene
     dr.make_opaque(offset)
     origin, direction, ray = mi.Point3f(ray.o), mi.Vector3f(ray.d), mi.Ray3f(ray)
     first, background = mi.Float(dr.inf), mi.Float(dr.inf)
@@ -130,8 +131,9 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     surfaces, count = mi.UInt32(0), mi.UInt32(0)
     active = mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, recorder]):
+    while dr.hint(active, exclude=[table, scene, robust, recorder]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, surfaces == 0, active)
+        si = without_crack(si, robust, ray, offset, active)
         row = registry_id(si.shape)
         # An area light is part of the surroundings, as the sky behind it.
         active &= si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, si.is_valid()) > 0)

@@ -17,7 +17,7 @@ from .._mitsuba import dr, mi, syntax
 from ..frame import HIT, LOST, SURROUNDINGS, Eye, Refraction
 from ..interfaces.dielectric import transmission
 from ..scene.loaded_scene import LoadedScene
-from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
+from ..scene.rays import Pinhole, leave, pinhole, pixel_rays, without_crack
 from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
 
 #: Maximum number of interfaces of a ray [1]; a ray that meets more is lost. In eight drawn scenes (32 views) 4 % of the
@@ -82,10 +82,20 @@ def refract(
 
 @syntax
 def _refracted(
-    loaded: LoadedScene, ray: mi.Ray3f, eta: mi.Float, sigma_a: mi.Float, max_interfaces: int, mode: str
+    loaded: LoadedScene,
+    ray: mi.Ray3f,
+    eta: mi.Float,
+    sigma_a: mi.Float,
+    max_interfaces: int,
+    mode: str,
+    watertight: bool = False,
 ) -> Refracted:
-    """Follow rays as `refract` does, in a symbolic or an evaluated loop."""
+    """Follow rays as `refract` does, in a symbolic or an evaluated loop; `watertight` ones do not slip through cracks.
+
+    Those meet the shapes where they were loaded, so only `trace_refraction` asks for them.
+    """
     scene, table, offset = loaded.mi_scene, loaded.surfaces, mi.Float(loaded.offset)
+    robust = loaded.robust_scene if watertight else None
     limit = mi.UInt32(max_interfaces)
     dr.make_opaque(offset, limit)
 
@@ -96,8 +106,9 @@ def _refracted(
     transmittance = mi.Color3f(1.0)
     active = mi.Bool(True)
 
-    while dr.hint(active, mode=mode, exclude=[table, scene, eta, sigma_a, limit]):
+    while dr.hint(active, mode=mode, exclude=[table, scene, robust, eta, sigma_a, limit]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
+        si = without_crack(si, robust, ray, offset, active)
         row = registry_id(si.shape)
         # An area light is part of the surroundings, as the sky behind it.
         hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, active) > 0)
@@ -143,7 +154,8 @@ def trace_refraction(loaded: LoadedScene, cameras: Sequence[Camera], eye: Eye = 
     rays = [
         pixel_rays(view, dr.arange(mi.UInt32, size), mi.Point2f(0.0))[0] for view, size in zip(eyes, sizes, strict=True)
     ]
-    end = refract(loaded, rays[0] if len(rays) == 1 else _joined(rays))
+    ray, table = rays[0] if len(rays) == 1 else _joined(rays), loaded.surfaces
+    end = _refracted(loaded, ray, table.eta_d, table.sigma_a_rgb, MAX_INTERFACES, "symbolic", watertight=True)
     dr.eval(end)
     offsets = np.cumsum([0, *sizes])
     return [_picture(end, eyes[i], cameras[i], int(offsets[i])) for i in range(len(cameras))]

@@ -40,6 +40,7 @@ class LoadedScene:
 
     description: Scene
     mi_scene: mi.Scene
+    robust_scene: mi.Scene  #: the shapes as they were loaded, without cracks between triangles (`rays.without_crack`)
     surfaces: SurfaceTable
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
@@ -79,7 +80,16 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
     opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
-    return LoadedScene(scene, mi_scene, surface_table(by_id, scene.picture.dispersion), RAY_OFFSET * reach, opaque)
+    table = surface_table(by_id, scene.picture.dispersion)
+    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, RAY_OFFSET * reach, opaque)
+
+
+def _robust(mi_scene: mi.Scene) -> mi.Scene:
+    """Return a scene of the same shapes with Embree's robust intersection; OptiX's is watertight by itself."""
+    if mi.variant().startswith("cuda"):
+        return mi_scene
+    shapes = {shape.id(): shape for shape in mi_scene.shapes()}  # under other names they would get new ids
+    return mi.load_dict({"type": "scene", "embree_use_robust_intersections": True, **shapes}, optimize=False)
 
 
 def _opaque_bodies(scene: Scene, mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:

@@ -11,6 +11,10 @@ from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi
 from ..frame import Eye
 
+#: How much nearer than the fast test's hit the robust one's has to be, in ray offsets [1]: some 50 um. Both compute the
+#: distance of the same hit to a micrometre, and walls are a millimetre thick.
+SLIPPED = 100.0
+
 
 @dataclass(frozen=True, eq=False)
 class Pinhole:
@@ -71,6 +75,24 @@ def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.
     local = mi.Vector3f((u - view.centre.x) * view.inverse_focal, (v - view.centre.y) * view.inverse_focal, 1.0)
     local = dr.normalize(local)
     return mi.Ray3f(mi.Point3f(view.origin), view.world_R_camera @ local), local.z
+
+
+def without_crack(
+    si: mi.SurfaceInteraction3f, robust: mi.Scene | None, ray: mi.Ray3f, offset: mi.Float, active: mi.Bool
+) -> mi.SurfaceInteraction3f:
+    """Return what a ray hits, `si`, or what the robust test hits in front of it where the ray slipped through a crack.
+
+    Embree's default test rounds the common edge of two triangles differently in each: a ray that passes it within some
+    0.3 um may miss both. Of rays aimed at edges of a beaker 5 % do. The robust test evaluates an edge in the same way
+    for both its triangles (after Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection"): 5 in 100,000 do.
+    But its points are less exact (up to 0.5 mm off along large triangles), so it only helps out.
+    Pictures do without: a mean over samples does not show one ray in a million. Without a robust scene nothing changes.
+    """
+    if robust is None:
+        return si
+    closed = robust.ray_intersect(ray, mi.RayFlags.All, False, active)
+    slipped = active & closed.is_valid() & (closed.t < si.t - SLIPPED * offset)
+    return dr.select(slipped, closed, si)
 
 
 def clearance(si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float) -> mi.Float:

@@ -185,3 +185,18 @@ def test_a_meniscus_above_the_rim_is_refused_in_one_line():
     assert 1.01 * most < volume_below(inner.points, 0.1 - RIM_MARGIN)
     with pytest.raises(InputError, match=r"liquid.volume: expected at most .* \(below the rim\), found"):
         surface_of_volume(inner, 1.01 * most, WATER, CHORD)
+
+
+@pytest.mark.parametrize(("wall", "degrees"), [("PET", 72.5), ("polycarbonate", 82.0), ("polypropylene", 102.1)])
+def test_water_in_plastic_rises_or_sinks_as_at_a_plane_wall(wall, degrees):
+    surface = surface_of_volume(_tube(0.06, 0.1), 4e-4, WATER, CHORD, Medium(name=wall, eta=1.5))
+    angle = np.radians(degrees)
+    assert surface.contact_angle == pytest.approx(angle, abs=1e-9)
+    assert _angle_at_wall(surface, np.array([-1.0, 0.0])) == pytest.approx(angle, abs=1e-7)
+    # de Gennes et al. 2004, eq. 2.15: 2 lc sin((90 deg - angle) / 2), negative where the liquid does not wet; a round
+    # wall differs by the order of lc / R.
+    plane = 2.0 * LENGTH * np.sin(0.5 * (0.5 * np.pi - angle))
+    assert surface.contact - surface.centre == pytest.approx(plane, rel=LENGTH / 0.06)
+    assert (surface.contact > surface.centre) == (degrees < 90.0)
+    # The surface is convex where it sinks: its height falls all the way to the wall.
+    assert (np.sign(np.diff(surface.top.points[:, 1])) == np.sign(90.0 - degrees)).all()

@@ -121,3 +121,15 @@ def test_the_normals_of_a_section_point_out_of_the_glass():
         middle = 0.5 * (curve.normals[1:] + curve.normals[:-1])
         assert (sign * (right * middle).sum(1) > 0.0).all()
         np.testing.assert_allclose(np.hypot(*curve.normals.T), 1.0, atol=1e-12)
+
+
+def test_no_segment_runs_from_the_wall_into_the_rim():
+    # It would lean the interpolated normals of the straight wall below the rim.
+    outline = Outline((linear(0.0, 0.1, 0.03, 0.03),), ())
+    section = glass_section(outline, WallShape(0.0015, 0.0, 0.004, 0.002, 0.003, 0.0), VesselSettings().chord_error)
+    for curve in (section.outer, section.inner):
+        above = curve.points[:, 1] > 0.05
+        upright = np.abs(curve.normals[above, 1]) < 1e-9
+        # Up to the height of the rim's centre the wall is straight and upright, and its last vertex is there.
+        assert curve.points[above][upright][:, 1].max() == pytest.approx(section.rim_centre[1], abs=1e-9)
+        assert np.array_equal(upright, curve.points[above, 1] <= section.rim_centre[1] + 1e-9)
