@@ -73,7 +73,7 @@ def fill_cache(
     moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), denoised_meshes(points, halves)])
     moments = normalised(moments + caustics).astype(np.float32)
     moments[:grid] = denoised_grid(moments[:grid], (points.axes[1].lines, points.axes[0].lines))
-    return IrradianceCache(points, moments, counts * GROUP, photons)
+    return IrradianceCache(points, moments, counts * GROUP, photons, caustics)
 
 
 @dataclass(frozen=True, eq=False)

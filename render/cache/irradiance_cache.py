@@ -18,7 +18,7 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, PathDimensions, balance_heuristic, visible
+from ..pictures.integrator import Bounce, CausticShade, PathDimensions, balance_heuristic, visible
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import SurfaceTable, registry_id
 from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of
@@ -45,6 +45,16 @@ class IrradianceCache:
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
     samples: np.ndarray  #: (count,) paths that each point is the mean of
     photons: int = 0  #: photons that its caustics are made of
+    #: (count, 12) moments of the caustics alone, not filtered, as `photon_map.photon_moments`; None: there are none
+    caustics: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TracedSurfaces:
+    """Surfaces of a cached scene whose light is path traced, but for their caustics."""
+
+    rows: mi.Bool  #: by registry id
+    caustics: CausticShade
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +68,7 @@ class CachedShader:
     roughness: mi.Float  #: by registry id
     metallic: mi.Float  #: by registry id
     emission: EmissionMap
-    traced: mi.Bool | None = None  #: by registry id: surfaces that are path traced, not read from the cache; None: none
+    traced: TracedSurfaces | None = None  #: surfaces that are path traced, not read from the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,17 +92,14 @@ class Moments:
 
 
 def cached_shader(
-    loaded: LoadedScene, cache: IrradianceCache, emission: EmissionMap, traced: tuple[int, ...] = ()
+    loaded: LoadedScene, cache: IrradianceCache, emission: EmissionMap, traced: TracedSurfaces | None = None
 ) -> CachedShader:
-    """Return the shader of a scene's opaque surfaces; objects with the ids `traced` are path traced."""
+    """Return the shader of a scene's opaque surfaces."""
     table, lookup = loaded.surfaces, lookup_of(cache.points)
     moments = mi.Float(np.ascontiguousarray(cache.moments, np.float32).ravel())
     dr.make_opaque(moments)
     roughness, metallic = material_columns(loaded)
-    rows = mi.Bool(np.isin(np.array(table.instance), traced)) if traced else None
-    if rows is not None:
-        dr.make_opaque(rows)
-    return CachedShader(loaded.mi_scene, table, lookup, moments, roughness, metallic, emission, rows)
+    return CachedShader(loaded.mi_scene, table, lookup, moments, roughness, metallic, emission, traced)
 
 
 def material_columns(loaded: LoadedScene) -> tuple[mi.Float, mi.Float]:

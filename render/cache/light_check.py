@@ -16,7 +16,7 @@ from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 from ..frame import RegionCheck
 from ..labels.geometry import trace_geometry
-from ..pictures.picture import PATH_TRACER, Tracer, camera_paths
+from ..pictures.picture import Tracer, camera_paths
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole, pixel_rays
 from ..scene.surfaces import registry_id
@@ -45,8 +45,10 @@ class Region:
     pixel: np.ndarray  #: (n,)
 
 
-def check_regions(loaded: LoadedScene, tracer: Tracer, regions: list[Region], which: int = 0) -> list[RegionCheck]:
-    """Compare a tracer with path tracing in each region.
+def check_regions(
+    loaded: LoadedScene, tracer: Tracer, reference: Tracer, regions: list[Region], which: int = 0
+) -> list[RegionCheck]:
+    """Compare a tracer with another in each region.
 
     Parameters
     ----------
@@ -54,14 +56,17 @@ def check_regions(loaded: LoadedScene, tracer: Tracer, regions: list[Region], wh
         The scene.
     tracer : Tracer
         The tracer that reads the cache.
+    reference : Tracer
+        The path tracer (`stored_caustics.path_tracer_with_caustics`).
     regions : list of Region
         The regions.
     which : int
         Number of the check: another one draws other samples.
     """
-    first = _compare(loaded, tracer, regions, _PIXELS, f"{which}/first")
+    first = _compare(loaded, (reference, tracer), regions, _PIXELS, f"{which}/first")
     doubtful = [k for k, check in enumerate(first) if abs(check.difference) > BOUND]
-    again = _compare(loaded, tracer, [regions[k] for k in doubtful], _PIXELS_AGAIN, f"{which}/again")
+    chosen = [regions[k] for k in doubtful]
+    again = _compare(loaded, (reference, tracer), chosen, _PIXELS_AGAIN, f"{which}/again")
     for k, check in zip(doubtful, again, strict=True):
         first[k] = check
     return first
@@ -127,8 +132,10 @@ def _irradiance(loaded: LoadedScene, cache: IrradianceCache, views: np.ndarray) 
     return np.concatenate(values)
 
 
-def _compare(loaded: LoadedScene, tracer: Tracer, regions: list[Region], pixels: int, name: str) -> list[RegionCheck]:
-    """Return the difference of both methods in each region, from random pixels of it."""
+def _compare(
+    loaded: LoadedScene, tracers: tuple[Tracer, Tracer], regions: list[Region], pixels: int, name: str
+) -> list[RegionCheck]:
+    """Return by how much the second tracer differs from the first in each region, from random pixels of it."""
     if not regions:
         return []
     scene = loaded.description
@@ -137,7 +144,7 @@ def _compare(loaded: LoadedScene, tracer: Tracer, regions: list[Region], pixels:
     view = np.concatenate([region.view[k] for region, k in zip(regions, chosen, strict=True)])
     pixel = np.concatenate([region.pixel[k] for region, k in zip(regions, chosen, strict=True)])
     by_paths, by_tracer = (
-        _luminances(loaded, method, view, pixel, int(rng.integers(0, 1 << 32))) for method in (PATH_TRACER, tracer)
+        _luminances(loaded, method, view, pixel, int(rng.integers(0, 1 << 32))) for method in tracers
     )
     checks = []
     for number, region in enumerate(regions):

@@ -9,13 +9,14 @@ from ...core.randomness import stream_seed
 from ...procedural.description.scene import TABLE_ID, Scene
 from .._mitsuba import mi
 from ..frame import LightCheck, SurfaceLight
-from ..pictures.picture import PATH_TRACER, Tracer
+from ..pictures.picture import Tracer
 from ..scene.loaded_scene import LoadedScene
 from .cache_points import cache_points_of
 from .fill_cache import fill_cache
 from .irradiance_cache import IrradianceCache
 from .light_check import BOUND, check_regions, is_within, regions_of
 from .light_sources import targets_of
+from .stored_caustics import path_tracer_with_caustics
 from .trace_cached import cached_tracer
 
 #: Camera samples of a whole scene above which the cache is used by default. Below, filling it costs more time than it
@@ -54,7 +55,7 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
     """Fill the irradiance cache of a scene, and compare pictures from it with path-traced ones.
 
     Props with a region beyond the bound are path traced, and the comparison is repeated. If a region of the table or of
-    a vessel is beyond it then, the whole scene is path traced.
+    a vessel is beyond it then, the whole scene is path traced. Caustics are read from the photon map in any case.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
     Returns
     -------
     tracer : Tracer
-        The cached tracer; the path tracer where the check failed.
+        The cached tracer; the path tracer, which reads caustics, where the check failed.
     check : LightCheck
         Result of the comparison.
     cache : IrradianceCache
@@ -73,13 +74,13 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
     scene = loaded.description
     cache = fill_scene_cache(loaded)
     regions = regions_of(loaded, cache)
-    tracer = cached_tracer(loaded, cache)
-    checks = check_regions(loaded, tracer, regions)
+    tracer, reference = cached_tracer(loaded, cache), path_tracer_with_caustics(loaded, cache)
+    checks = check_regions(loaded, tracer, reference, regions)
     failed = tuple(check for check in checks if not is_within(check))
     traced = tuple(sorted({check.id for check in failed} & {prop.id for prop in scene.props}))
     if traced:
         tracer = cached_tracer(loaded, cache, traced)
-        checks = check_regions(loaded, tracer, regions, which=1)
+        checks = check_regions(loaded, tracer, reference, regions, which=1)
     passed = all(is_within(check) for check in checks if check.id not in traced)
     check = LightCheck(
         scene_id=scene.scene_id,
@@ -95,7 +96,7 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
         failed=failed,
         traced=traced if passed else (),
     )
-    return (tracer if passed else PATH_TRACER), check, cache
+    return (tracer if passed else reference), check, cache
 
 
 def fill_scene_cache(loaded: LoadedScene) -> IrradianceCache:

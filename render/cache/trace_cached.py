@@ -14,6 +14,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
+import numpy as np
+
 from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import scatter
@@ -35,7 +37,8 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.surfaces import AIR_INDEX, registry_id, surface_media
 from .guiding import EmissionMap, emission_map, path_guide
-from .irradiance_cache import CachedShader, IrradianceCache, cached_shader, shade
+from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
+from .stored_caustics import caustic_shade
 
 #: Adaptive sampling: with the cache, most noise is in glass and in reflections of polished surfaces (docs/design.md).
 CACHED_WEIGHTS = SampleWeights(glass=16.0, polished=6.0)
@@ -63,6 +66,8 @@ class PathState:
     eta_scale: mi.Float  #: product of eta^2, which Russian roulette must not count as loss
     pdf: mi.Float  #: density of the last direction by solid angle
     delta: mi.Bool  #: whether emitter sampling could not have sampled the last direction
+    glossy: mi.Color3f  #: fraction of an emitter's light behind glass that the last opaque surface has not stored
+    through_glass: mi.Bool  #: whether the path has met glass since that surface; both only where surfaces are traced
     medium: mi.UInt32  #: medium of the segment by the last event
     u_rescaled: mi.Float  #: the path's number, rescaled to [0, 1) within the interval of the lobes sampled so far
     u_interval: mi.Float  #: length of that interval
@@ -90,9 +95,12 @@ class CachedTracing:
 
 
 def cached_tracer(loaded: LoadedScene, cache: IrradianceCache, traced: tuple[int, ...] = ()) -> Tracer:
-    """Return the tracer that reads the irradiance cache of a scene; objects with the ids `traced` are path traced."""
+    """Return the tracer that reads the irradiance cache of a scene.
+
+    Objects with the ids `traced` are path traced; only their caustics are read.
+    """
     emission = emission_map(loaded.description)
-    shader = cached_shader(loaded, cache, emission, traced)
+    shader = cached_shader(loaded, cache, emission, _traced_surfaces(loaded, cache, traced) if traced else None)
 
     def trace(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
@@ -100,6 +108,13 @@ def cached_tracer(loaded: LoadedScene, cache: IrradianceCache, traced: tuple[int
         return trace_cached(CachedTracing(loaded, sampler, picture, shader, emission), ray)
 
     return Tracer(trace, CACHED_WEIGHTS)
+
+
+def _traced_surfaces(loaded: LoadedScene, cache: IrradianceCache, ids: tuple[int, ...]) -> TracedSurfaces:
+    rows = mi.Bool(np.isin(np.array(loaded.surfaces.instance), ids))
+    dr.make_opaque(rows)
+    caustics = np.zeros(cache.moments.shape) if cache.caustics is None else cache.caustics
+    return TracedSurfaces(rows, caustic_shade(loaded, cache.points, caustics))
 
 
 def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
@@ -133,6 +148,8 @@ def _camera_state(ray: mi.Ray3f, sampler: SobolSampler) -> PathState:
         eta_scale=mi.Float(1.0),
         pdf=mi.Float(1.0),
         delta=mi.Bool(True),
+        glossy=mi.Color3f(1.0),
+        through_glass=mi.Bool(False),
         medium=mi.UInt32(AIR_INDEX),
         u_rescaled=sample_1d(sampler, mi.UInt32(0), mi.UInt32(3)),  # of the camera's set, beside the pixel position
         u_interval=mi.Float(1.0),
@@ -194,6 +211,7 @@ def _through_glass(
     u_rescaled, u_interval = mi.Float(state.u_rescaled), mi.Float(state.u_interval)
     medium, depth, violations = (mi.UInt32(x) for x in (state.medium, state.depth, state.violations))
     delta, active, outside = mi.Bool(state.delta), mi.Bool(state.active), mi.Bool(False)
+    through_glass, any_traced = mi.Bool(state.through_glass), tracing.shader.traced is not None
     pi = dr.zeros(mi.PreliminaryIntersection3f)
 
     while dr.hint(active & (depth < limit), exclude=[table, scene, sampler, emission]):
@@ -218,6 +236,8 @@ def _through_glass(
             medium = dr.select(event.transmitted, surface.behind, surface.before)
             u_rescaled, u_interval = rescaled_sample(u_rescaled, u_interval, event.probability, event.transmitted, bits)
             ray, pdf, delta = leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
+            if any_traced:
+                through_glass = mi.Bool(True)
             beta, active = _russian_roulette(beta, eta_scale, depth + 1 >= rr_depth, bits)
         depth += 1
         active &= depth < max_depth
@@ -230,6 +250,7 @@ def _through_glass(
         eta_scale=eta_scale,
         pdf=pdf,
         delta=delta,
+        through_glass=through_glass,
         medium=medium,
         u_rescaled=u_rescaled,
         u_interval=u_interval,
@@ -253,7 +274,7 @@ def _facet_sample(sampler: SobolSampler, depth: mi.UInt32, alpha: mi.Float) -> m
 @syntax
 def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersection3f, outside: mi.Bool) -> PathState:
     """Add the radiance of what paths hit outside the glass, and continue those with a glossy bounce."""
-    sampler, picture, scene = tracing.sampler, tracing.picture, tracing.loaded.mi_scene
+    sampler, picture, scene, shader = tracing.sampler, tracing.picture, tracing.loaded.mi_scene, tracing.shader
     offset = dr.opaque(mi.Float, tracing.loaded.offset)
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta, depth = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta), mi.UInt32(state.depth)
@@ -261,19 +282,39 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     si = pi.compute_surface_interaction(ray, mi.RayFlags.All, outside)
     previous = dr.zeros(mi.Interaction3f)
     previous.p = ray.o
-    L = state.L + beta * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside)
+    found = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside)
+    glossy, through_glass, any_traced = (
+        mi.Color3f(state.glossy),
+        mi.Bool(state.through_glass),
+        shader.traced is not None,
+    )
+    if any_traced:
+        found *= dr.select(through_glass, glossy, 1.0)
+    L = state.L + beta * found
 
     if dr.hint(outside & si.is_valid(), exclude=[scene, sampler, tracing]):
         before = depth - 1  # the surface's own depth: the loop has counted it
-        bounce = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
+        bounce, fraction = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
         L += beta * bounce.radiance
+        if any_traced:
+            glossy, through_glass = fraction, mi.Bool(False)
         beta *= bounce.weight
         ray, pdf, delta = leave(si, bounce.direction, offset), bounce.pdf, bounce.delta
         beta, active = _russian_roulette(beta, eta_scale, depth >= rr_depth, hashed_seed(sampler, before))
         active &= depth < max_depth
 
     return replace(
-        state, origin=ray.o, direction=ray.d, beta=beta, L=L, pdf=pdf, delta=delta, depth=depth, active=active
+        state,
+        origin=ray.o,
+        direction=ray.d,
+        beta=beta,
+        L=L,
+        pdf=pdf,
+        delta=delta,
+        glossy=glossy,
+        through_glass=through_glass,
+        depth=depth,
+        active=active,
     )
 
 
@@ -284,31 +325,37 @@ def _opaque_bounce(
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
-) -> Bounce:
-    """Shade opaque surfaces from the cache, and those that are path traced by emitter and BSDF sampling."""
+) -> tuple[Bounce, mi.Color3f]:
+    """Shade opaque surfaces from the cache, and those that are path traced by emitter and BSDF sampling.
+
+    The second value is `PathState.glossy`.
+    """
     shader = tracing.shader
     cached = shade(shader, si, barycentric, ray, offset, u)
     if shader.traced is None:  # the usual case has a kernel without the second kind
-        return cached
-    traced = dr.gather(mi.Bool, shader.traced, registry_id(si.shape))
-    return _traced_bounce(tracing.loaded.mi_scene, si, ray, offset, u, cached, traced)
+        return cached, mi.Color3f(1.0)
+    return _traced_bounce(tracing.loaded.mi_scene, si, barycentric, ray, offset, u, cached, shader.traced)
 
 
 @syntax
 def _traced_bounce(
     scene: mi.Scene,
     si: mi.SurfaceInteraction3f,
+    barycentric: mi.Point2f,
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
     cached: Bounce,
-    traced: mi.Bool,
-) -> Bounce:
+    surfaces: TracedSurfaces,
+) -> tuple[Bounce, mi.Color3f]:
     """Replace the bounces of surfaces that are path traced."""
-    bounce = cached
-    if dr.hint(traced, exclude=[scene]):
+    bounce, glossy = cached, mi.Color3f(1.0)
+    traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
+    if dr.hint(traced, exclude=[scene, surfaces]):
         bounce = opaque_event(scene, si, ray, offset, u)
-    return bounce
+        stored, glossy = surfaces.caustics(si, barycentric, ray, bounce)
+        bounce.radiance = bounce.radiance + stored
+    return bounce, glossy
 
 
 def _russian_roulette(

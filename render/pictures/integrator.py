@@ -103,7 +103,7 @@ def trace(
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
     # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
-    through_glass, glossy = mi.Bool(False), mi.Color3f(0.0)
+    through_glass, glossy = mi.Bool(False), mi.Color3f(1.0 if origin is None else 0.0)
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
     # Only camera rays are coherent: Embree takes three times as long for others that it is told are.
     coherent = mi.Bool(origin is None)
