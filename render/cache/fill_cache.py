@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
 from ..pictures.integrator import CausticShade, PathOrigin, balance_heuristic, trace, visible
 from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
@@ -63,16 +64,20 @@ def fill_cache(
     photons : int
         Number of photons that caustics are made of.
     """
-    caustics = photon_moments(loaded, points, photons, seed)
+    photon_halves = photon_moments(loaded, points, photons, seed)
+    caustics = 0.5 * (photon_halves[0] + photon_halves[1])
     gather = _Gather(loaded, point_sampler(points), caustic_shade(loaded, points, caustics), seed)
     counts = _group_counts(points, paths / GROUP)
     sums = _traced_groups(gather, counts)
     total, odd = sums.moments, sums.odd_moments
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
-    halves = (total - odd)[grid:] / half[grid:], odd[grid:] / half[grid:]
-    moments = np.concatenate([total[:grid] / (2.0 * half[:grid]), denoised_meshes(points, halves)])
+    halves = (total - odd) / half, odd / half
+    mean = 0.5 * (halves[0][:grid] + halves[1][:grid])
+    moments = np.concatenate([mean, denoised_meshes(points, (halves[0][grid:], halves[1][grid:]))])
     moments = normalised(moments + caustics).astype(np.float32)
-    moments[:grid] = denoised_grid(moments[:grid], (points.axes[1].lines, points.axes[0].lines))
+    noise = 0.5 * sum(one[:grid, :6] - other[:grid, :6] for one, other in (halves, photon_halves))
+    fraction = luminance(caustics[:grid, :3]) / np.maximum(luminance(moments[:grid, :3]), 1e-30)
+    moments[:grid] = denoised_grid(moments[:grid], noise, fraction, (points.axes[1].lines, points.axes[0].lines))
     return IrradianceCache(points, moments, counts * GROUP, photons, caustics)
 
 

@@ -45,7 +45,7 @@ class IrradianceCache:
     moments: np.ndarray  #: (count, 12) float32, irradiance [radiance unit * sr] and unitless mean directions
     samples: np.ndarray  #: (count,) paths that each point is the mean of
     photons: int = 0  #: photons that its caustics are made of
-    #: (count, 12) moments of the caustics alone, not filtered, as `photon_map.photon_moments`; None: there are none
+    #: (count, 12) moments of the caustics alone, not filtered (`photon_map.photon_moments`); None: there are none
     caustics: np.ndarray | None = None
 
 

@@ -25,10 +25,11 @@ from .irradiance_cache import IrradianceCache, interpolated
 
 #: Largest difference of a region's mean [fraction], and the number of standard errors that count as noise.
 BOUND, STANDARD_ERRORS = 0.02, 3.0
-#: Pixels of a region, samples of each by both methods, and views that pixels are taken from at most.
-_PIXELS, _SAMPLES, _VIEWS = 128, 64, 4
-#: Pixels of a region whose first comparison is beyond the bound, for the one that decides.
-_PIXELS_AGAIN = 512
+#: Pixels of a region in the first comparison, and in further ones of regions that were beyond the bound; the last one
+#: decides. (Fireflies make the mean of few pixels differ, and their standard error too small.)
+_PIXELS = (128, 512, 2048)
+#: Samples of each pixel by both methods, and views that pixels are taken from at most.
+_SAMPLES, _VIEWS = 64, 4
 #: Regions of fewer pixels in these views are left out: nobody sees them.
 _MIN_PIXELS = 24
 #: Irradiance over the table's median from which its points are caustics, and below which they are shadows [1].
@@ -63,13 +64,14 @@ def check_regions(
     which : int
         Number of the check: another one draws other samples.
     """
-    first = _compare(loaded, (reference, tracer), regions, _PIXELS, f"{which}/first")
-    doubtful = [k for k, check in enumerate(first) if abs(check.difference) > BOUND]
-    chosen = [regions[k] for k in doubtful]
-    again = _compare(loaded, (reference, tracer), chosen, _PIXELS_AGAIN, f"{which}/again")
-    for k, check in zip(doubtful, again, strict=True):
-        first[k] = check
-    return first
+    checks: dict[int, RegionCheck] = {}
+    doubtful = list(range(len(regions)))
+    for number, pixels in enumerate(_PIXELS):
+        chosen = [regions[k] for k in doubtful]
+        found = _compare(loaded, (reference, tracer), chosen, pixels, f"{which}/{number}")
+        checks |= dict(zip(doubtful, found, strict=True))
+        doubtful = [k for k in doubtful if abs(checks[k].difference) > BOUND]
+    return [checks[k] for k in range(len(regions))]
 
 
 def is_within(check: RegionCheck) -> bool:

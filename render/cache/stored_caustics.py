@@ -31,7 +31,7 @@ def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray)
     points : CachePoints
         The cache points.
     moments : (count, 12) float64
-        As `photon_map.photon_moments` returns.
+        The mean of what `photon_map.photon_moments` returns.
     """
     lookup, table = lookup_of(points), loaded.surfaces
     stored = mi.Float(normalised(moments).astype(np.float32).ravel())

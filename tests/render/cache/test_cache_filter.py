@@ -23,16 +23,24 @@ def noisy(backend, rng):
     return moments
 
 
-def test_noise_goes_and_the_sum_of_the_light_stays(noisy) -> None:
-    found = denoised_grid(noisy, SHAPE)
+@pytest.fixture
+def noise(rng):
+    """Half differences of two halves whose mean has that noise: the firefly is in one of them."""
+    noise = rng.normal(0.0, 0.1, (SHAPE[0] * SHAPE[1], 6)).astype(np.float32)
+    noise[40 * SHAPE[1] + 50] = 1000.0
+    return noise
+
+
+def test_noise_goes_and_the_sum_of_the_light_stays(noisy, noise) -> None:
+    found = denoised_grid(noisy, noise, np.zeros(len(noisy)), SHAPE)
     np.testing.assert_allclose(found[:, :6].sum(0, np.float64), noisy[:, :6].sum(0, np.float64), rtol=ROUNDING)
     far = found.reshape(*SHAPE, 12)[:, 100:, :6]
     # Two thirds at least: the denoiser leaves 0.0005 of 0.0057 where it was measured, a third of the deviation.
     assert far.std() < 0.1 / 3.0
 
 
-def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
-    found = denoised_grid(noisy, SHAPE).reshape(*SHAPE, 12)[..., :6]
+def test_the_light_of_a_firefly_stays_near_it(noisy, noise) -> None:
+    found = denoised_grid(noisy, noise, np.zeros(len(noisy)), SHAPE).reshape(*SHAPE, 12)[..., :6]
     reach = int(SPREAD * SHAPE[1] / 2) + 16  # the square, and what the filter itself reaches
     near = found[40 - reach : 41 + reach, 50 - reach : 51 + reach].sum((0, 1), np.float64)
     size = (2 * reach + 1) ** 2
@@ -40,8 +48,31 @@ def test_the_light_of_a_firefly_stays_near_it(noisy) -> None:
     np.testing.assert_allclose(near, 1000.0 + size - 1, atol=4.0 * 0.1 * np.sqrt(size))
 
 
-def test_no_light_is_negative(noisy) -> None:
-    assert (denoised_grid(noisy, SHAPE)[:, :6] >= 0.0).all()
+def test_light_that_is_not_noise_is_kept(noisy, noise) -> None:
+    # A caustic: one cell wide, and found by both halves.
+    row = np.s_[20 * SHAPE[1] + 70 : 20 * SHAPE[1] + 110]
+    noisy[row, :6] += 50.0
+    found = denoised_grid(noisy, noise, np.zeros(len(noisy)), SHAPE)
+    # The noise of 0.1, and a hundredth of the light: the noise in the window is a thousandth of the caustic.
+    np.testing.assert_allclose(found[row, :6], 51.0, atol=0.5 + 4.0 * 0.1)
+
+
+def test_light_of_a_caustic_stays_within_a_few_cells(noisy, noise) -> None:
+    # Photons of a hundred times the light in every tenth cell of a square: all noise to the filter.
+    square, cells = np.s_[60:80, 20:40], np.arange(400).reshape(20, 20)
+    light, spread, fraction = (x.reshape(*SHAPE, -1) for x in (noisy, noise, np.zeros(len(noisy))))
+    photons = np.where(cells % 10 == 3, 100.0, 0.0)[..., None]
+    light[square][..., :6] += photons
+    spread[square] += photons
+    fraction[square] = photons / (photons + 1.0)
+    found = denoised_grid(noisy, noise, fraction.ravel(), SHAPE).reshape(*SHAPE, 12)[50:90, 10:50, :6]
+    # Ten cells beyond the square are five standard deviations of the window: all of its light is there. (Noise of the
+    # sum: 0.1 in each of 1,600 cells, four times; and a thousandth of the light, for the edge of the window.)
+    np.testing.assert_allclose(found.sum((0, 1)), 1600 + 4000.0, atol=4.0 * 0.1 * 40 + 4.0)
+
+
+def test_no_light_is_negative(noisy, noise) -> None:
+    assert (denoised_grid(noisy, noise, np.zeros(len(noisy)), SHAPE)[:, :6] >= 0.0).all()
 
 
 def _nodes(*meshes: trimesh.Trimesh, sides: int = 1):
