@@ -102,10 +102,14 @@ def scattered(wi: np.ndarray, eta: float, alpha: float, coin: np.ndarray, seed: 
     """
     towards = vectors(wi)
     width = max(len(np.atleast_2d(wi)), len(np.atleast_1d(coin)))
-    seeds, _ = mi.sample_tea_32(dr.arange(mi.UInt32, width), mi.UInt32(seed))
+    seeds, _ = mi.sample_tea_32(dr.arange(mi.UInt32, width), dr.opaque(mi.UInt32, seed))
     up = mi.Normal3f(0.0, 0.0, 1.0)
-    coins = mi.Float(np.asarray(coin, np.float32))
-    event = scatter(InterfaceHit(towards, up, up, mi.Float(eta), mi.Float(alpha), coins, seeds))
+    # Plain numbers would be compiled into the kernel, as the alignment of NumPy's memory is: each case would have a
+    # kernel of its own. What is computed has neither.
+    index, rough = dr.opaque(mi.Float, eta, width), dr.opaque(mi.Float, alpha, width)
+    coins = mi.Float(np.asarray(coin, np.float32)) + dr.opaque(mi.Float, 0.0)
+    dr.eval(towards, coins)
+    event = scatter(InterfaceHit(towards, up, up, index, rough, coins, seeds))
     dr.eval(event)
     count = dr.width(event.direction)
     transmitted = np.broadcast_to(np.array(event.transmitted), count)
