@@ -42,7 +42,9 @@ def bundle(origins: np.ndarray, directions: np.ndarray) -> mi.Ray3f:
     directions = np.atleast_2d(np.asarray(directions, np.float64))
     directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     origins = np.broadcast_to(np.asarray(origins, np.float64), directions.shape)
-    return mi.Ray3f(mi.Point3f(vectors(origins)), vectors(directions))
+    rays = mi.Ray3f(mi.Point3f(vectors(origins)), vectors(directions))
+    dr.make_opaque(rays)  # how NumPy's memory is read is no part of the kernels that follow
+    return rays
 
 
 def rows(value: mi.Vector3f) -> np.ndarray:
