@@ -77,7 +77,7 @@ def _render(folder: Path) -> None:
         "vessels: {chord_error: 1.0e-4}\n"
         f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 128, height: 96, views: 5}\n"
-        "picture: {spp: 1, denoise: no, layers: 0, refraction: no, light: path}\n"
+        "picture: {spp: 4, layers: 0, refraction: no, light: path}\n"
     )
     for scene in (0, 1):
         arguments = ["--seed", "3", "--scene", str(scene), "--out", str(folder / "data"), "--config", str(config)]
