@@ -24,7 +24,7 @@ def lit(backend, drawn):
     """Two glasses with their light stored, and rays of a small camera."""
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, for_cache=True)
-    stored = fill_cache(kernel, cache_points_of(kernel), 4, 1)  # noise changes no bit's equality
+    stored = fill_cache(kernel, cache_points_of(kernel), 4, 1, photons=1 << 14)  # noise changes no bit's equality
     bright = emission_map(scene)
     return kernel, cached_shader(kernel, stored, bright), bright
 
