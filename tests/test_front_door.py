@@ -21,14 +21,24 @@ from glassware.procedural.scene.validate import check_scene
 
 #: Small enough for a test.
 SMALL = {"cameras": {"views": 2, "width": 48, "height": 36}, "picture": {"spp": 2}}
+#: Few objects.
+FEW = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
 #: Longest that a child process may take [s].
 PATIENCE = 120
 
 
 @pytest.fixture(scope="module")
-def scene():
-    few = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
-    return gw.draw(seed=7, **few, **SMALL)
+def settings(tmp_path_factory):
+    """Settings of a scene under a small map: a room takes longer to draw than all else."""
+    folder = tmp_path_factory.mktemp("hdri")
+    pixels = np.random.default_rng(1).uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
+    assert cv2.imwrite(str(folder / "plain.hdr"), pixels)
+    return FEW | SMALL | {"environment": {"hdri_dir": folder, "hdri_share": 1.0}}
+
+
+@pytest.fixture(scope="module")
+def scene(settings):
+    return gw.draw(seed=7, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +119,8 @@ def test_a_stored_scene_renders_the_same_bits_with_the_irradiance_cache_too(tmp_
 
 def test_a_renderer_keeps_its_variant_whatever_is_active(scene, renderer):
     before = renderer.frame(0)
-    spectral = scene.model_copy(update={"picture": scene.picture.model_copy(update={"spectral": True})})
+    bare = {"spectral": True, "layers": 0, "refraction": False}  # fewer kernels
+    spectral = scene.model_copy(update={"picture": scene.picture.model_copy(update=bare)})
     other = gw.Renderer(spectral)
     assert other.variant == "llvm_ad_spectral"
     assert np.isfinite(other.frame(0).left).all()
@@ -250,9 +261,8 @@ def test_a_wrong_argument_is_one_clear_line(scene, renderer, call, line):
     assert len(str(error.value)) < 200
 
 
-def test_a_number_of_numpy_is_a_seed(scene):
-    few = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
-    assert scene_digest(gw.draw(np.int64(7), np.uint8(0), **few, **SMALL)) == scene_digest(scene)
+def test_a_number_of_numpy_is_a_seed(scene, settings):
+    assert scene_digest(gw.draw(np.int64(7), np.uint8(0), **settings)) == scene_digest(scene)
 
 
 def test_a_changed_copy_that_cannot_exist_is_refused(scene):
@@ -330,7 +340,7 @@ def test_a_missing_data_set_is_one_clear_line(tmp_path):
 
 def test_scene_frame_and_data_set_show_themselves_in_a_notebook(scene, renderer, tmp_path):
     shown = scene._repr_html_()
-    assert repr(scene) == "Scene(seed 7/0: 1 vessel, 1 prop, room, 2 cameras 48x36)"
+    assert repr(scene) == "Scene(seed 7/0: 1 vessel, 1 prop, map, 2 cameras 48x36)"
     assert shown.startswith(f"<p>{scene!r}</p><svg ")
     assert shown.count("<polygon ") == 3  # the table and both objects
     assert all(f"<td>{item.name}</td>" in shown for item in scene.objects)

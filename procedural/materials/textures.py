@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,6 +38,10 @@ CHIP_TONE = (0.75, 1.2)
 THREAD_TONE = (0.85, 1.1)
 
 
+#: Patterns that are remembered [1]: those of a scene's table and props. A pattern of 512 x 512 texels has 3 MB.
+_REMEMBERED = 8
+
+
 @dataclass(frozen=True)
 class _Chips:
     """One size of the stone chips in terrazzo."""
@@ -64,7 +69,8 @@ def bake(texture: Texture) -> np.ndarray:
     Returns
     -------
     (h, w, 3) float32
-        Reflectance in [0, 1], linear Rec.709.
+        Reflectance in [0, 1], linear Rec.709. That of a pattern is read-only, because the last ones are remembered (a
+        scene is often loaded again with another camera or light).
 
     Raises
     ------
@@ -75,16 +81,19 @@ def bake(texture: Texture) -> np.ndarray:
         case UniformTexture():
             return np.array(texture.colour, np.float32).reshape(1, 1, 3)
         case ProceduralTexture():
-            return _procedural(texture)
+            return _procedural(texture)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
         case PictureTexture():
             return np.ascontiguousarray(read_picture(checked_path(texture.asset))[::-1])
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def _procedural(texture: ProceduralTexture) -> np.ndarray:
     u, v = tile_grid(texture.resolution)
     rng = np.random.Generator(np.random.PCG64(texture.seed))
     picture = PATTERNS[texture.kind](u, v, np.array(texture.colours), rng)
-    return np.clip(picture, 0.0, 1.0).astype(np.float32)
+    pixels = np.clip(picture, 0.0, 1.0).astype(np.float32)
+    pixels.setflags(write=False)
+    return pixels
 
 
 def ramp(t: np.ndarray, colours: np.ndarray) -> np.ndarray:

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-import pyoidn
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
@@ -90,6 +89,8 @@ def denoised_grid(moments: np.ndarray, noise: np.ndarray, caustics: np.ndarray, 
 def _filtered(image: np.ndarray, directional: bool) -> np.ndarray:
     image = np.ascontiguousarray(image, np.float32)
     result = np.zeros_like(image)
+    import pyoidn
+
     images = {pyoidn.OIDN_IMAGE_COLOR: image, pyoidn.OIDN_IMAGE_OUTPUT: result}
     run_filter("RTLightmap", images, directional=directional)
     return result

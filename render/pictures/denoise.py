@@ -1,12 +1,18 @@
-"""Denoising with Open Image Denoise, and the blend that keeps what has less noise than the denoiser has bias."""
+"""Denoising with Open Image Denoise, and the blend that keeps what has less noise than the denoiser has bias.
+
+`pyoidn` is imported where it is used: it imports torch where that is installed, which takes seconds.
+"""
 
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-import pyoidn
+
+if TYPE_CHECKING:
+    import pyoidn
 
 #: Standard deviation of the window in which noise and the denoiser's changes are compared [px], and its half-width.
 _BLEND_SIGMA, _BLEND_REACH = 2.5, 7
@@ -37,6 +43,8 @@ def denoise(colour: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.nd
     (H, W, 3) float32
         Linear radiance, >= 0.
     """
+    import pyoidn
+
     images = {
         pyoidn.OIDN_IMAGE_COLOR: colour,
         pyoidn.OIDN_IMAGE_ALBEDO: albedo,
@@ -94,6 +102,8 @@ def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
     RuntimeError
         If the filter reports an error.
     """
+    import pyoidn
+
     # (Not in a `with` block: the context manager of pyoidn 2.5 returns itself on leaving, which silences all errors.)
     task = pyoidn.Filter(device(), kind)
     try:
@@ -112,6 +122,8 @@ def run_filter(kind: str, images: dict[str, np.ndarray], **flags: bool) -> None:
 @cache
 def device() -> pyoidn.Device:
     """Return the device that filters run on."""
+    import pyoidn
+
     # The CPU device even on machines with a GPU: pictures are then the same on all machines.
     device = pyoidn.Device(pyoidn.OIDN_DEVICE_TYPE_CPU)
     device.commit()

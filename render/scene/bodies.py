@@ -87,7 +87,7 @@ def opaque_bsdf(material: OpaqueMaterial) -> dict:
     """
     colour = {
         "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(bake(material.base_colour), dtype=np.float32)),
+        "bitmap": mi.Bitmap(np.array(bake(material.base_colour), np.float32)),  # a copy: no read-only arrays
         "raw": False,  # reflectance, for spectral variants too; a float bitmap counts as linear
         "filter_type": "bilinear",
         "wrap_mode": "repeat",

@@ -42,7 +42,9 @@ def bundle(origins: np.ndarray, directions: np.ndarray) -> mi.Ray3f:
     directions = np.atleast_2d(np.asarray(directions, np.float64))
     directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     origins = np.broadcast_to(np.asarray(origins, np.float64), directions.shape)
-    return mi.Ray3f(mi.Point3f(vectors(origins)), vectors(directions))
+    rays = mi.Ray3f(mi.Point3f(vectors(origins)), vectors(directions))
+    dr.make_opaque(rays)  # how NumPy's memory is read is no part of the kernels that follow
+    return rays
 
 
 def rows(value: mi.Vector3f) -> np.ndarray:
@@ -102,10 +104,14 @@ def scattered(wi: np.ndarray, eta: float, alpha: float, coin: np.ndarray, seed: 
     """
     towards = vectors(wi)
     width = max(len(np.atleast_2d(wi)), len(np.atleast_1d(coin)))
-    seeds, _ = mi.sample_tea_32(dr.arange(mi.UInt32, width), mi.UInt32(seed))
+    seeds, _ = mi.sample_tea_32(dr.arange(mi.UInt32, width), dr.opaque(mi.UInt32, seed))
     up = mi.Normal3f(0.0, 0.0, 1.0)
-    coins = mi.Float(np.asarray(coin, np.float32))
-    event = scatter(InterfaceHit(towards, up, up, mi.Float(eta), mi.Float(alpha), coins, seeds))
+    # Plain numbers would be compiled into the kernel, as the alignment of NumPy's memory is: each case would have a
+    # kernel of its own. What is computed has neither.
+    index, rough = dr.opaque(mi.Float, eta, width), dr.opaque(mi.Float, alpha, width)
+    coins = mi.Float(np.asarray(coin, np.float32)) + dr.opaque(mi.Float, 0.0)
+    dr.eval(towards, coins)
+    event = scatter(InterfaceHit(towards, up, up, index, rough, coins, seeds))
     dr.eval(event)
     count = dr.width(event.direction)
     transmitted = np.broadcast_to(np.array(event.transmitted), count)

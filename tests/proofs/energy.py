@@ -37,33 +37,29 @@ def beer_lambert(paths: int, lengths: tuple[float, ...] = (0.01, 0.02, 0.05)) ->
     lengths : tuple of float
         Thicknesses [m].
     """
+    return [check for length in lengths for check in _dimmed_by(length, paths)]
+
+
+def _dimmed_by(length: float, paths: int) -> list[Check]:
     ink = Medium(name="ink", eta=_WATER.eta, sigma_a=_SIGMA)
-    checks = []
-    for length in lengths:
-        kernel = loaded(interface(box((0, -0.2, -0.2), (length, 0.2, 0.2)), ink))
-        dimmed = np.exp(-np.array(_SIGMA) * length)
-        R = reflectance(np.zeros(1), ink.eta)[0]
-        direct = rows(refracted_rays(kernel, np.array([-0.1, 0.01, 0.02]), np.array([[1.0, 0.0, 0.0]])).transmittance)[
-            0
-        ]
-        # The length is off by two start offsets and rounding.
-        off = np.array(_SIGMA) * 2.0 * kernel.offset + 2 * ROUNDINGS * EPS
-        name = f"Beer-Lambert: {length * 100:g} cm"
-        basis = "float32, start offset"
-        law = (1.0 - R) ** 2 * dimmed
-        checks.append(worst(name, law, direct, 100.0 * off, basis, relative=True, bound=ABSORPTION_BOUND))
-        # Stokes 1862, "On the intensity of the light reflected from or transmitted through a pile of plates".
-        through = (1.0 - R) ** 2 * dimmed / (1.0 - (R * dimmed) ** 2)
-        mirrored = R * (1.0 + dimmed * through)
-        origins = np.broadcast_to([-0.1, 0.01, 0.02], (paths, 3))
-        radiance = traced(kernel, origins, np.broadcast_to([1.0, 0.0, 0.0], (paths, 3))).radiance
-        checks += [
-            mean_check(
-                f"{name}, path tracer, {colour}", (through + mirrored)[i], radiance[:, i], off[i], ABSORPTION_BOUND
-            )
-            for i, colour in enumerate(("red", "green", "blue"))
-        ]
-    return checks
+    kernel = loaded(interface(box((0, -0.2, -0.2), (length, 0.2, 0.2)), ink))
+    dimmed = np.exp(-np.array(_SIGMA) * length)
+    R = reflectance(np.zeros(1), ink.eta)[0]
+    direct = rows(refracted_rays(kernel, np.array([-0.1, 0.01, 0.02]), np.array([[1.0, 0.0, 0.0]])).transmittance)[0]
+    # The length is off by two start offsets and rounding.
+    off = np.array(_SIGMA) * 2.0 * kernel.offset + 2 * ROUNDINGS * EPS
+    name = f"Beer-Lambert: {length * 100:g} cm"
+    law = (1.0 - R) ** 2 * dimmed
+    straight = worst(name, law, direct, 100.0 * off, "float32, start offset", relative=True, bound=ABSORPTION_BOUND)
+    # Stokes 1862, "On the intensity of the light reflected from or transmitted through a pile of plates".
+    through = (1.0 - R) ** 2 * dimmed / (1.0 - (R * dimmed) ** 2)
+    mirrored = R * (1.0 + dimmed * through)
+    origins = np.broadcast_to([-0.1, 0.01, 0.02], (paths, 3))
+    radiance = traced(kernel, origins, np.broadcast_to([1.0, 0.0, 0.0], (paths, 3))).radiance
+    return [straight] + [
+        mean_check(f"{name}, path tracer, {colour}", (through + mirrored)[i], radiance[:, i], off[i], ABSORPTION_BOUND)
+        for i, colour in enumerate(("red", "green", "blue"))
+    ]
 
 
 def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> list[Check]:
@@ -82,15 +78,15 @@ def furnace(paths: int, alphas: tuple[float, ...] = (0.0, 0.05, 0.2, 0.5)) -> li
     outer, inner = shell(0.05, 0.046)
     checks = []
     for alpha in alphas:
-        empty = loaded(interface(both(outer, inner), _GLASS, roughness=alpha), **_TO_THE_END)
-        filled = loaded(
+        empty = [interface(both(outer, inner), _GLASS, roughness=alpha)]
+        filled = [
             interface(outer, _GLASS, roughness=alpha),
             interface(inner, _GLASS, _WATER, roughness=alpha, part="wet_wall"),
-            **_TO_THE_END,
-        )
+        ]
         what = f"rough {alpha:g}" if alpha > 0.0 else "smooth"
-        for state, kernel in (("empty", empty), ("filled", filled)):
-            checks.append(_white(f"White furnace: {what} glass, {state}", kernel, paths))
+        for state, surfaces in (("empty", empty), ("filled", filled)):
+            # Loaded for the call alone: kernels are compiled anew where another scene is in memory.
+            checks.append(_white(f"White furnace: {what} glass, {state}", loaded(*surfaces, **_TO_THE_END), paths))
     return checks
 
 

@@ -33,16 +33,17 @@ WALLS = {
 
 def walls(theta: np.ndarray) -> list[Check]:
     """Send straight rays through walls with parallel faces at angles [rad] to the normal."""
-    checks = []
-    for name, layers in WALLS.items():
-        kernel = _wall(layers)
-        directions = np.stack([np.cos(theta), np.sin(theta), np.zeros_like(theta)], axis=1)
-        found = _straight(kernel, -0.05 * directions, directions)
-        expected, slack = _through_layers(theta, layers, kernel.offset)
-        title = f"Straight transmittance, {name}, 0-{np.degrees(theta.max()):.0f} deg"
-        limit, basis = 100.0 * slack, "float32, start offset"
-        checks.append(worst(title, expected, found, limit, basis, relative=True, bound=BOUND))
-    return checks
+    return [_wall_check(theta, name) for name in WALLS]
+
+
+def _wall_check(theta: np.ndarray, name: str) -> Check:
+    layers = WALLS[name]
+    kernel = _wall(layers)
+    directions = np.stack([np.cos(theta), np.sin(theta), np.zeros_like(theta)], axis=1)
+    found = _straight(kernel, -0.05 * directions, directions)
+    expected, slack = _through_layers(theta, layers, kernel.offset)
+    title = f"Straight transmittance, {name}, 0-{np.degrees(theta.max()):.0f} deg"
+    return worst(title, expected, found, 100.0 * slack, "float32, start offset", relative=True, bound=BOUND)
 
 
 def absorbing_ball(subdivisions: int = 6) -> list[Check]:

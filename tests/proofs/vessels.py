@@ -92,9 +92,8 @@ def default_furnace(paths: int, roughness: float) -> list[Check]:
     checks = []
     for filled in (False, True):
         scene = _clear(alone(drawn(filled)), roughness)
-        kernel = loaded_scene(scene)
         eye, directions = _towards(scene, paths)
-        found = traced(kernel, eye, directions)
+        found = traced(loaded_scene(scene), eye, directions)
         what = f"rough {roughness:g}" if roughness else "smooth"
         name = f"White furnace: drawn vessel, {what}, {'filled' if filled else 'empty'}, default settings"
         rounding = ROUNDINGS * EPS * found.segments.mean()

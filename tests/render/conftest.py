@@ -69,9 +69,9 @@ def glasses(drawn) -> Scene:
     return drawn(5, vessel_count=(4, 4), prop_count=(1, 1))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def loaded_glasses(backend, glasses):
-    """The same, loaded."""
+    """The same, loaded for one test: where another scene is in memory, kernels are compiled anew for the next."""
     return load(glasses)
 
 

@@ -56,8 +56,9 @@ def _probes(item, rng: np.random.Generator) -> np.ndarray:
 
 
 def _deepest(points: np.ndarray, hull: ConvexHull) -> float:
-    """How far the deepest of the points lies inside a convex hull [m]; negative outside."""
-    return float(-(points @ hull.equations[:, :3].T + hull.equations[:, 3]).max(1).min())
+    """How far the deepest of the points lies inside a convex hull [m]; 0 or less outside."""
+    near = points[((points > hull.min_bound) & (points < hull.max_bound)).all(1)]  # no other can be inside
+    return float(-(near @ hull.equations[:, :3].T + hull.equations[:, 3]).max(1).min(initial=0.0))
 
 
 def _check_bodies(scene: Scene) -> None:

@@ -27,7 +27,7 @@ def _at(x: float) -> Mesh:
     return bodies.box_mesh((0.05, 0.08, 0.06), "block", (0.0, x, 0.03))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def cache(blocks):
     return scene_cache.fill_scene_cache(blocks)
 

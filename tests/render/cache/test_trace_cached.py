@@ -24,7 +24,7 @@ def lit(backend, drawn):
     """Two glasses with their light stored, and rays of a small camera."""
     scene = drawn(31, vessel_count=(2, 2), prop_count=(1, 1), cameras={"views": 1, "width": 24, "height": 16})
     kernel = load(scene, for_cache=True)
-    stored = fill_cache(kernel, cache_points_of(kernel), 4, 1)  # noise changes no bit's equality
+    stored = fill_cache(kernel, cache_points_of(kernel), 4, 1, photons=1 << 14)  # noise changes no bit's equality
     bright = emission_map(scene)
     return kernel, cached_shader(kernel, stored, bright), bright
 
@@ -40,11 +40,15 @@ def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     return np.array(found.radiance), np.array(found.violations), np.array(found.segments)
 
 
+@pytest.fixture(scope="module")
+def usual(lit) -> tuple[np.ndarray, ...]:
+    return _followed(lit)
+
+
 @pytest.mark.parametrize("surfaces", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 13, 1024))])
-def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfaces) -> None:
+def test_gathering_the_rays_that_are_left_changes_no_bit(lit, usual, monkeypatch, surfaces) -> None:
     from glassware.render.cache import trace_cached
 
-    usual = _followed(lit)
     assert usual[2].max() > trace_cached.FIRST_PASS_SURFACES, "no path is long enough to be gathered"
     monkeypatch.setattr(trace_cached, "FIRST_PASS_SURFACES", surfaces)
     for one, other in zip(usual, _followed(lit), strict=True):
@@ -52,10 +56,9 @@ def test_gathering_the_rays_that_are_left_changes_no_bit(lit, monkeypatch, surfa
 
 
 @pytest.mark.parametrize("few", [20, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 1 << 20))])
-def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, monkeypatch, few) -> None:
+def test_following_the_last_rays_to_their_ends_at_once_changes_no_bit(lit, usual, monkeypatch, few) -> None:
     from glassware.render.cache import trace_cached
 
-    usual = _followed(lit)
     monkeypatch.setattr(trace_cached, "MIN_PATHS_PER_PASS", few)
     for one, other in zip(usual, _followed(lit), strict=True):
         np.testing.assert_array_equal(one, other)

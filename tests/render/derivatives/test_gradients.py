@@ -66,14 +66,20 @@ def bright_spot() -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def rough_drawn(backend, drawn):
-    """Rough and smooth drawn vessels under the sky and a lamp, with default roulette."""
+def rough_scene(drawn):
+    """Rough and smooth drawn vessels under the sky and two lamps, with default roulette."""
     camera = {"views": 1, "width": 32, "height": 24}
     scene = drawn(5, vessels={"fill_probability": 1.0, "chord_error": 2e-4, "rough_probability": 0.5}, cameras=camera)
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
     pose[2, 3] = 1.5
     lamp = AreaLight(world_T_light=pose, size=(0.5, 0.5), radiance=(5.0, 4.0, 3.0))
-    return load(scene.model_copy(update={"lights": (lamp, lamp.model_copy(update={"radiance": (1.0, 1.0, 8.0)}))}))
+    return scene.model_copy(update={"lights": (lamp, lamp.model_copy(update={"radiance": (1.0, 1.0, 8.0)}))})
+
+
+@pytest.fixture
+def rough_drawn(backend, rough_scene):
+    """The same, loaded for one test: where another scene is in memory, kernels are compiled anew for the next."""
+    return load(rough_scene)
 
 
 def _left(kernel, seed: int = 3, spp: int | None = None):
@@ -138,8 +144,8 @@ def test_derivatives_by_absorption_are_the_central_differences(rough_drawn):
     assert seen >= 3  # glass and liquids
 
 
-def test_each_light_s_derivative_is_what_the_picture_gains_with_its_radiance(rough_drawn):
-    scene, before = rough_drawn.description, _left(rough_drawn)
+def test_each_light_s_derivative_is_what_the_picture_gains_with_its_radiance(backend, rough_scene):
+    scene, before = rough_scene, _left(load(rough_scene))
     np.testing.assert_allclose(before.environment + before.lights.sum(0), before.radiance, rtol=1e-5, atol=1e-6)
     brighter = scene.environment.model_copy(update={"strength": 2.0 * scene.environment.strength})
     after = _left(load(scene.model_copy(update={"environment": brighter})))

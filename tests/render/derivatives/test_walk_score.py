@@ -13,6 +13,14 @@ SIGMAS = 4.0
 WALKS = 1 << 19
 
 
+def _number(value: float):
+    """A number that is not compiled into the kernel: all cases then use the same one."""
+    import drjit as dr
+    import mitsuba as mi
+
+    return dr.opaque(mi.Float, value)
+
+
 def _seeds(count: int, first: int = 0):
     import drjit as dr
     import mitsuba as mi
@@ -21,10 +29,11 @@ def _seeds(count: int, first: int = 0):
 
 
 def _arriving(degrees: float):
+    import drjit as dr
     import mitsuba as mi
 
     theta = np.radians(degrees)
-    return mi.Vector3f(float(np.sin(theta)), 0.0, float(np.cos(theta)))
+    return dr.opaque(mi.Vector3f, [float(np.sin(theta)), 0.0, float(np.cos(theta))])
 
 
 def _off(values: np.ndarray, expected: float) -> float:
@@ -33,9 +42,7 @@ def _off(values: np.ndarray, expected: float) -> float:
 
 
 def test_the_replayed_walk_leaves_as_the_walk_does(backend):
-    import mitsuba as mi
-
-    given = _arriving(60.0), mi.Float(0.4), mi.Float(1 / 1.5), _seeds(10_000)
+    given = _arriving(60.0), _number(0.4), _number(1 / 1.5), _seeds(10_000)
     assert np.array_equal(np.array(walk_score(*given)[1]), np.array(walk(*given).direction))
 
 
@@ -61,17 +68,15 @@ def test_facets_seen_from_straight_above_spread_as_the_closed_form_says(backend)
 @pytest.mark.parametrize("eta", [1.5, 1 / 1.5])
 @pytest.mark.parametrize(("alpha", "degrees"), [(0.05, 30.0), (0.3, 0.0), (0.3, 75.0), (0.9, 60.0)])
 def test_scores_have_mean_zero_and_give_the_derivative_of_any_mean(backend, eta, alpha, degrees):
-    import mitsuba as mi
-
-    wi, eta, seeds = _arriving(degrees), mi.Float(eta), _seeds(WALKS, 1)
-    score, direction = (np.array(x, np.float64) for x in walk_score(wi, mi.Float(alpha), eta, seeds))
+    wi, eta, seeds = _arriving(degrees), _number(eta), _seeds(WALKS, 1)
+    score, direction = (np.array(x, np.float64) for x in walk_score(wi, _number(alpha), eta, seeds))
     assert np.isfinite(score).all()
     assert _off(score, 0.0) < SIGMAS
 
     # A step of 4 % leaves some 0.03 % of the derivative out, less than the noise.
     h = 0.04 * alpha
     for seen in (lambda d: d[2] > 0.0, lambda d: d[0], lambda d: d[2] ** 2):
-        up, down = (np.array(walk(wi, mi.Float(alpha + s), eta, seeds).direction, np.float64) for s in (h, -h))
+        up, down = (np.array(walk(wi, _number(alpha + s), eta, seeds).direction, np.float64) for s in (h, -h))
         difference = (seen(up) * 1.0 - seen(down)) / (2 * h)
         value = seen(direction) * 1.0
         assert _off((value - value.mean()) * score - difference, 0.0) < SIGMAS

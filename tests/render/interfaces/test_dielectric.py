@@ -27,19 +27,27 @@ def scatter(backend):
 
     def run(wi, eta, coin, alpha=0.0, n=(0, 0, 1), ns=None):
         count = len(wi)
-        vector = lambda v, kind: kind(*(np.ascontiguousarray(c, np.float32) for c in np.broadcast_to(v, (count, 3)).T))  # noqa: E731
-        coins = mi.Float(np.broadcast_to(np.asarray(coin, np.float32), count).copy())
-        shading = vector(n if ns is None else ns, mi.Normal3f)
+
+        # Plain numbers would be compiled into the kernel, as the alignment of NumPy's memory is: each case would have
+        # a kernel of its own. What is computed has neither.
+        def numbers(values):
+            return mi.Float(np.broadcast_to(np.asarray(values, np.float32), count).copy()) + dr.opaque(mi.Float, 0.0)
+
+        def vector(rows, kind):
+            return kind(*map(numbers, np.broadcast_to(rows, (count, 3)).T))
+
         hit = InterfaceHit(
             vector(wi, mi.Vector3f),
             vector(n, mi.Normal3f),
-            shading,
-            dr.full(mi.Float, eta, count),
-            dr.full(mi.Float, alpha, count),
-            coins,
+            vector(n if ns is None else ns, mi.Normal3f),
+            numbers(eta),
+            numbers(alpha),
+            numbers(coin),
             mi.sample_tea_32(dr.arange(mi.UInt32, count), 1)[0],
         )
+        dr.eval(hit)
         found = event(hit)
+        dr.eval(found)
         names = ("weight", "transmitted", "eta_squared")
         return np.array(found.direction).T.astype(float), *(np.array(getattr(found, name)) for name in names)
 
@@ -146,12 +154,14 @@ def test_a_nearly_smooth_rough_interface_is_the_smooth_one(scatter):
 @pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
 def test_facets_are_drawn_by_how_much_of_them_is_seen(backend, rng, alpha, angle):
     """Chi-square against D_v(m) = G1(w) max(0, w.m) D(m) / w.z (Heitz 2014, eq. 16), integrated over cells."""
+    import drjit as dr
     import mitsuba as mi
 
     count, cells, fine = 40_000, (6, 8), 24
     w = np.array([np.sin(np.deg2rad(angle)), 0.0, np.cos(np.deg2rad(angle))])
-    numbers = mi.Point2f(*rng.uniform(size=(2, count)).astype(np.float32))
-    m = np.array(visible_facet(mi.Vector3f(*w.tolist()), mi.Float(alpha), numbers)).T.astype(float)
+    numbers = mi.Point2f(rng.uniform(size=(2, count)).astype(np.float32))
+    towards, rough = dr.opaque(mi.Vector3f, w.tolist()), dr.opaque(mi.Float, alpha)
+    m = np.array(visible_facet(towards, rough, numbers)).T.astype(float)
     # Cells of equal size in (tan^2 / (alpha^2 + tan^2), azimuth), where D cos is uniform.
     tan2 = (m[:, 0] ** 2 + m[:, 1] ** 2) / m[:, 2] ** 2
     u, phi = tan2 / (alpha**2 + tan2), np.arctan2(m[:, 1], m[:, 0]) % (2.0 * np.pi)
@@ -179,9 +189,11 @@ def test_walks_leave_alike_whoever_draws_their_first_facet(backend, rng, alpha):
     count = 40_000
     seeds = mi.sample_tea_32(dr.arange(mi.UInt32, count), 3)[0]
     others = mi.sample_tea_32(dr.arange(mi.UInt32, count), 4)[0]
-    wi, numbers = mi.Vector3f(0.6, 0.0, 0.8), mi.Point3f(*rng.uniform(size=(3, count)).astype(np.float32))
-    own = walk(wi, mi.Float(alpha), mi.Float(1.5), seeds)
-    given = walk(wi, mi.Float(alpha), mi.Float(1.5), others, numbers)
+    wi, numbers = mi.Vector3f(0.6, 0.0, 0.8), mi.Point3f(rng.uniform(size=(3, count)).astype(np.float32))
+    rough = dr.opaque(mi.Float, alpha)
+    own = walk(wi, rough, mi.Float(1.5), seeds)
+    given = walk(wi, rough, mi.Float(1.5), others, numbers)
+    dr.eval(own, given)
     assert np.isclose(*(np.array(x.transmitted).mean() for x in (own, given)), atol=4.0 * 0.5 / np.sqrt(count / 2))
     for axis in range(3):
         pair = (np.array(x.direction[axis]) for x in (own, given))

@@ -62,9 +62,19 @@ def amplitudes(theta: np.ndarray, eta: float | np.ndarray) -> tuple[np.ndarray, 
 
 
 def vector(values):
+    """A vector that is not compiled into the kernel: its other values then use the same one."""
+    import drjit as dr
     import mitsuba as mi
 
-    return mi.Vector3f(*map(float, values))
+    return dr.opaque(mi.Vector3f, [float(value) for value in values])
+
+
+def number(value: float):
+    """A number of the same kind."""
+    import drjit as dr
+    import mitsuba as mi
+
+    return dr.opaque(mi.Float, float(value))
 
 
 def event(theta: float, eta: float, coin: float, analyser=(1.0, 0.0, 0.0, 0.0), spin: float = 0.0):
@@ -81,10 +91,8 @@ def event(theta: float, eta: float, coin: float, analyser=(1.0, 0.0, 0.0, 0.0), 
     up = mi.Normal3f(0.0, 0.0, 1.0)
     basis = mi.mueller.stokes_basis
     row = mi.mueller.rotate_stokes_basis(wi, basis(wi), across) @ mi.Matrix4f(1.0)
-    turned = mi.Vector4f(*(sum(mi.Float(analyser[k]) * row[k, column] for k in range(4)) for column in range(4)))
-    made = scatter_polarised(
-        InterfaceHit(wi, up, up, mi.Float(eta), mi.Float(0.0), mi.Float(coin), mi.UInt32(1)), turned
-    )
+    turned = mi.Vector4f(*(sum(number(analyser[k]) * row[k, column] for k in range(4)) for column in range(4)))
+    made = scatter_polarised(InterfaceHit(wi, up, up, number(eta), number(0.0), number(coin), mi.UInt32(1)), turned)
     light = -made.direction
     matrix = mi.mueller.rotate_mueller_basis(made.weight, light, basis(light), across, wi, basis(wi), across)
     dr.eval(matrix, made)

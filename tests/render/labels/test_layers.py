@@ -21,9 +21,9 @@ LAYERS = 16
 
 
 @pytest.fixture(scope="module")
-def traced(loaded_glasses):
-    camera = loaded_glasses.description.cameras[0]
-    return loaded_glasses.description, camera, *trace_straight(loaded_glasses, camera, LAYERS)
+def traced(backend, glasses):
+    camera = glasses.cameras[0]
+    return glasses, camera, *trace_straight(load(glasses), camera, LAYERS)
 
 
 def test_the_first_layer_is_the_first_surface(traced):

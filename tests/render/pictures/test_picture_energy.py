@@ -22,7 +22,10 @@ def _inner(mask: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("light", ["path", "shared"])
-def test_pixels_that_see_the_surroundings_are_not_changed_by_filters(backend, optical_bench, light) -> None:
+def test_pixels_that_see_the_surroundings_are_not_changed_by_filters(
+    backend, optical_bench, monkeypatch, light
+) -> None:
+    monkeypatch.setattr(optical_bench, "BOARD", (0.6, 0.6, 0.02))  # what is stored grows with the board
     ball = optical_bench.ball(0.05, 4, (0.0, 0.0, 0.06))
     camera = optical_bench.camera((0.5, 0.0, 0.15), (0.0, 0.0, 0.1))
     scene = optical_bench.scene(ball, optical_bench.medium(1.5), camera)

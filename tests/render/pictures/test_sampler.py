@@ -16,12 +16,15 @@ SIGMAS = 4.0
 @pytest.fixture
 def points(backend):
     """(pixels, indices, count, seed, set) -> the four coordinates, (n, 4)."""
+    import drjit as dr
     import mitsuba as mi
 
     def draw(pixel, index, count, seed=1, number=0):
         index = np.asarray(index, np.uint32)
         pixel = np.broadcast_to(np.asarray(pixel, np.uint32), index.shape).copy()
-        columns = sample_4d(sobol_sampler(mi.UInt32(pixel), mi.UInt32(index), count, seed), mi.UInt32(number))
+        columns = sample_4d(
+            sobol_sampler(mi.UInt32(pixel), mi.UInt32(index), count, seed), dr.opaque(mi.UInt32, number)
+        )
         return np.stack([np.array(column, np.float64) for column in columns], axis=1)
 
     return draw
