@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from ...core.randomness import stream
@@ -30,6 +31,8 @@ BOUND, STANDARD_ERRORS = 0.02, 3.0
 _PIXELS = (128, 512, 2048)
 #: Samples of each pixel by both methods, and views that pixels are taken from at most.
 _SAMPLES, _VIEWS = 64, 4
+#: Standard deviation of the window in which light is averaged to tell parts of an object [px].
+_WINDOW = 3.0
 #: Regions of fewer pixels in these views are left out: nobody sees them.
 _MIN_PIXELS = 24
 #: Irradiance over the table's median from which its points are caustics, and below which they are shadows [1].
@@ -87,7 +90,7 @@ def regions_of(loaded: LoadedScene, cache: IrradianceCache) -> list[Region]:
     ids = [trace_geometry(loaded, scene.cameras[view]).id.ravel() for view in views]
     view = np.concatenate([np.full(len(one), number) for number, one in zip(views, ids, strict=True)])
     pixel = np.concatenate([np.arange(len(one)) for one in ids])
-    light, seen = _irradiance(loaded, cache, views), np.concatenate(ids)
+    light, seen = _smoothed(_irradiance(loaded, cache, views), ids, scene, views), np.concatenate(ids)
     regions = []
     for item_id, parts in _parts(scene, seen, light):
         for part, chosen in parts:
@@ -110,6 +113,29 @@ def _parts(scene: Scene, seen: np.ndarray, light: np.ndarray) -> list[tuple[int,
             lit = light[pixels] > np.median(light[pixels])
             result.append((item.id, [("lit", pixels[lit]), ("shaded", pixels[~lit])]))
     return result
+
+
+def _smoothed(light: np.ndarray, ids: list[np.ndarray], scene: Scene, views: np.ndarray) -> np.ndarray:
+    """Return the light of pixels averaged over a window, object by object.
+
+    Parts that are chosen by their light must not be chosen by its noise: the brighter half of an evenly lit plate would
+    be the one whose noise is positive.
+    """
+    result, first = light.copy(), 0
+    for view, seen in zip(views, ids, strict=True):
+        shape = scene.cameras[view].height, scene.cameras[view].width
+        image, id_image = light[first : first + seen.size].reshape(shape), seen.reshape(shape)
+        for one in np.unique(seen):
+            inside = id_image == one
+            result[first : first + seen.size][inside.ravel()] = _window_mean(image, inside)[inside]
+        first += seen.size
+    return result
+
+
+def _window_mean(image: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    weight = inside.astype(np.float64)
+    total, count = (cv2.GaussianBlur(x, (0, 0), _WINDOW) for x in (image * weight, weight))
+    return np.divide(total, count, out=np.zeros_like(total), where=count > 0.0)
 
 
 def _irradiance(loaded: LoadedScene, cache: IrradianceCache, views: np.ndarray) -> np.ndarray:
