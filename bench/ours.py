@@ -70,10 +70,15 @@ def render(ours: Ours, spp: int, seed: int, denoise: bool = True, tracer: Tracer
     return Picture(noisy.radiance, clean, end - start, end - traced)
 
 
-def our_reference(ours: Ours, folder: Path, spp: int, lambertian: bool = False) -> Reference:
+def our_reference(
+    ours: Ours, folder: Path, spp: int, lambertian: bool = False, tracer: Tracer = PATH_TRACER
+) -> Reference:
     """Return the converged picture of a loaded scene; passes that the folder holds are not rendered again."""
-    path = folder / f"ours-{'plain-' if lambertian else ''}{digest(ours.loaded.description)}.npz"
-    return reference(path, spp, lambda seed: render(ours, PASS_SPP, seed, denoise=False).noisy * ours.exposure)
+    kind = "plain-" if lambertian else "" if tracer is PATH_TRACER else "photons-"
+    path = folder / f"ours-{kind}{digest(ours.loaded.description)}.npz"
+    return reference(
+        path, spp, lambda seed: render(ours, PASS_SPP, seed, denoise=False, tracer=tracer).noisy * ours.exposure
+    )
 
 
 def _make_lambertian(loaded: LoadedScene) -> None:
