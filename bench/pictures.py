@@ -4,7 +4,8 @@
     python bench/pictures.py --seeds 101 --preset standard --assets ../shared/assets
 
 Each seed is drawn with a preset, as `render-scene` does, and one of its views is rendered as the scene says. The
-reference is path traced, in passes that are kept in a folder. Regions are the table, its caustics, every prop and every
+reference is path traced, in passes that are kept in a folder. Paths do not find caustics of the sun: under an open sky
+the reference reads them from a photon map of its own, with eight times the photons and without a filter. Regions are the table, its caustics, every prop and every
 vessel, by the geometry's ids, less the pixels at their outlines. Of each the table shows the ratio of its light to the
 reference's, with its standard error.
 
@@ -34,7 +35,13 @@ from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
 from glassware.procedural.description.scene import TABLE_ID, GlassBody, Scene
 from glassware.procedural.surroundings.colour import luminance
-from glassware.render.cache.scene_cache import make_tracer, uses_cache
+from glassware.procedural.surroundings.environments import bake_environment
+from glassware.procedural.surroundings.file_light import is_outdoors
+from glassware.render.cache.cache_points import cache_points_of
+from glassware.render.cache.irradiance_cache import IrradianceCache
+from glassware.render.cache.photon_map import photon_moments
+from glassware.render.cache.scene_cache import make_tracer, photon_count, uses_cache
+from glassware.render.cache.stored_caustics import path_tracer_with_caustics
 from glassware.render.frame import LightCheck
 from glassware.render.labels.geometry import trace_geometry
 from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, denoise_image, trace_picture
@@ -49,6 +56,8 @@ STANDARD_ERRORS = 3.0
 BLOCK, CAUSTIC = 8, 1.4
 #: Regions of fewer pixels are left out.
 MIN_PIXELS = 60
+#: Photons of the reference over those of a picture [1].
+_REFERENCE_PHOTONS = 8
 #: Worst blocks that are written enlarged, and the factor.
 _WORST, _ENLARGED, _AROUND = 6, 6, 16
 
@@ -144,11 +153,23 @@ def _made(seed: int, options: Options) -> _Made:
     clean = denoise_image(image)
     seconds = process_time() - start
     one = scene.model_copy(update={"cameras": (camera,)})
-    plain = Ours(load(one), 0.0, 0.0)
-    kept = our_reference(plain, options.cache, options.reference_spp)
+    kept = _reference(one, options)
     ids = trace_geometry(loaded, camera).id
     albedo = image.guides.albedo
     return _Made(seed, scene, ids, image, clean, check, camera.exposure, kept, albedo, light_seconds, seconds)
+
+
+def _reference(scene: Scene, options: Options) -> Reference:
+    """Return the converged picture of a scene of one camera."""
+    pixels = bake_environment(scene.environment)
+    if not is_outdoors(scene.environment, pixels):
+        return our_reference(Ours(load(scene), 0.0, 0.0), options.cache, options.reference_spp)
+    loaded = load(scene, for_cache=True)
+    points = cache_points_of(loaded)
+    caustics = np.mean(photon_moments(loaded, points, _REFERENCE_PHOTONS * photon_count(scene, points), 1), axis=0)
+    cache = IrradianceCache(points, np.zeros_like(caustics), np.zeros(points.count), caustics=caustics)
+    tracer = path_tracer_with_caustics(loaded, cache)
+    return our_reference(Ours(loaded, 0.0, 0.0), options.cache, options.reference_spp, tracer=tracer)
 
 
 def regions(scene: Scene, ids: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:

@@ -11,7 +11,7 @@ from .._mitsuba import mi
 from ..frame import LightCheck, SurfaceLight
 from ..pictures.picture import Tracer
 from ..scene.loaded_scene import LoadedScene
-from .cache_points import cache_points_of
+from .cache_points import CachePoints, cache_points_of
 from .fill_cache import fill_cache
 from .irradiance_cache import IrradianceCache
 from .light_check import BOUND, check_regions, is_within, regions_of
@@ -103,9 +103,14 @@ def fill_scene_cache(loaded: LoadedScene) -> IrradianceCache:
     """Fill the irradiance cache of a scene: paths in proportion to its camera samples, photons to its glass."""
     scene, points = loaded.description, cache_points_of(loaded)
     paths = int(np.clip(_PATH_FRACTION * _camera_samples(scene) / points.count, _FEWEST_PATHS, _MOST_PATHS))
+    seed = stream_seed(scene.seed, scene.scene_id, "render/light")
+    return fill_cache(loaded, points, paths, seed, photon_count(scene, points))
+
+
+def photon_count(scene: Scene, points: CachePoints) -> int:
+    """Return the number of photons of a scene."""
     cells = targets_of(scene).area / points.fine**2
-    photons = int(np.clip(_PHOTONS_PER_CELL * cells, _FEWEST_PHOTONS, _MOST_PHOTONS))
-    return fill_cache(loaded, points, paths, stream_seed(scene.seed, scene.scene_id, "render/light"), photons)
+    return int(np.clip(_PHOTONS_PER_CELL * cells, _FEWEST_PHOTONS, _MOST_PHOTONS))
 
 
 def surface_light(loaded: LoadedScene, cache: IrradianceCache) -> SurfaceLight:
