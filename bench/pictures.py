@@ -5,9 +5,9 @@
 
 Each seed is drawn with a preset, as `render-scene` does, and one of its views is rendered as the scene says. The
 reference is path traced, in passes that are kept in a folder. Paths do not find caustics of the sun: under an open sky
-the reference reads them from a photon map of its own, with eight times the photons and without a filter. Regions are the table, its caustics, every prop and every
-vessel, by the geometry's ids, less the pixels at their outlines. Of each the table shows the ratio of its light to the
-reference's, with its standard error.
+the reference reads them from a photon map of its own, with eight times the photons and without a filter. Regions are
+the table, its caustics, every prop and every vessel, by the geometry's ids, less the pixels at their outlines. Of each
+the table shows the ratio of its light to the reference's, with its standard error.
 
 Pixels that see the surroundings directly have no noise: there the clean picture must be the noisy one. Caustics are
 blocks of the table whose light over their albedo is far above the table's median in the reference.

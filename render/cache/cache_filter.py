@@ -79,9 +79,9 @@ def denoised_grid(moments: np.ndarray, noise: np.ndarray, caustics: np.ndarray, 
         if not directional:
             variance = np.square(noise[:, first : first + 3]).reshape(*shape, 3)
             filtered = blend(image, variance, filtered)
-            taken = image - filtered
-            filtered += _gaussian(near * taken, _RETURN_SIGMA)
-            filtered = np.maximum(filtered + _box_filtered((1.0 - near) * taken, SPREAD * max(shape)), 0.0)
+            removed = image - filtered
+            filtered += _gaussian(near * removed, _RETURN_SIGMA)
+            filtered = np.maximum(filtered + _box_filtered((1.0 - near) * removed, SPREAD * max(shape)), 0.0)
         result[:, first : first + 3] = filtered.reshape(-1, 3)
     return result
 

@@ -210,9 +210,8 @@ def _through_glass(
     eta_scale, pdf = mi.Float(state.eta_scale), mi.Float(state.pdf)
     u_rescaled, u_interval = mi.Float(state.u_rescaled), mi.Float(state.u_interval)
     medium, depth, violations = (mi.UInt32(x) for x in (state.medium, state.depth, state.violations))
-    delta, active, outside = mi.Bool(state.delta), mi.Bool(state.active), mi.Bool(False)
-    through_glass, any_traced = mi.Bool(state.through_glass), tracing.shader.traced is not None
-    pi = dr.zeros(mi.PreliminaryIntersection3f)
+    delta, active, through_glass = (mi.Bool(x) for x in (state.delta, state.active, state.through_glass))
+    outside, pi, traced = mi.Bool(False), dr.zeros(mi.PreliminaryIntersection3f), mi.Bool(bool(tracing.shader.traced))
 
     while dr.hint(active & (depth < limit), exclude=[table, scene, sampler, emission]):
         pi = scene.ray_intersect_preliminary(ray, depth < _COHERENT_DEPTH, active)
@@ -236,8 +235,7 @@ def _through_glass(
             medium = dr.select(event.transmitted, surface.behind, surface.before)
             u_rescaled, u_interval = rescaled_sample(u_rescaled, u_interval, event.probability, event.transmitted, bits)
             ray, pdf, delta = leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
-            if any_traced:
-                through_glass = mi.Bool(True)
+            through_glass = through_glass | traced
             beta, active = _russian_roulette(beta, eta_scale, depth + 1 >= rr_depth, bits)
         depth += 1
         active &= depth < max_depth

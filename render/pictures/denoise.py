@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Standard deviation of the window in which noise and the denoiser's changes are compared [px], and its half-width.
 _BLEND_SIGMA, _BLEND_REACH = 2.5, 7
+#: Standard deviation of the window in which the mean of glass is kept [px].
+_MEAN_SIGMA = 8.0
 #: Factor on the noise in the weight [1]. The denoised picture keeps a part of the noise, which makes the difference
 #: smaller. Measured on glass of eight pictures at 32 samples (seeds 101, 103, 107): PSNR 0.6 dB higher where the noise
 #: is high than with 1, and 0.1 to 0.5 dB lower where it is low.
@@ -78,6 +80,30 @@ def blend(noisy: np.ndarray, variance: np.ndarray, clean: np.ndarray) -> np.ndar
     difference = _averaged(np.square((clean - noisy) @ _LUMINANCE))
     weight = np.divide(noise, difference, out=np.ones_like(noise), where=difference > noise)
     return noisy + weight[..., None] * (clean - noisy)
+
+
+def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Return a denoised picture with the noisy one's light in wide windows of a region, and so in all of it.
+
+    The denoiser is biased where it has little to go by: it takes up to some per cent of the light off glass. The mean
+    of the noisy picture is right, and over some hundred pixels nearly without noise.
+
+    Parameters
+    ----------
+    noisy, clean : (H, W, 3) float32
+        Both pictures.
+    inside : (H, W) bool
+        The region; other pixels are not changed, and do not count.
+    """
+    weight = np.ascontiguousarray(np.broadcast_to(inside[..., None], clean.shape), np.float32)
+    count = _window(weight)
+    # Divided before it is spread: the sum over the region stays.
+    mean = weight * _window(np.divide(noisy - clean, count, out=np.zeros_like(weight), where=weight > 0.0))
+    return np.maximum(clean + mean, 0.0)
+
+
+def _window(values: np.ndarray) -> np.ndarray:
+    return cv2.GaussianBlur(values, (0, 0), _MEAN_SIGMA, borderType=cv2.BORDER_REFLECT)
 
 
 def _averaged(values: np.ndarray) -> np.ndarray:

@@ -103,12 +103,11 @@ def trace(
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
     # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
-    through_glass, glossy = mi.Bool(False), mi.Color3f(1.0 if origin is None else 0.0)
+    coherent, through_glass, glossy = mi.Bool(origin is None), mi.Bool(False), mi.Color3f(float(origin is None))
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
-    # Only camera rays are coherent: Embree takes three times as long for others that it is told are.
-    coherent = mi.Bool(origin is None)
 
     while dr.hint(active, exclude=[table, scene, sampler, carried]):
+        # (Camera rays alone are coherent: Embree takes three times as long for others that are said to be.)
         pi = scene.ray_intersect_preliminary(ray, coherent & (depth == 0), active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()

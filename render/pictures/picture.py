@@ -14,7 +14,7 @@ from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
-from .denoise import blend, denoise
+from .denoise import blend, denoise, with_mean_of
 from .film import Film
 from .fireflies import PixelGuides, spread_fireflies
 from .guides import Guides, trace_guides
@@ -116,7 +116,7 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     pixels = PixelGuides(guides.albedo, guides.normal, guides.glass)
     radiance, variance = spread_fireflies(image.radiance, image.variance, pixels)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = blend(radiance, variance, clean)
+    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass)
     return np.where(guides.background[..., None], image.radiance, clean)
 
 

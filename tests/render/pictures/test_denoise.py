@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.render.pictures.denoise import blend, denoise
+from glassware.render.pictures.denoise import blend, denoise, with_mean_of
 
 
 def _even(height: int, width: int, value: float) -> np.ndarray:
@@ -45,3 +45,15 @@ def test_noise_that_the_denoiser_removes_goes(rng):
 def test_a_picture_without_known_noise_is_not_changed(rng):
     noisy = rng.uniform(0.0, 1.0, (24, 32, 3)).astype(np.float32)
     np.testing.assert_array_equal(blend(noisy, np.zeros_like(noisy), _even(24, 32, 0.5)), noisy)
+
+
+def test_a_region_keeps_the_mean_of_the_noisy_picture(rng) -> None:
+    inside = np.zeros((64, 64), bool)
+    inside[16:48, 16:48] = True
+    noisy = np.where(inside[..., None], rng.gamma(4.0, 0.25, (64, 64, 3)), 0.5).astype(np.float32)
+    clean = np.where(inside[..., None], _even(64, 64, 0.9), 0.45).astype(np.float32)  # too dark
+    found = with_mean_of(noisy, clean, inside)
+    assert found[inside].sum(0) == pytest.approx(noisy[inside].sum(0), rel=1e-5)
+    # Gamma of shape 4 has a deviation of a half; a window averages some hundred pixels.
+    assert found[inside].std() < 0.05
+    np.testing.assert_array_equal(found[~inside], clean[~inside])
