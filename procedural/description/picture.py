@@ -29,7 +29,7 @@ class Picture(Model):
     light: Literal["auto", "path", "shared"] = Field(
         default="auto",
         description="Path tracing for every picture (path), an irradiance cache filled once per scene (shared), or "
-        "whichever takes less time (auto)",
+        "whichever suits the number of samples and the light (auto)",
     )
     keep_light: bool = Field(
         default=False, description="Whether to write the irradiance cache with the scene; implies `shared` light"

@@ -7,6 +7,8 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.randomness import stream_seed
 from ...procedural.description.scene import TABLE_ID, Scene
+from ...procedural.surroundings.environments import bake_environment
+from ...procedural.surroundings.file_light import is_outdoors
 from .._mitsuba import mi
 from ..frame import LightCheck, SurfaceLight
 from ..pictures.picture import Tracer
@@ -22,6 +24,8 @@ from .trace_cached import cached_tracer
 #: Camera samples of a whole scene above which the cache is used by default. Below, filling it costs more time than it
 #: saves (docs/performance.md).
 CACHE_THRESHOLD = 1e7
+#: The same under an open sky, where path tracing misses the caustics of the sun: about one picture of 320x240 pixels.
+OUTDOOR_THRESHOLD = 1e6
 #: Paths that fill the cache, as a fraction of the camera samples; and the fewest and most per cache point on average.
 _PATH_FRACTION, _FEWEST_PATHS, _MOST_PATHS = 0.1, 6, 40
 #: Photons per fine cell of the grid, of the area that the glass takes light from; and the fewest and most of a scene.
@@ -44,7 +48,13 @@ def uses_cache(scene: Scene) -> bool:
     required = scene.picture.light == "shared" or scene.picture.keep_light
     if required and not rgb:
         raise InputError("picture.light", "path, or an RGB variant such as llvm_ad_rgb", f"shared in {mi.variant()}")
-    return rgb and (required or _camera_samples(scene) >= CACHE_THRESHOLD)
+    return rgb and (required or _camera_samples(scene) >= _threshold(scene))
+
+
+def _threshold(scene: Scene) -> float:
+    environment = scene.environment
+    outdoors = bool(scene.vessels) and is_outdoors(environment, bake_environment(environment))
+    return OUTDOOR_THRESHOLD if outdoors else CACHE_THRESHOLD
 
 
 def _camera_samples(scene: Scene) -> float:
