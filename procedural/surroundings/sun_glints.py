@@ -1,8 +1,8 @@
 """The sun as glass mirrors it: a wider disc of the same light, for paths that come from the camera through glass.
 
 A wine glass mirrors the sun as a glint of a tenth of a millimetre, a hundredth of a pixel. One path in a hundred finds
-it, a thousand times too bright, and nothing tells such a firefly from noise. A wider sun makes the glint as large as
-half a pixel: the pixel gets the same light, with little noise (path space regularization: Kaplanyan and Dachsbacher,
+it, a thousand times too bright, and nothing tells such a firefly from noise. A wider sun makes the glint as large as a
+pixel: the pixel gets the same light, with little noise (path space regularization: Kaplanyan and Dachsbacher,
 "Path Space Regularization for Holistic and Robust Light Transport", Computer Graphics Forum 32(2), 2013). What the sun
 lights, and the sun itself where it is in view, keep its real size.
 """
@@ -20,9 +20,9 @@ from .environments import bake_environment
 from .file_light import is_outdoors, shows_sun
 from .sphere import solid_angles, texel_directions
 
-#: Angular radius of the wide disc over the angle of a pixel [1]: the glint of a curved wall, of a radius of 3 cm at 0.6
-#: m, is then half a pixel in radius. And its largest value [rad], 2 degrees.
-_RADIUS_OVER_PIXEL, _MAX_RADIUS = 10.0, math.radians(2.0)
+#: Angular radius of the wide disc over the angle of a pixel [1]: a wall curved to a radius of 3 cm, 0.6 m away, mirrors
+#: it as a spot of one pixel in diameter. And its largest value [rad], 4 degrees.
+_RADIUS_OVER_PIXEL, _MAX_RADIUS = 20.0, math.radians(4.0)
 # The sun of a map: what is brighter, within this angle of its brightest texel, than the mean of the ring around it, as
 # wide again [rad]. Suns of maps from files are blurred over a degree or two.
 _CORE = math.radians(2.5)
