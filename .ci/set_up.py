@@ -26,27 +26,26 @@ UNFINISHED = VENV / ".unfinished"
 #: Stamp file of each environment. `make` compares their times with those of pyproject.toml and constraints.txt.
 STAMPS = {"pictures": VENV / ".pictures", "everything": VENV / ".installed"}
 
-#: What each environment holds: requirement, words, size on disk. Measured on Linux x86-64 with Python 3.11.
+#: What each environment holds: requirement and words. Sizes were measured on Linux x86-64 with Python 3.11.
 CONTENTS = {
     "pictures": (
         ".",
-        "what a picture needs: mitsuba, pyoidn, pyarrow, scipy, opencv, numpy; 0.35 GB of downloads, 1 GB",
+        "what pictures need (mitsuba, pyoidn, pyarrow, scipy, opencv, numpy): 0.35 GB of downloads, 1.0 GB on disk",
     ),
     "everything": (
         ".[dev]",
-        "and for networks, clusters and tests: torch, ray, colour-science, matplotlib, pyright, ruff, pytest; 0.4 GB of "
-        "downloads, 1.5 GB more",
+        "what pictures, networks (torch), clusters (ray) and tests need: 0.75 GB of downloads, 2.5 GB on disk in all",
     ),
 }
-#: What torch brings beside itself where its build is one for CUDA.
-CUDA_SIZE = "CUDA libraries: 3 GB of downloads, 5 GB more on disk"
+#: What a build of torch for CUDA makes of it.
+CUDA_SIZE = "CUDA's libraries: 6 GB on disk in all"
 #: Packages that a build of torch for CUDA requires.
 CUDA = re.compile(r"^(nvidia-|cuda-|triton)", re.MULTILINE)
 #: A package on its way, as pip prints it: its file and its size.
 FETCHED = re.compile(
     r"\s+(?:Downloading|Using cached) ([^\s/]+?)-(\d[^-\s]*)[^\s]*\.(?:whl|tar\.gz) \(([\d.]+) ([kMG])B\)"
 )
-#: Names in `SIZES` are those of pip's output [MB].
+#: Units of such a size [MB].
 SIZES = {"k": 1e-3, "M": 1.0, "G": 1e3}
 #: Smallest package that gets a line of its own [MB].
 SMALLEST = 1.0
