@@ -34,9 +34,12 @@ from ..settings.config import FLAT, parse_request
 from ..settings.scene_ranges import format_scenes, parse_scenes, shard
 from .progress import BuildProgress
 
-_DESCRIPTION = """Build a data set of many scenes. Run the same command again to resume a build that was stopped.
+_DESCRIPTION = """Build a data set of many labelled scenes. The same command again resumes a build that was stopped.
 
-Settings are those of render-scene: a preset, then a YAML file, then the command line."""
+  build-dataset --scenes 0:20 --seed 1 --workers 2 --out data
+  build-dataset --scenes 0:2000 --seed 1 --preset standard --config mine.yaml --shard 1/4 --out part-1
+
+Settings are those of render-scene: a preset, then a YAML file (--config), then these options."""
 
 
 #: As in CUDA_VISIBLE_DEVICES: a number, or the UUID of a GPU or of a MIG instance.

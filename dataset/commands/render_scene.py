@@ -28,10 +28,12 @@ from ..settings.config import FLAT, parse_request
 from ..writer import finish_dataset, start_dataset
 from .progress import Stages, light_line
 
-_DESCRIPTION = """Render one labelled scene of glass on a table.
+_DESCRIPTION = """Render one labelled scene of glass on a table: pictures, depth, masks, poses, and a contact sheet.
 
-Every setting has a dotted name; --views, --spp, --noise, --width, --height and --hdri-dir are short for longer ones.
-A preset (fast, standard, syn-todd) is taken first, then a YAML file, then the command line."""
+  render-scene --seed 7 --out out
+  render-scene --preset standard --seed 8 --out out-8 --views 3 --hdri-dir hdri
+
+Settings come from a preset (fast, standard, syn-todd), then a YAML file (--config), then these options."""
 
 
 class RenderScene(Model):

@@ -18,10 +18,13 @@ from ...dataset.settings.config import parse_request
 from ..evaluation.predict import predict
 from ..networks.build import select_device
 
-_DESCRIPTION = """Predict objects and depth: glassware predict CKPT IMAGE IMAGE ...
+_DESCRIPTION = """Find glass in pictures of your own: category, box, mask and pose of each object, and depth.
 
-The images are two or more views of one scene; boxes, masks and depth are those of the first. The camera of a.png is in
-a.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder."""
+  glassware predict out-train/best.safetensors left.png right.png --out out-predict
+
+IMAGES are two or more views of one scene; what is predicted is that of the first. The camera of left.png is in
+left.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder. OUT gets prediction.json (the
+objects, with masks as run lengths), prediction.png (what was found, drawn), and depth.exr [m]."""
 
 
 class Predict(Model):
