@@ -63,7 +63,7 @@ def common_sections(every: Sequence[Section], prog: str) -> list[Section]:
 def _page(
     shown: Sequence[Section], every: Sequence[Section], prog: str, description: str, short: bool
 ) -> list[RenderableType]:
-    lines: list[RenderableType] = [Text(description.strip())]
+    lines: list[RenderableType] = [Text(_flowing(description))]
     for section in shown:
         lines += [Text(), Text(_title(section, shown), style="bold"), _table(section.options, short)]
     count = sum(len(section.options) for section in every)
@@ -71,6 +71,15 @@ def _page(
     rest += [("--help", "this page" if not short else "these options"), ("--version", "the version")]
     lines += [Text(), Text("help", style="bold"), _rows(rest)]
     return lines
+
+
+def _flowing(text: str) -> str:
+    """Return a text whose paragraphs are one line each; indented lines are examples and stay."""
+    lines: list[str] = []
+    for line in text.strip().splitlines():
+        goes_on = lines and lines[-1] and line and not line.startswith(" ") and not lines[-1].startswith(" ")
+        lines[-1:] = [f"{lines[-1]} {line}"] if goes_on else [*lines[-1:], line]
+    return "\n".join(lines)
 
 
 def _title(section: Section, shown: Sequence[Section]) -> str:

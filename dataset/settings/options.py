@@ -145,8 +145,9 @@ def default_text(value: object, description: str = "") -> str:
         return "yes" if value else "no"
     numbers = value if isinstance(value, tuple | list) else (value,)
     text = " ".join(map(_plain, numbers))
-    if "[rad]" in description and all(isinstance(one, int | float) for one in numbers):
-        return f"{text} rad, {' '.join(f'{math.degrees(one):.4g}' for one in numbers)} degrees"
+    angles = [math.degrees(one) for one in numbers if isinstance(one, int | float)]
+    if "[rad]" in description and len(angles) == len(numbers):
+        return f"{text} rad, {' '.join(f'{one:.4g}' for one in angles)} degrees"
     return text
 
 

@@ -46,6 +46,10 @@ class Evaluate(Model):
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
 
 
+#: For the completion of shells.
+REQUEST = Evaluate
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)

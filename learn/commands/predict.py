@@ -18,7 +18,7 @@ from ...dataset.settings.config import parse_request
 from ..evaluation.predict import predict
 from ..networks.build import select_device
 
-_DESCRIPTION = """Find glass in pictures of your own: category, box, mask and pose of each object, and depth.
+_DESCRIPTION = """Find objects in pictures of your own, glass included: box, mask and pose of each, and depth.
 
   glassware predict out-train/best.safetensors left.png right.png --out out-predict
 
@@ -38,6 +38,10 @@ class Predict(Model):
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
     threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
+
+
+#: For the completion of shells.
+REQUEST = Predict
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

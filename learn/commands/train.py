@@ -36,6 +36,10 @@ class Train(TrainSettings):
     config: UserPath | None = Field(default=None, description="YAML file of settings")
 
 
+#: For the completion of shells.
+REQUEST = Train
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
