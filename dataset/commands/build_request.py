@@ -10,7 +10,8 @@ from pydantic import Field
 from ...core.model import Model
 from ...core.user_text import UserPath, UserText
 from ...procedural.scene.settings import SceneSettings
-from ..settings.options import FLAT
+from ..format.file_kinds import ALL, KINDS, NONE, FileKinds, costs
+from ..settings.options import FLAT, Words
 
 #: As in CUDA_VISIBLE_DEVICES: a number, or the UUID of a GPU or of a MIG instance.
 Device = Annotated[str, Field(pattern="^([0-9]+|(GPU|MIG)-[0-9A-Za-z/-]+)$")]
@@ -26,6 +27,8 @@ class BuildDataset(Model):
     name: UserText = Field(default="glassware", description="Name of the data set")
     preset: str = Field(default="fast", description="Settings to start from: fast, standard or syn-todd")
     config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
+    write: Annotated[FileKinds, Words(*KINDS, ALL, NONE)] = Field(default=(), description=costs())
+    yes: bool = Field(default=False, description="Build even where the disk is likely to fill up, without asking")
     workers: int = Field(default=1, ge=1, le=1024, description="Worker processes on this machine")
     threads: int | None = Field(
         default=None, ge=1, le=1024, description="Threads of each worker; by default the cores divided by the workers"

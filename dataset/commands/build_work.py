@@ -61,6 +61,7 @@ def build(request: BuildDataset, arguments: Sequence[str]) -> None:
             root=root,
             seed=request.seed,
             settings=request.settings,
+            files=request.write,
             manifest=manifest,
             threads=request.threads or max(1, _cores() // request.workers),
             memory=request.memory,
@@ -103,7 +104,7 @@ def _assets(root: Path, settings: SceneSettings, overwrite: bool) -> tuple[Asset
 
 def _head(request: BuildDataset, manifest: Manifest, info: WorkerInfo) -> DatasetFile:
     config = request.settings.model_dump(mode="json")
-    head = new_head(request.name, request.seed, config, info.versions, info.backend)
+    head = new_head(request.name, request.seed, config, info.versions, info.backend, files=request.write)
     return head.model_copy(update={"hashes": head.hashes | {"assets": digest_of(manifest.model_dump(mode="json"))}})
 
 

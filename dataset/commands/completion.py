@@ -91,7 +91,7 @@ def _spellings(option: Option) -> Iterator[str]:
 
 def _commands() -> dict[str, list[str]]:
     """Return the option words of each command of `glassware`; those of other packages have only the common ones."""
-    others = {entry.name: list(_COMMON) for entry in entry_points(group="glassware.commands")}
+    others: dict[str, list[str]] = {entry.name: [*_COMMON] for entry in entry_points(group="glassware.commands")}
     for entry in entry_points(group="glassware.commands"):
         try:
             request = getattr(import_module(entry.module), "REQUEST", None)

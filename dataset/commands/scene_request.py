@@ -10,7 +10,8 @@ from pydantic import Field
 from ...core.model import Model
 from ...core.user_text import UserPath, UserText
 from ...procedural.scene.settings import SceneSettings
-from ..settings.options import FLAT
+from ..format.file_kinds import ALL, KINDS, NONE, FileKinds, costs
+from ..settings.options import FLAT, Words
 
 
 class RenderScene(Model):
@@ -23,4 +24,5 @@ class RenderScene(Model):
     name: UserText = Field(default="glassware", description="Name of the data set")
     preset: str = Field(default="fast", description="Settings to start from: fast, standard or syn-todd")
     config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
+    write: Annotated[FileKinds, Words(*KINDS, ALL, NONE)] = Field(default=(), description=costs())
     verbose: bool = Field(default=False, description="Print the time of each stage, and the check of the light")

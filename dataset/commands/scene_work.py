@@ -32,7 +32,9 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     settings, stopwatch = request.settings, progress.stopwatch
     with stopwatch.stage("backend"):
         backend = activate(spectral=settings.picture.spectral)
-    head = new_head(request.name, request.seed, settings.model_dump(mode="json"), installed_versions(), backend)
+    head = new_head(
+        request.name, request.seed, settings.model_dump(mode="json"), installed_versions(), backend, files=request.write
+    )
     check_output(request.out, head, [request.scene])
     with stopwatch.stage("inputs"):
         check_inputs(settings)
@@ -47,7 +49,7 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     _say_light(renderer.light_check, request.verbose, progress)
     progress.begin_views(len(scene.cameras))
     shown = chosen_views(len(scene.cameras))
-    written = write_scene(request.out, renderer, stopwatch, progress.advance, shown)
+    written = write_scene(request.out, renderer, stopwatch, progress.advance, shown, request.write)
     progress.step("writing the index and the contact sheet")
     with stopwatch.stage("preview"):
         finish_dataset(request.out, head)

@@ -21,10 +21,13 @@ _SCENE: tuple[CommonSection, ...] = (
 
 #: By the name of the command.
 COMMON: dict[str, tuple[CommonSection, ...]] = {
-    "render-scene": (("scene", ("--seed", "--scene", "--preset", "--config", "--out")), *_SCENE),
+    "render-scene": (
+        ("scene", ("--seed", "--scene", "--preset", "--config", "--out", "--write", "--verbose")),
+        *_SCENE,
+    ),
     "build-dataset": (
-        ("scenes", ("--scenes", "--seed", "--preset", "--config", "--out")),
-        ("work", ("--workers", "--shard", "--overwrite", "--retry-failed")),
+        ("scenes", ("--scenes", "--seed", "--preset", "--config", "--out", "--write")),
+        ("work", ("--workers", "--shard", "--overwrite", "--retry-failed", "--yes")),
         *_SCENE,
     ),
     "glassware train": (

@@ -19,7 +19,7 @@ from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
 from .help_page import asks_for_help, print_help
 from .options import FLAT as FLAT
-from .options import SHORT, flat_groups, option_names
+from .options import LISTS, SHORT, flat_groups, option_names
 from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
@@ -158,7 +158,16 @@ def _check_not_empty(arguments: Sequence[str]) -> None:
 def _with_full_names(arguments: Sequence[str]) -> list[str]:
     """Return the arguments with the full names of short options."""
     parts = [argument.partition("=") for argument in arguments]
-    return [SHORT.get(name, name) + equals + value for name, equals, value in parts]
+    full = [SHORT.get(name, name) + equals + value for name, equals, value in parts]
+    return [word for before, one in zip(["", *full], full, strict=False) for word in _listed(before, one)]
+
+
+def _listed(before: str, argument: str) -> list[str]:
+    """Return the values of an option that takes a list with commas, as arguments of their own."""
+    name, equals, value = argument.partition("=")
+    if equals and name in LISTS:
+        return [name, *value.split(",")]
+    return argument.split(",") if before in LISTS and not argument.startswith("--") else [argument]
 
 
 def _argument_error(

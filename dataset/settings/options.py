@@ -25,8 +25,17 @@ SHORT = {
     "--noise": "--picture.noise",
     "--hdri-dir": "--environment.hdri-dir",
 }
+#: Options whose values may be separated by commas.
+LISTS = ("--write",)
 #: What stands for a value of a type in help texts.
 _FORMS = {int: "INT", float: "FLOAT", str: "TEXT", Path: "PATH"}
+
+
+class Words:
+    """Annotates a field of texts with the words that it takes, for help and completion."""
+
+    def __init__(self, *words: str) -> None:
+        self.words = words
 
 
 @dataclass(frozen=True)
@@ -109,12 +118,13 @@ def _default(field: FieldInfo, default: BaseModel | None, name: str) -> object:
 def _option(name: str, field: FieldInfo, value: object) -> Option:
     positional = tyro.conf.Positional in field.metadata
     kind, description = field.annotation, field.description or ""
+    words = next((item.words for item in field.metadata if isinstance(item, Words)), ())
     return Option(
         name=name.upper() if positional else "--" + name.replace("_", "-"),
-        form=form_of(kind),
+        form="{" + ",".join(words) + "}" if words else form_of(kind),
         default="" if positional or field.is_required() else default_text(value, description),
         description=description,
-        choices=_choices(kind),
+        choices=words or _choices(kind),
         switch=kind is bool,
     )
 
