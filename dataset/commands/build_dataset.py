@@ -5,8 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from rich.console import Console
+
+from ...core.errors import InputError
 from ...core.exit_codes import run_command
+from ...core.user_text import counted
 from ..settings.config import parse_request
+from ..settings.scene_ranges import parse_scenes, shard
 from .build_request import BuildDataset
 
 _DESCRIPTION = """Build a data set of many labelled scenes. The same command again resumes a build that was stopped.
@@ -25,10 +30,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _build_dataset(arguments: Sequence[str]) -> None:
     request = parse_request(BuildDataset, arguments, "build-dataset", _DESCRIPTION)
+    scenes, cameras = _requested_scenes(request), request.settings.cameras
+    console = Console()
+    each = f"{counted(cameras.views, 'stereo view')} of {cameras.width}x{cameras.height} px each"
+    line = f"{request.out}: {counted(len(scenes), 'scene')} of seed {request.seed}, {each}"
+    console.print(line, markup=False, highlight=False, soft_wrap=True)
     # Loaded here: it takes longer than the user should wait for the first line.
     from .build_work import build
 
-    build(request, arguments)
+    build(request, scenes, console, arguments)
+
+
+def _requested_scenes(request: BuildDataset) -> list[int]:
+    if request.overwrite and request.retry_failed:
+        raise InputError(
+            "--retry-failed", "it without --overwrite, which deletes scenes that would not be rendered again", "both"
+        )
+    scenes = parse_scenes(request.scenes)
+    if not scenes:
+        raise InputError("--scenes", "scenes such as 0:2000", "none")
+    return scenes if request.shard is None else shard(scenes, request.shard)
 
 
 if __name__ == "__main__":

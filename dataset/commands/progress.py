@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -23,8 +23,6 @@ STEPS = {
     "loading": "compiling and loading the scene",
     "light": "light: filling the irradiance cache and checking it",
 }
-#: Units of files.
-_MEGABYTE = 1e6
 
 
 class SceneProgress:
@@ -138,12 +136,6 @@ def clock(seconds: float) -> str:
     return f"{whole // 60}:{whole % 60:02d} min" if whole < 6000 else f"{whole // 3600}:{whole % 3600 // 60:02d} h"
 
 
-def sized(count: float) -> str:
-    """Return a number of bytes in words: ``2.3 MB`` or ``1.2 GB``."""
-    megabytes = count / _MEGABYTE
-    return f"{megabytes / 1e3:.2f} GB" if megabytes >= 1000 else f"{megabytes:.3g} MB"
-
-
 def light_line(check: LightCheck) -> str:
     """Return a line about the irradiance cache of a scene and its check against path tracing."""
     largest = max((abs(region.difference) for region in check.regions), default=0.0)
@@ -172,8 +164,11 @@ def failed_lines(check: LightCheck) -> list[str]:
 class BuildProgress:
     """The progress of a build: scenes and views done, failures, and the time that is left."""
 
-    def __init__(self, console: Console, total: int, views: int) -> None:
+    def __init__(
+        self, console: Console, total: int, views: int, on_first: Callable[[Attempt], None] | None = None
+    ) -> None:
         self._console, self._total, self._all_views = console, total, total * views
+        self._on_first = on_first  #: called with the first attempt that made a scene
         self._start = perf_counter()
         self._views = self._scenes = self._failures = 0
         self._bar: Progress | None = None
@@ -212,6 +207,19 @@ class BuildProgress:
             self.say(f"scene {attempt.scene} failed{'' if final else ', trying again'}: {attempt.reason}")
         elif self._bar is None:
             self.say(f"scene {attempt.scene} in {attempt.total:.1f} s: {self._text()}, {self._left() or 'done'}")
+        if attempt.state == "made" and self._on_first is not None and self._total > 1:
+            call, self._on_first = self._on_first, None
+            call(attempt)
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Leave the terminal alone inside the block, so that a question can be asked."""
+        if self._bar is None:
+            yield
+            return
+        self._bar.stop()
+        yield
+        self._bar.start()
 
     def say(self, line: str) -> None:
         """Print a line that stays."""

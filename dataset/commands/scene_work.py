@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from ...core.user_text import counted
+from ...core.user_text import counted, sized
 from ...procedural.scene.asset_files import check_inputs
 from ...procedural.scene.draw import draw_scene
 from ...render.backend.variant import activate
 from ...render.frame import LightCheck
 from ...render.renderer import Renderer
+from ..builds.space import folder_size
 from ..format import layout
 from ..format.dataset_file import installed_versions, new_head, read_head
 from ..format.pictures import write_png
@@ -17,7 +16,7 @@ from ..output_checks import check_output
 from ..pipeline import write_scene
 from ..preview.contact_sheet import chosen_views, contact_sheet
 from ..writer import finish_dataset, start_dataset
-from .progress import SceneProgress, clock, failed_lines, light_line, sized
+from .progress import SceneProgress, clock, failed_lines, light_line
 from .scene_request import RenderScene
 
 
@@ -68,13 +67,8 @@ def _made(request: RenderScene, progress: SceneProgress) -> str:
     """Return what was made, where, how large, and what to do next."""
     cameras, out = request.settings.cameras, request.out
     views = counted(cameras.views, "stereo view")
-    size = sized(size_of(layout.scene_folder(out, request.scene)))
+    size = sized(folder_size(layout.scene_folder(out, request.scene)))
     return (
         f"{out}: scene {request.scene} of seed {request.seed}, {views} of {cameras.width}x{cameras.height} px, {size}, "
         f"after {clock(progress.seconds)}. Look at {out / layout.PREVIEW} (glassware show {out})"
     )
-
-
-def size_of(folder: Path) -> int:
-    """Return what the files of a folder take [bytes]."""
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())

@@ -48,6 +48,8 @@ def parse_kinds(value: object) -> tuple[str, ...]:
     if list(words) in ([ALL], [NONE]):
         return KINDS if words[0] == ALL else ()
     for word in words:
+        if word in (ALL, NONE):
+            raise ValueError(f"expected {word} by itself, found {','.join(words)}")
         if word not in KINDS:
             raise ValueError(f"expected {_expected()}{suggest(word, [*KINDS, ALL, NONE])}, found {shortened(word)}")
     return tuple(kind for kind in KINDS if kind in words)
@@ -67,7 +69,7 @@ def costs() -> str:
     each = ", ".join(f"{kind} {KIND_BYTES[kind] * _SHOWN_PIXELS / 1e6:.1f}" for kind in KINDS)
     return (
         "Files of each view beside pictures, depth, normals, ids, camera and labels, which take "
-        f"{VIEW_BYTES * _SHOWN_PIXELS / 1e6:.1f} MB a pair of 640x480 px; more [MB]: {each}; or all, or none"
+        f"{VIEW_BYTES * _SHOWN_PIXELS / 1e6:.1f} MB a pair of 640x480 px; more [MB]: {each}; or all; none by default"
     )
 
 
