@@ -68,6 +68,7 @@ class SceneProgress:
         check_stop()
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], description=text, total=None)
+            self._bar.refresh()  # at once: the step may keep the interpreter busy
         else:
             self.say(f"{self.seconds:6.1f} s  {text}")
 
