@@ -59,7 +59,7 @@ class SceneProgress:
             TimeElapsedColumn(),
         )
         with Progress(*columns, console=self._console, transient=True) as self._bar:
-            self._bar.add_task("", total=None, left="")
+            self._bar.add_task("starting", total=None, left="")
             yield
         self._bar = None
 
