@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from glassware.dataset.commands.build_dataset import BuildDataset
-from glassware.dataset.commands.render_scene import RenderScene
+from glassware.dataset.commands.build_request import BuildDataset
+from glassware.dataset.commands.scene_request import RenderScene
 from glassware.dataset.settings.config import preset, preset_names
 from glassware.learn.training.settings import TrainSettings
 from glassware.procedural.scene.settings import SceneSettings

@@ -62,6 +62,7 @@ NOT_RUN = {
     "apt-get ": "needs root, and changes the machine",
     "make ": "sets up an environment; the commands behind its targets are run here and by .ci/run",
     "pip ": "downloads packages",
+    "glassware completion ": "changes the files of a shell; its output is tested in test_help_page",
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
@@ -182,9 +183,9 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def out(inputs: Path, backend: str) -> Path:
-    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it."""
+    """A small data set of one scene, as `render-scene --seed 7 --out out --write all` makes it."""
     with contextlib.chdir(inputs):
-        assert run(smaller(["render-scene", "--seed", "7", "--out", "out"])) == (0, "")
+        assert run(smaller(["render-scene", "--seed", "7", "--out", "out", "--write", "all"])) == (0, "")
     return inputs / "out"
 
 
@@ -192,7 +193,7 @@ def out(inputs: Path, backend: str) -> Path:
 def out_shared(inputs: Path, backend: str) -> Path:
     """The same with an irradiance cache."""
     with contextlib.chdir(inputs):
-        words = ["render-scene", "--seed", "7", "--out", "out-shared", "--picture.light", "shared"]
+        words = ["render-scene", "--seed", "7", "--out", "out-shared", "--picture.light", "shared", "--write", "all"]
         assert run(smaller(words)) == (0, "")
     return inputs / "out-shared"
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from pydantic import Field
-from scipy.spatial import ConvexHull
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
@@ -39,6 +38,8 @@ class PlacementSettings(Model):
 
 def footprint(mesh: Mesh, pose: np.ndarray) -> np.ndarray:
     """Return the convex outline seen from above, (k, 2) float64, counter-clockwise [m]."""
+    from scipy.spatial import ConvexHull  # here, as it takes a third of a second to load
+
     points = mesh.vertices.astype(np.float64) @ pose[:2, :3].T + pose[:2, 3]
     return points[ConvexHull(points).vertices]
 
