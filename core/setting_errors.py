@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
-from math import degrees
 from reprlib import Repr
 from typing import Any
 
@@ -30,9 +29,6 @@ _PLAIN = {
     "string_pattern_mismatch": "a text of the right form",
 }
 
-#: Where pydantic's errors of a limit have it, by their types.
-_LIMITS = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}
-
 
 def setting_error(
     where: object,
@@ -40,7 +36,6 @@ def setting_error(
     model: type[BaseModel] | None = None,
     group: Sequence[str] = (),
     noun: str = "settings",
-    request: type[BaseModel] | None = None,
 ) -> InputError:
     """Return the first fault of a validation as one line.
 
@@ -56,8 +51,6 @@ def setting_error(
         Names of the fields that hold the validated model, outermost first.
     noun : str
         What the fields are.
-    request : type, optional
-        The model of the whole request, which knows the units of angles; by default `model`.
     """
     first = error.errors(include_url=False)[0]
     loc = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
@@ -68,8 +61,6 @@ def setting_error(
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
     place = [*group, *loc, *([inner] if inner else [])]
-    if _is_angle(request or model, place):
-        expected, found = _with_degrees(first, expected, found)
     return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
 
 
@@ -145,27 +136,6 @@ def _suggestion(model: type[BaseModel] | None, place: Sequence[str]) -> str:
     if close and not any(name.rpartition(".")[2] == last for name in known):
         return f" (is it {'.'.join([*place[:-1], close[0]])}?)"
     return suggest_setting(".".join(place), known)
-
-
-def _is_angle(model: type[BaseModel] | None, place: Sequence[str]) -> bool:
-    """Tell whether a setting is in radians, by its description; settings inside a group without a name count too."""
-    if model is None or not place:
-        return False
-    field = model.model_fields.get(place[0])
-    if field is None:
-        inner = [kind for one in model.model_fields.values() if (kind := _model_of(one)) is not None]
-        return any(_is_angle(kind, place) for kind in inner if place[0] in kind.model_fields)
-    kind = _model_of(field)
-    return _is_angle(kind, place[1:]) if kind else "[rad]" in (field.description or "")
-
-
-def _with_degrees(first: Any, expected: str, found: str) -> tuple[str, str]:
-    """Return what was expected and found of an angle, with its unit and in degrees."""
-    limit = first.get("ctx", {}).get(_LIMITS.get(first["type"], ""))
-    if not isinstance(limit, int | float):
-        return expected, found
-    words = expected.rpartition(" ")[0]
-    return f"{words} {limit:.6g} rad ({degrees(limit):.4g} degrees)", f"{found} rad"
 
 
 def _is_pair(model: type[BaseModel] | None, place: Sequence[str]) -> bool:

@@ -92,7 +92,7 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
     except ValidationError as error:  # of a `FLAT` group: the parser passes these on
-        raise setting_error(prog, error, request=model) from error
+        raise setting_error(prog, error) from error
 
 
 def _layers(model: type[T], arguments: Sequence[str]) -> T:
@@ -223,8 +223,7 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
     if error is None:
         return InputError(prog, "valid settings", message)
     flat = flat_groups(model)
-    names = [part for part in group.split(".") if part and part not in flat]
-    return setting_error(prog, error, group=names, request=model)
+    return setting_error(prog, error, group=[part for part in group.split(".") if part and part not in flat])
 
 
 def _form(argument: Any) -> str:
