@@ -29,15 +29,15 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses"]
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file in one of the asset folders."""
+    """A file in one of the asset folders, or the file of camera poses."""
 
-    folder: Folder
+    folder: Folder = Field(description="The setting that names its folder, or the file itself")
     path: str = Field(description="Below the folder, with forward slashes")
     size: int = Field(ge=0, description="[bytes]")
     sha256: Sha256
@@ -56,8 +56,11 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
         ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
+        ("table.texture_dir", settings.table.texture_dir, PICTURE_SUFFIXES, True),
     )
-    return {
+    poses = settings.cameras.poses
+    single: dict[tuple[Folder, str], Path] = {} if poses is None else {("cameras.poses", poses.name): poses}
+    return single | {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
@@ -122,8 +125,10 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    holder = settings.environment if folder == "hdri_dir" else settings
-    return Path(getattr(holder, folder) or "", name)
+    if folder == "cameras.poses":
+        return (settings.cameras.poses or Path()).with_name(name)
+    places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
+    return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 
 
 class _DigestCache:

@@ -152,10 +152,16 @@ def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) 
     return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
 
 
-def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
-    """Draw the material of a table, with a picture if there are any; `repeats` are per metre."""
+def draw_table_material(
+    rng: np.random.Generator, texture_files: Sequence[Path] = (), side: float | None = None
+) -> OpaqueMaterial:
+    """Draw the material of a table, with a picture if there are any; `repeats` are per metre.
+
+    Where the side of one repeat of the picture is given [m], no other draw changes.
+    """
     if texture_files:
-        return _picture_material(rng, texture_files)
+        drawn = _picture_material(rng, texture_files)
+        return drawn if side is None else drawn.model_copy(update={"repeats": 1.0 / side})
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
 
 

@@ -107,6 +107,8 @@ def _camera(camera: Camera) -> dict:
     middle = ((camera.width - 1) / 2, (camera.height - 1) / 2)
     if camera.centre != middle:
         raise ValueError(f"camera: expected the principal point {middle}, got {camera.centre}")
+    if camera.fy != camera.fx:
+        raise ValueError(f"camera: expected equal focal lengths, got {camera.fx} and {camera.fy}")
     return {
         "width": camera.width,
         "height": camera.height,
