@@ -15,6 +15,8 @@ from ...procedural.surroundings.camera_settings import MOST_VIEWS, CameraSetting
 from ...procedural.surroundings.pose_files import read_poses
 
 _OPTION = "--cameras."
+#: Settings by which a user gives a lens of his own.
+_LENS = ("K", "fx", "focal")
 #: Rows and columns of the settings that are matrices.
 _MATRICES = {"K": (3, 3), "world_T_poses": (4, 4)}
 
@@ -45,9 +47,13 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
     cameras, options = given.get("cameras", {}), _camera_options(arguments)
     if not isinstance(cameras, dict):
         return {}
-    for user in (cameras | options, cameras):
+    lens = {name: value for name, value in options.items() if name in _LENS}
+    named = {name: value for name, value in options.items() if name in ("preset", *lens)}
+    # Options that do not fit together are left for the parser to refuse: the preset's size may show why.
+    for user, left_out in ((cameras | options, {}), (cameras | named, named if lens else {}), (cameras, {})):
         try:
             resolved = _resolved(below.get("cameras", {}), user)
+            resolved = {name: value for name, value in resolved.items() if name not in left_out}
             checked = CameraSettings.model_validate(resolved)
         except ValueError:  # also a pydantic.ValidationError
             continue

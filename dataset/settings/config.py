@@ -248,8 +248,8 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
 
 
 def _form(argument: Any) -> str:
-    """Return the form of an argument's value as the help text has it, such as INT."""
-    return argument.lowered.metavar or "no value"
+    """Return the form of an argument's value as the help text has it, such as INT; without the word for none."""
+    return (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
 
 
 def _place(prog: str, argument: Any) -> str:

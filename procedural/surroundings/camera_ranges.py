@@ -189,7 +189,7 @@ def _no_place(
         return InputError("cameras.look_jitter", "0, as no direction shows an object", degrees(settings.look_jitter))
     nearest = _working_distance(settings, rows, workspace, exposure)
     low, high = settings.distance
-    expected = "another range" if nearest is None else f"up to {nearest:.2f} m or more"
+    expected = "another range" if nearest is None else f"a range from {nearest:.2f} m"
     found = f"{low:g} to {high:g} m, where view {view} has no vessel in both pictures or is inside a body"
     return InputError("cameras.distance", expected, found)
 

@@ -169,8 +169,7 @@ def _matrices(path: Path, name: str, listed: Any) -> list[tuple[str, np.ndarray]
 
 def _listed(path: Path, name: str, value: Any) -> list:
     if not isinstance(value, list):
-        found = "none" if value is None else f"a {type(value).__name__}"
-        raise InputError(f"{path}, {name}", "a list", found)
+        raise InputError(f"{path}, {name}", "a list", "none" if value is None else shortened(value))
     return value
 
 
