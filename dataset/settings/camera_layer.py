@@ -42,7 +42,7 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
     Raises
     ------
     InputError
-        Where the file of poses cannot be used.
+        Where the file of poses cannot be used, or the size of the pictures has not the shape of the preset's.
     """
     cameras, options = given.get("cameras", {}), _camera_options(arguments)
     if not isinstance(cameras, dict):
@@ -51,8 +51,8 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
     named = {name: value for name, value in options.items() if name in ("preset", *lens)}
     # Options that do not fit together are left for the parser to refuse: the preset's size may show why.
     for user, left_out in ((cameras | options, {}), (cameras | named, named if lens else {}), (cameras, {})):
+        resolved = _resolved(below.get("cameras", {}), user)
         try:
-            resolved = _resolved(below.get("cameras", {}), user)
             resolved = {name: value for name, value in resolved.items() if name not in left_out}
             checked = CameraSettings.model_validate(resolved)
         except ValueError:  # also a pydantic.ValidationError
@@ -67,7 +67,12 @@ def _resolved(below: dict[str, Any], user: dict[str, Any]) -> dict[str, Any]:
     if user.get("preset") is None:
         return below | user
     kept = {name: value for name, value in below.items() if name not in PRESET_FIELDS}
-    return kept | with_preset(user)
+    try:
+        return kept | with_preset(user)
+    except ValueError as error:
+        field, _, text = str(error).partition(": expected ")
+        expected, _, found = text.rpartition(", found ")
+        raise InputError(f"cameras.{field}", expected, found) from error
 
 
 def _number_of_poses(settings: CameraSettings) -> int:

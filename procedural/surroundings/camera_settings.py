@@ -19,7 +19,7 @@ FOCAL_WIDTH = 640
 GRID_VIEWS, MOST_VIEWS = 57, 1000
 #: Farthest that a principal point may be from the middle of the picture [fraction of the side]. Those of real cameras
 #: are within a twentieth; K of a picture half or twice the size is off by a quarter or more.
-OFF_CENTRE = 0.2
+OFF_CENTRE = 0.1
 #: Largest turn away from the point looked at [rad]: no drawn camera looks backwards.
 MOST_TILT = 0.5
 

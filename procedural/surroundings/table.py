@@ -34,7 +34,9 @@ class TableSettings(Model):
         default=None, description="Folder of pictures for the table's top alone, apart from those of the props"
     )
     texture_size: Annotated[Length, Field(ge=0.01, le=10.0)] | None = Field(
-        default=None, description="Side of one repeat of the picture on the table, 0.01 to 10 [m]; by default 0.3 to 1"
+        default=None,
+        description="Width of one repeat of the picture on the table, 0.01 to 10 [m], its height in the "
+        "picture's shape; by default a square of 0.3 to 1 m",
     )
     round_share: float = Field(default=0.25, ge=0.0, le=1.0, description="Probability that the table is round")
 

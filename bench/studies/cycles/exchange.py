@@ -75,6 +75,8 @@ def _vessel_bodies(vessel: GlassBody, arrays: dict[str, np.ndarray]) -> list[dic
 def _opaque_body(
     mesh: Mesh, world_T_mesh: np.ndarray, material: OpaqueMaterial, lambertian: bool, arrays: dict[str, np.ndarray]
 ) -> dict:
+    if material.repeats_v is not None:
+        raise ValueError(f"{material.name}: expected a square texture, got one of another shape")
     texture = f"{mesh.name}.texture"
     arrays[texture] = bake(material.base_colour)
     written = {
