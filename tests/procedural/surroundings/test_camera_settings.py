@@ -83,7 +83,7 @@ def test_another_size_of_a_preset_has_the_same_field_of_view():
         ({"fy": 600}, "fy: expected fx beside it, found 600 alone"),
         (
             {"K": K, "width": 320, "height": 240},
-            r"K: expected cx of 127.5 to 191.5 px in a picture of width 320 .* 322",
+            r"K: expected cx of 127.5 to 191.5 px in a picture of width 320",
         ),
         ({"K": K, "width": 1280, "height": 960}, r"K: expected cx of 511.5 to 767.5 px .*a width of 645 would fit"),
         ({"cy": 400}, "cy: expected 191.5 to 287.5 px in a picture of height 480"),
