@@ -79,7 +79,8 @@ def angle(value: object) -> object:
     return quantity(value, "angle")
 
 
-#: Validators of a field's type, by which its dimension is known (`dimension_of`).
+#: Validators of a field's type, by which its dimension is known (`dimension_of`). In an `Annotated` type they stand
+#: behind its limits, ``Annotated[float, Field(le=1.0), LENGTH]``, so that these stay limits of a number in its schema.
 LENGTH, ANGLE = BeforeValidator(length), BeforeValidator(angle)
 _READERS: tuple[tuple[BeforeValidator, Dimension], ...] = ((LENGTH, "length"), (ANGLE, "angle"))
 

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field, model_validator
 
 from ...core.model import Model, Ordered
-from ...core.units import Angle, Length, degrees
+from ...core.units import ANGLE, LENGTH, Angle, Length, degrees
 from ...core.user_text import UserPath
+from ..description.camera import LONGEST_SIDE
 from .camera_presets import known_preset, with_preset
 from .intrinsics import Intrinsics
 
@@ -25,9 +26,9 @@ MOST_TILT = 0.5
 
 # Ten times as far away, the objects are a hundredth of the picture.
 _Factor = Annotated[float, Field(ge=1.0, le=10.0)]
-_Elevation = Annotated[Angle, Field(ge=0.0, le=math.pi / 2)]
-_Azimuth = Annotated[Angle, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
-_Distance = Annotated[Length, Field(gt=0.0, le=20.0)]
+_Elevation = Annotated[float, Field(ge=0.0, le=math.pi / 2), ANGLE]
+_Azimuth = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi), ANGLE]
+_Distance = Annotated[float, Field(gt=0.0, le=20.0), LENGTH]
 #: A focal length [px]: pictures of 32 px have one of some 30.
 _Focal = Annotated[float, Field(ge=1.0, le=1e6)]
 #: A row of a matrix.
@@ -182,6 +183,10 @@ def _check_intrinsics(settings: CameraSettings) -> None:
     if settings.fy is not None and settings.fx is None:
         raise ValueError(f"fy: expected fx beside it, found {settings.fy:g} alone")
     _check_centre(_unscaled(settings), "K" if settings.K is not None else "")
+    longest = settings.scale * max(settings.width, settings.height)
+    if round(longest) > LONGEST_SIDE:
+        most = LONGEST_SIDE / max(settings.width, settings.height)
+        raise ValueError(f"scale: expected at most {most:.4g}, pictures of {LONGEST_SIDE} px, found {settings.scale:g}")
     narrowest = min(settings.intrinsics().half_angles())
     if settings.look_jitter >= narrowest:
         limit = degrees(0.9 * narrowest)

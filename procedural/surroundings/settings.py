@@ -8,12 +8,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...core.model import Model, Ordered, Unit
-from ...core.units import Angle, Length
+from ...core.units import ANGLE, Angle, Length
 from ...core.user_text import UserPath
 from .sun import LARGEST_SUN, SMALLEST_SUN, SUN_RADIUS
 
 # A range of a uniform draw: smallest and largest value, with the limits of both.
-_Elevation = Annotated[Angle, Field(ge=0.1, le=math.pi / 2)]
+_Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2), ANGLE]
 ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
 
 

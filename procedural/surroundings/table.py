@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 from ...core.mesh import Mesh
 from ...core.model import Model
-from ...core.units import Length
+from ...core.units import LENGTH, Length
 from ...core.user_text import UserPath
 from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
@@ -33,7 +33,7 @@ class TableSettings(Model):
     texture_dir: UserPath | None = Field(
         default=None, description="Folder of pictures for the table's top alone, apart from those of the props"
     )
-    texture_size: Annotated[Length, Field(ge=0.01, le=10.0)] | None = Field(
+    texture_size: Annotated[float, Field(ge=0.01, le=10.0), LENGTH] | None = Field(
         default=None,
         description="Width of one repeat of the picture on the table, 0.01 to 10 [m], its height in the "
         "picture's shape; by default a square of 0.3 to 1 m",
