@@ -51,21 +51,25 @@ class Manifest(Model):
 
 
 def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
-    """Return the files in the asset folders, with those that meshes may refer to; InputError for an unusable folder."""
+    """Return the files in the asset folders, those that meshes may refer to, and that of the poses.
+
+    Raises InputError for an unusable folder.
+    """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
         ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
         ("table.texture_dir", settings.table.texture_dir, PICTURE_SUFFIXES, True),
     )
-    poses = settings.cameras.poses
-    single: dict[tuple[Folder, str], Path] = {} if poses is None else {("cameras.poses", poses.name): poses}
-    return single | {
+    found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
     }
+    if settings.cameras.poses is not None:
+        found["cameras.poses", settings.cameras.poses.name] = settings.cameras.poses
+    return found
 
 
 def scan(settings: SceneSettings) -> Manifest:

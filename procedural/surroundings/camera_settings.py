@@ -32,8 +32,11 @@ _Distance = Annotated[float, Field(gt=0.0, le=20.0), LENGTH]
 #: A focal length [px]: pictures of 32 px have one of some 30.
 _Focal = Annotated[float, Field(ge=1.0, le=1e6)]
 #: A row of a matrix.
-Row3, Row4 = tuple[float, float, float], tuple[float, float, float, float]
-Matrix3Rows, Matrix4Rows = tuple[Row3, Row3, Row3], tuple[Row4, Row4, Row4, Row4]
+Row3 = tuple[float, float, float]
+Row4 = tuple[float, float, float, float]
+#: A matrix by rows.
+Matrix3Rows = tuple[Row3, Row3, Row3]
+Matrix4Rows = tuple[Row4, Row4, Row4, Row4]
 
 
 class CameraSettings(Model):

@@ -103,10 +103,11 @@ def test_ranges_without_a_usable_camera_name_the_nearest_value():
         return bool(np.linalg.norm(camera.world_T_camera[:3, 3] - CENTRE) > 0.35)
 
     space = replace(SPACE, shown=far)
-    near = {"elevation": ("30deg", "60deg"), "distance": (0.1, 0.2)}
+    near: dict[str, Any] = {"elevation": ("30deg", "60deg"), "distance": (0.1, 0.2)}
     with pytest.raises(InputError, match=r"distance: expected a range from 0\.3[5-9] m, found 0\.1 to 0\.2 m"):
         drawn(space=space, **near)
-    assert drawn(space=space, **near | {"distance": (0.38, 0.4)})
+    near["distance"] = (0.38, 0.4)
+    assert drawn(space=space, **near)
     with pytest.raises(InputError, match=r"cameras\.elevation: expected up to .*deg or more, .*, found up to 1deg"):
         drawn(elevation=(0.0, "1deg"), distance=(0.5, 0.6), min_height=0.2)
     with pytest.raises(InputError, match=r"cameras\.min_height: expected at most 0\.680 m at this distance, found 2 m"):
