@@ -12,7 +12,7 @@ import re
 from decimal import Decimal
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator
+from pydantic import ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 from pydantic.fields import FieldInfo
 
 Dimension = Literal["length", "angle"]
@@ -79,10 +79,38 @@ def angle(value: object) -> object:
     return quantity(value, "angle")
 
 
+def shown(value: float, dimension: Dimension) -> str:
+    """Return a quantity as error lines show it, such as ``0.5 m`` or ``0.5236 rad (30deg)``."""
+    if dimension == "length":
+        return f"{value:.6g} m"
+    return f"{value:.6g} rad ({degrees(value)})" if value else "0 rad"
+
+
+def degrees(radians: float) -> str:
+    """Return an angle in degrees, such as ``30deg``."""
+    return f"{round(math.degrees(radians), 3):g}deg"
+
+
+def _within_limits(value: object, handler: ValidatorFunctionWrapHandler, dimension: Dimension) -> object:
+    """Validate a quantity; a limit that it breaks is said with its unit."""
+    found = quantity(value, dimension)
+    try:
+        return handler(found)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        limit = next((value for name, value in first.get("ctx", {}).items() if name in ("ge", "gt", "le", "lt")), None)
+        if limit is None or not isinstance(found, int | float):
+            raise
+        words = first["msg"].removeprefix("Input should be ").rpartition(" ")[0]
+        typed = repr(value) if isinstance(value, str) else shown(found, dimension)
+        raise ValueError(f"expected {words} {shown(limit, dimension)}, found {typed}") from error
+
+
 #: Validators of a field's type, by which its dimension is known (`dimension_of`). In an `Annotated` type they stand
-#: behind its limits, ``Annotated[float, Field(le=1.0), LENGTH]``, so that these stay limits of a number in its schema.
-LENGTH, ANGLE = BeforeValidator(length), BeforeValidator(angle)
-_READERS: tuple[tuple[BeforeValidator, Dimension], ...] = ((LENGTH, "length"), (ANGLE, "angle"))
+#: behind its limits, ``Annotated[float, Field(le=1.0), LENGTH]``.
+LENGTH = WrapValidator(lambda value, handler: _within_limits(value, handler, "length"))
+ANGLE = WrapValidator(lambda value, handler: _within_limits(value, handler, "angle"))
+_READERS: tuple[tuple[WrapValidator, Dimension], ...] = ((LENGTH, "length"), (ANGLE, "angle"))
 
 #: A length [m] and an angle [rad] in settings.
 Length = Annotated[float, LENGTH]
@@ -92,11 +120,6 @@ Angle = Annotated[float, ANGLE]
 def dimension_of(field: FieldInfo) -> Dimension | None:
     """Return what a field's numbers measure, also those of a pair; None for plain numbers and other types."""
     return _dimension(field.metadata) or _dimension(field.annotation)
-
-
-def degrees(radians: float) -> str:
-    """Return an angle as error lines show it, such as ``30deg``."""
-    return f"{round(math.degrees(radians), 3):g}deg"
 
 
 def _dimension(kind: Any) -> Dimension | None:

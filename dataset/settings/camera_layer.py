@@ -12,10 +12,9 @@ from typing import Any
 from ...core.errors import InputError
 from ...procedural.surroundings.camera_presets import PRESET_FIELDS, with_preset
 from ...procedural.surroundings.camera_settings import MOST_VIEWS, CameraSettings
-from ...procedural.surroundings.pose_files import read_poses
 
 _OPTION = "--cameras."
-#: Settings by which a user gives a lens of his own.
+#: Settings of a lens of the user's own.
 _LENS = ("K", "fx", "focal")
 #: Rows and columns of the settings that are matrices.
 _MATRICES = {"K": (3, 3), "world_T_poses": (4, 4)}
@@ -76,6 +75,8 @@ def _resolved(below: dict[str, Any], user: dict[str, Any]) -> dict[str, Any]:
 
 
 def _number_of_poses(settings: CameraSettings) -> int:
+    from ...procedural.surroundings.pose_files import read_poses  # SciPy, which --help does without
+
     assert settings.poses is not None
     count = len(read_poses(settings.poses, settings.world_T_poses))
     if count > MOST_VIEWS:

@@ -9,7 +9,7 @@ import pytest
 from pydantic import Field, ValidationError
 
 from glassware.core.model import Model, Ordered
-from glassware.core.units import Angle, Length, angle, degrees, dimension_of, length
+from glassware.core.units import ANGLE, Angle, Length, angle, degrees, dimension_of, length
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_a_unit_of_something_else_says_of_what():
 class _Sizes(Model):
     plain: float = 1.0
     side: Length = Field(default=0.1, gt=0.0, le=1.0)
-    turn: Annotated[tuple[Annotated[Angle, Field(le=math.pi)], Angle], Ordered] | None = None
+    turn: Annotated[tuple[Annotated[float, Field(le=math.pi), ANGLE], Angle], Ordered] | None = None
 
 
 def test_fields_know_what_they_measure():
@@ -62,10 +62,21 @@ def test_limits_hold_in_the_unit_of_the_settings():
     made = _Sizes.model_validate({"side": "5cm", "turn": ["30deg", 1]})
     assert made.side == 0.05
     assert made.turn == (pytest.approx(math.pi / 6), 1.0)
-    with pytest.raises(ValidationError, match="less than or equal to 1"):
+    with pytest.raises(ValidationError, match="expected less than or equal to 1 m, found '120cm'"):
         _Sizes.model_validate({"side": "120cm"})
     with pytest.raises(ValidationError, match="found '5cm', a length"):
         _Sizes.model_validate({"turn": ["5cm", 1]})
+
+
+def test_a_limit_that_is_broken_is_said_with_its_unit():
+    with pytest.raises(ValidationError, match=r"expected less than or equal to 3\.14159 rad \(180deg\), found 45 rad"):
+        _Sizes(turn=(45.0, 50.0))
+    with pytest.raises(ValidationError, match="expected greater than 0 m, found -1 m"):
+        _Sizes(side=-1.0)
+    with pytest.raises(ValidationError, match="finite number"):
+        _Sizes(side=math.inf)
+    with pytest.raises(ValidationError, match="valid number"):
+        _Sizes.model_validate({"side": "wide"})
 
 
 def test_angles_are_shown_in_degrees():
