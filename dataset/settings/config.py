@@ -17,7 +17,9 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
+from .camera_layer import with_cameras
 from .help_page import asks_for_help, print_help
+from .option_units import without_units
 from .options import FLAT as FLAT
 from .options import LISTS, SHORT, flat_groups, option_names
 from .settings_file import yaml_settings
@@ -87,7 +89,7 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
         raise _argument_error(prog, event, model, full)
 
-    full = _with_full_names(arguments)
+    full = without_units(prog, model, _with_full_names(arguments), FLAT)
     try:
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
@@ -99,6 +101,7 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
     """Return the settings below the options: the preset, and on top of it the YAML file."""
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
     settings, where = {}, "preset"
+    loaded: dict[str, Any] = {}
     if "preset" in model.model_fields:
         settings = preset(name or model.model_fields["preset"].default)
     if path is not None:
@@ -107,7 +110,8 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
             if name in loaded:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
         check_booleans(model, loaded, path)
-        settings, where = merged(settings, loaded), path
+        where = path
+    settings = merged(settings, loaded) | with_cameras(settings, loaded, _with_full_names(arguments))
     return validated(model, settings, where)
 
 
@@ -227,8 +231,8 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
 
 
 def _form(argument: Any) -> str:
-    """Return the form of an argument's value as the help text has it, such as INT."""
-    return argument.lowered.metavar or "no value"
+    """Return the form of an argument's value as the help text has it, such as INT; without the word for none."""
+    return (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
 
 
 def _place(prog: str, argument: Any) -> str:

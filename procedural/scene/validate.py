@@ -9,14 +9,12 @@ import numpy as np
 
 from ...core.arguments import check_type
 from ...core.errors import InputError
-from ...core.mesh import Mesh, check_closed, joined, volume_of
+from ...core.mesh import Mesh, check_closed, volume_of
 from ..description.camera import LONGEST_SIDE, Camera
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
-    Prop,
     Scene,
-    SceneObject,
     Vessel,
     glass_solid,
     liquid_solid,
@@ -24,6 +22,7 @@ from ..description.scene import (
 from ..optics.medium import AIR
 from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
 from .fields import check_fields
+from .solids import body_mesh, in_world, solid
 from .validate_light import check_lamp, check_sun
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
@@ -73,8 +72,7 @@ def check_scene(scene: Scene) -> None:
             _check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
-        mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
-        _check_size(f"{item.name}, size", mesh, np.array(item.size))
+        _check_size(f"{item.name}, size", body_mesh(item), np.array(item.size))
     for number, camera in enumerate(scene.cameras):
         _check_camera(f"camera {number}", camera)
     for body in scene.vessels:
@@ -201,15 +199,15 @@ def _check_liquid(body: GlassBody) -> None:
 
 
 def _check_places(scene: Scene) -> None:
-    solids = {item.name: _solid(item) for item in scene.objects}
-    for name, solid in solids.items():
-        lowest = float(solid.points[:, 2].min())
+    solids = {item.name: solid(item) for item in scene.objects}
+    for name, body in solids.items():
+        lowest = float(body.points[:, 2].min())
         if lowest < -ALLOWANCE:
             raise InputError(name, "an object above the table's top (z = 0)", f"{-1e3 * lowest:.1f} mm below it")
-    for (name, solid), (other, another) in combinations(solids.items(), 2):
-        if overlap(solid, another):
+    for (name, body), (other, another) in combinations(solids.items(), 2):
+        if overlap(body, another):
             raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
-    solids |= {"the table": _world(scene.table.mesh, np.eye(4))}
+    solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):
         check_lamp(scene, number, solids)
@@ -219,23 +217,9 @@ def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:
     """Refuse a camera of which an eye is inside an object: light paths begin in air."""
     poses = [pose for camera in scene.cameras for pose in (camera.world_T_camera, camera.world_T_right)]
     eyes = np.array([pose[:3, 3] for pose in poses])
-    for name, solid in solids.items():
-        near = ((eyes >= solid.points.min(0)) & (eyes <= solid.points.max(0))).all(1).nonzero()[0]
-        for index in near[contains(solid, eyes[near])] if len(near) else near:
+    for name, body in solids.items():
+        near = ((eyes >= body.points.min(0)) & (eyes <= body.points.max(0))).all(1).nonzero()[0]
+        for index in near[contains(body, eyes[near])] if len(near) else near:
             view, eye = divmod(int(index), 2)
             where = f"camera {view}, {('left', 'right')[eye]} eye"
             raise InputError(where, "a place in the air", f"({', '.join(f'{x:.3f}' for x in eyes[index])}), in {name}")
-
-
-def _solid(item: SceneObject) -> Solid:
-    """Return the body as others meet it: glass with its liquid, or a prop."""
-    if isinstance(item, Prop):
-        mesh = item.mesh
-    else:
-        outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
-        mesh = joined(outer, f"{item.name}-body")
-    return _world(mesh, item.world_T_object)
-
-
-def _world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
-    return Solid(mesh.vertices.astype(np.float64) @ world_T_mesh[:3, :3].T + world_T_mesh[:3, 3], mesh.faces)

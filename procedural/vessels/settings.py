@@ -7,15 +7,16 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from ...core.model import Model, Ordered
+from ...core.units import LENGTH, Length
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
 
 
-_Height = Annotated[float, Field(ge=0.04, le=0.30)]
-_Radius = Annotated[float, Field(ge=0.015, le=0.08)]
-_Wall = Annotated[float, Field(ge=0.001, le=0.004)]
-_Base = Annotated[float, Field(ge=0.002, le=0.010)]
+_Height = Annotated[float, Field(ge=0.04, le=0.30), LENGTH]
+_Radius = Annotated[float, Field(ge=0.015, le=0.08), LENGTH]
+_Wall = Annotated[float, Field(ge=0.001, le=0.004), LENGTH]
+_Base = Annotated[float, Field(ge=0.002, le=0.010), LENGTH]
 _Fill = Annotated[float, Field(gt=0.0, le=1.0)]
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
@@ -50,7 +51,7 @@ class VesselSettings(Model):
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
-    chord_error: float = Field(
+    chord_error: Length = Field(
         default=15e-6,
         ge=2e-6,
         le=200e-6,
