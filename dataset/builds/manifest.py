@@ -29,13 +29,13 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "media"]
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file in one of the asset folders."""
+    """A file in one of the asset folders, or the file of own media."""
 
     folder: Folder
     path: str = Field(description="Below the folder, with forward slashes")
@@ -57,12 +57,14 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
         ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
     )
-    return {
+    found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
     }
+    media = settings.vessels.media
+    return found if media is None else found | {("media", media.name): media}
 
 
 def scan(settings: SceneSettings) -> Manifest:
@@ -122,6 +124,8 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
+    if folder == "media":
+        return Path(settings.vessels.media or name).with_name(name)
     holder = settings.environment if folder == "hdri_dir" else settings
     return Path(getattr(holder, folder) or "", name)
 

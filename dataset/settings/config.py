@@ -17,7 +17,7 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
-from .settings_file import yaml_settings
+from ...core.yaml_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
 

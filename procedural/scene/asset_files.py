@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
 from ...core.assets import asset
 from ..materials.picture_files import check_pictures, picture_files
+from ..optics.draw import NO_MEDIA
+from ..optics.medium import Medium
 from ..props.mesh_files import MeshFile, check_meshes, mesh_files
 from ..surroundings.hdri import hdri_files, read_hdri
+from ..vessels.media import own_media
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -19,11 +22,12 @@ F = TypeVar("F")
 
 @dataclass(frozen=True)
 class AssetFiles:
-    """The files in the folders of the settings; none for a folder that is None."""
+    """The files in the folders of the settings, none for a folder that is None; and own media by name."""
 
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[Path, ...] = ()
+    media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
 
 
 def asset_files(settings: SceneSettings) -> AssetFiles:
@@ -33,6 +37,7 @@ def asset_files(settings: SceneSettings) -> AssetFiles:
         environments=() if hdri is None else hdri_files(hdri),
         meshes=() if meshes is None else mesh_files(meshes),
         textures=() if textures is None else picture_files(textures),
+        media=own_media(settings.vessels),
     )
 
 
@@ -43,7 +48,8 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         return files_of(settings.splits, seed, split, some, name)
 
     hdri, textures = settings.environment.hdri_dir, settings.texture_dir
-    return AssetFiles(
+    return replace(
+        files,
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
@@ -51,7 +57,7 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
 
 
 def check_inputs(settings: SceneSettings) -> None:
-    """Read every file of the folders in the settings, and refuse invalid ones before any work begins.
+    """Read every file that the settings name, and refuse invalid ones before any work begins.
 
     Parameters
     ----------
@@ -63,6 +69,7 @@ def check_inputs(settings: SceneSettings) -> None:
     InputError
         Names the first folder or file that cannot be used.
     """
+    own_media(settings.vessels)
     if settings.environment.hdri_dir is not None:
         for path in hdri_files(settings.environment.hdri_dir):
             read_hdri(asset(path))

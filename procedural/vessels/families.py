@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from .outline import Outline, Piece, bulging, easing, levelling, linear, waved
-from .settings import Category, VesselSettings
+from .settings import Category, VesselSettings, family_weights
 
 Limits = tuple[float, float]
 
@@ -54,22 +54,32 @@ def draw_size(rng: np.random.Generator, settings: VesselSettings) -> tuple[Categ
     Raises
     ------
     InputError
-        Where no category of the settings has heights and radii within the settings.
+        Where no category of the settings has heights and radii, or volumes, within the settings.
     """
-    fitting: list[Category] = [c for c in settings.categories if _fits(FAMILIES[c], settings)]
+    weights = family_weights(settings)
+    fitting: list[Category] = [c for c in weights if _fits(FAMILIES[c], settings)]
     if not fitting:
         raise InputError(
             "vessels.categories",
             f"one that can be {settings.height} m high with a radius of {settings.radius} m",
-            ", ".join(settings.categories),
+            ", ".join(weights),
         )
-    category = fitting[int(rng.integers(len(fitting)))]
+    probabilities = np.array([weights[c] for c in fitting])
+    if (probabilities == probabilities[0]).all():
+        category = fitting[int(rng.integers(len(fitting)))]
+    else:
+        category = fitting[int(rng.choice(len(fitting), p=probabilities / probabilities.sum()))]
+    return category, *draw_proportions(rng, settings, category)
+
+
+def draw_proportions(rng: np.random.Generator, settings: VesselSettings, category: Category) -> tuple[float, float]:
+    """Draw a height and a largest outer radius of a category that fit the settings [m]."""
     family = FAMILIES[category]
     height_limits, radius_limits = _common(family, settings)
     height = rng.uniform(*height_limits)
     slender = (family.slenderness[0] * height, family.slenderness[1] * height)
     low, high = np.clip(slender, *radius_limits)
-    return category, float(height), float(rng.uniform(low, high))
+    return float(height), float(rng.uniform(low, high))
 
 
 def _common(family: Family, settings: VesselSettings) -> tuple[Limits, Limits]:

@@ -18,6 +18,10 @@ from .curve import ARC_STEP, Curve, arc, chained, directions
 TOUCH_TOLERANCE = 1e-7
 
 
+class NoRoomError(ValueError):
+    """The wall leaves no room inside: a shape that no vessel has."""
+
+
 def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tuple[Curve, int]:
     """Return the boundary of what the ball reaches, and which point of the wall it touches last.
 
@@ -39,6 +43,11 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
         From the axis at the floor (or where the wall leaves no more room) up; normals point towards the wall.
     int
         Index of the wall's point that the end of the curve faces, at exactly ``clearance``.
+
+    Raises
+    ------
+    NoRoomError
+        Where the wall leaves the ball no room above the floor.
     """
     centres, towards, index = _free_centres(wall, clearance + ball)
     centres, towards = _above(centres, towards, floor + ball)
@@ -70,6 +79,8 @@ def _free_centres(wall: Curve, reach: np.ndarray) -> tuple[np.ndarray, np.ndarra
     # Along the boundary of a graph over z, heights rise; points that do not rise are due to the tolerance.
     highest = np.maximum.accumulate(np.where(free, centres[:, 1], -np.inf))
     free &= np.concatenate([[True], centres[1:, 1] > highest[:-1]])
+    if not free.any():
+        raise NoRoomError(f"the wall leaves no room for a ball and a clearance of {reach.min():.4f} m anywhere")
     return centres[free], towards[free], int(np.flatnonzero(free)[-1])
 
 
@@ -88,7 +99,7 @@ def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.
     room = np.minimum(centres[:, 0], centres[:, 1] - lowest)
     blocked = np.flatnonzero(room <= 0.0)
     if len(blocked) == 0 or blocked[-1] + 1 >= len(room):
-        raise ValueError(f"the wall leaves no room for the ball above {lowest:.4f} m, or does not reach down to it")
+        raise NoRoomError(f"the wall leaves no room for the ball above {lowest:.4f} m, or does not reach down to it")
     i = int(blocked[-1])
     at_axis, at_floor = (
         0.0 if low > 0.0 else -low / (high - low)
