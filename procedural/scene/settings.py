@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
@@ -13,6 +13,7 @@ from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
+from ..vessels.families import check_volumes
 from ..vessels.settings import VesselSettings
 from .splits import SplitSettings
 
@@ -40,3 +41,8 @@ class SceneSettings(Model):
     placement: PlacementSettings = PlacementSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
+
+    @model_validator(mode="after")
+    def _volumes_fit(self) -> SceneSettings:
+        check_volumes(self.vessels)
+        return self

@@ -52,7 +52,7 @@ def _volumes(value: object) -> object:
         raise ValueError(f"expected a volume such as 250ml, or two, found {value!r}")
     texts = _volume_texts(pair)
     for text in texts:
-        if not LEAST_VOLUME <= parsed_volume(text) <= MOST_VOLUME:
+        if not LEAST_VOLUME <= round(parsed_volume(text), 9) <= MOST_VOLUME:
             limits = f"{volume_text(LEAST_VOLUME)} to {volume_text(MOST_VOLUME)}"
             raise ValueError(f"expected {limits}, found {text}")
     return texts

@@ -12,15 +12,11 @@ from ...core.errors import InputError
 from ...core.quantities import volume_text
 from .amounts import volume_limits
 from .build import VesselShape
-from .families import draw_proportions
+from .families import NOMINAL, Limits, draw_proportions, size_limits
 from .liquid import brimful_volume
 from .rolling import NoRoomError
-from .settings import MOST_FILL, Category, VesselSettings
+from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings
 
-#: Nominal volume over the brimful one [1]. Laboratory glass is named by its graduation: by the diameters and heights of
-#: ISO 3819 (beakers, low form, 50 to 1000 ml) and ISO 1773 (conical flasks) less 1.3 mm walls it is 0.71 to 0.86. A
-#: wine bottle of 750 ml holds 770 ml (CETIE data sheets). Drinking glasses, bowls and vases are sold by what they hold.
-NOMINAL: dict[Category, float] = {"beaker": 0.8, "flask": 0.8, "bottle": 0.97}
 #: Largest relative error of a volume that is reached by scaling [1]: a tenth of what ISO 3819 allows a graduation.
 VOLUME_TOLERANCE = 0.01
 #: Most steps of the scale, and its step for a ratio of volumes: as the wall does not grow, the volume grows faster than
@@ -74,7 +70,7 @@ def shape_that_holds(
     nearest = 0.0
     for _ in range(ATTEMPTS):
         try:
-            shape = _attempt(rng, settings, size, wanted, build)
+            shape = _attempt(rng, size_limits(settings, category), size, wanted, build)
             volume = brimful_volume(shape.inner.points)
             if wanted.brimful is None and wanted.filled is None:
                 return shape
@@ -90,7 +86,7 @@ def shape_that_holds(
 
 def _attempt(
     rng: np.random.Generator,
-    settings: VesselSettings,
+    limits: tuple[Limits, Limits],
     size: tuple[float, float],
     wanted: WantedVolume,
     build: Build,
@@ -105,21 +101,22 @@ def _attempt(
         target = wanted.filled / float(rng.uniform(*(_IN_SMALL if fraction > MOST_FILL else _IN_LARGE)))
     if target is None:
         return shape
-    return _scaled(rng, before, settings, size, target, build)
+    return _scaled(rng, before, limits, size, target, build)
 
 
 def _scaled(
     rng: np.random.Generator,
     before: np.random.Generator,
-    settings: VesselSettings,
+    limits: tuple[Limits, Limits],
     size: tuple[float, float],
     target: float,
     build: Build,
 ) -> VesselShape:
-    """Return the shape of a stream, scaled as near to a brimful volume [m^3] as the settings' sizes allow."""
+    """Return the shape of a stream, scaled as near to a brimful volume [m^3] as limits of height and radius allow."""
     height, radius = size
-    low = max(settings.height[0] / height, settings.radius[0] / radius)
-    high = min(settings.height[1] / height, settings.radius[1] / radius)
+    heights, radii = limits
+    low = max(heights[0] / height, radii[0] / radius)
+    high = min(heights[1] / height, radii[1] / radius)
     scale = float(np.clip(1.0, low, high))
     for _ in range(_STEPS):
         stream = deepcopy(before)
@@ -136,7 +133,7 @@ def _scaled(
 def _holds(brimful: float, wanted: WantedVolume) -> bool:
     if wanted.brimful is not None:
         return abs(brimful / wanted.brimful - 1.0) <= VOLUME_TOLERANCE
-    return wanted.filled is None or 0.5 * _TOO_LARGE * brimful <= wanted.filled <= MOST_FILL * brimful
+    return wanted.filled is None or LEAST_FILL * brimful <= wanted.filled <= MOST_FILL * brimful
 
 
 def _refusal(settings: VesselSettings, category: Category, wanted: WantedVolume, nearest: float) -> InputError:
@@ -150,5 +147,5 @@ def _refusal(settings: VesselSettings, category: Category, wanted: WantedVolume,
         return InputError("vessels.volume", expected, volume_text(wanted.brimful * factor))
     amount = wanted.filled or 0.0
     most = amount > MOST_FILL * nearest
-    limit = f"at {'most' if most else 'least'} {volume_text((MOST_FILL if most else 0.5 * _TOO_LARGE) * nearest)}"
+    limit = f"at {'most' if most else 'least'} {volume_text((MOST_FILL if most else LEAST_FILL) * nearest)}"
     return InputError("vessels.fill", f"{limit} in a {category} with {sizes}", volume_text(amount))

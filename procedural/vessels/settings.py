@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 from ...core.model import Model, Ordered
 from ...core.quantities import volume_text
 from ...core.user_text import UserPath
-from ...core.weighted import Weighted, check_names, weights_of
+from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
@@ -24,8 +24,9 @@ _Radius = Annotated[float, Field(ge=0.015, le=0.08)]
 _Wall = Annotated[float, Field(ge=0.001, le=0.004)]
 _Base = Annotated[float, Field(ge=0.002, le=0.010)]
 _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
-#: Most of the nominal volume that a liquid may take: the level stays below the rim, whatever the vessel's shape.
-MOST_FILL = 0.9
+#: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
+#: below the rim, whatever the vessel's shape.
+LEAST_FILL, MOST_FILL = 0.05, 0.9
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
@@ -138,12 +139,14 @@ def check_media_names(settings: VesselSettings, own: tuple[str, ...]) -> None:
     own : tuple of str
         Names of own media.
     """
+    faults: dict[str, tuple[str, str]] = {}
     for field, known in (("glasses", [*own, *glass_names()]), ("liquids", [*own, *liquid_names()])):
         names = [name for name in weights_of(getattr(settings, field) or ()) if not is_sugar_solution(name)]
-        try:
-            check_names(names, known)
-        except ValueError as error:
-            raise ValueError(f"{field}: {error}") from None
+        if (wrong := unknown_names(names, known)) is not None:
+            faults[field] = wrong
+    if faults:
+        expected = "; ".join(wrong[0] for wrong in faults.values())
+        raise ValueError(f"{', '.join(faults)}: expected {expected}, found {', '.join(w[1] for w in faults.values())}")
     liquids = weights_of(settings.liquids or ())
     if settings.dyes and liquids and not any(dissolves_dyes(name) for name in liquids):
         raise ValueError(f"dyes: expected a liquid that dissolves them, found {', '.join(liquids)}")
