@@ -28,4 +28,6 @@ def parsed_volume(value: object) -> float:
 
 def volume_text(volume: float) -> str:
     """Return a volume [m^3] in ml, rounded to four digits: 2.5e-4 is ``250ml``."""
-    return f"{volume / VOLUME_UNITS['ml']:.4g}ml" if volume < VOLUME_UNITS["l"] else f"{volume / VOLUME_UNITS['l']:.4g}l"
+    return (
+        f"{volume / VOLUME_UNITS['ml']:.4g}ml" if volume < VOLUME_UNITS["l"] else f"{volume / VOLUME_UNITS['l']:.4g}l"
+    )

@@ -199,7 +199,9 @@ def _argument_error(
         case tyro_errors.InstantiationFailure(argument=argument):
             return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
-            return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices))
+            return InputError(
+                _place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices)
+            )
         case tyro_errors.BadValue(argument=argument, offending_value=value):
             return InputError(_place(prog, argument), _form(argument), value or "fewer values")
         case tyro_errors.MissingArgs(missing_arguments=missing):

@@ -19,9 +19,9 @@ from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
-from ..vessels.families import draw_size
 from ..vessels.media import draw_media
 from ..vessels.settings import VesselSettings
+from ..vessels.sizes import draw_size
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
 from .splits import families_of, split_of
@@ -78,9 +78,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(
-    settings: VesselSettings, seed: int, scene_id: int, count: int, own: Mapping[str, Medium]
-) -> list[Vessel]:
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, own: Mapping[str, Medium]) -> list[Vessel]:
     vessels = []
     for i in range(count):
         # The family is the first that a vessel's stream gives; the wall's material follows it.

@@ -13,8 +13,8 @@ from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
-from ..vessels.families import check_volumes
 from ..vessels.settings import VesselSettings
+from ..vessels.sizes import check_volumes
 from .splits import SplitSettings
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]

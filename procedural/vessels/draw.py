@@ -8,15 +8,15 @@ from ...core.errors import InputError
 from ...core.quantities import volume_text
 from ..description.scene import Vessel
 from ..optics.medium import Medium
-from .amounts import fill_volumes
+from ..profiles.curve import Curve
+from ..profiles.liquid import brimful_volume, volume_below
+from ..profiles.liquid_surface import most_volume
 from .build import Filling, VesselShape, build_vessel, vessel_shape
-from .curve import Curve
-from .families import FAMILIES, Family, Size, draw_size
-from .liquid import brimful_volume, volume_below
-from .liquid_surface import most_volume
+from .families import FAMILIES, Family, Size
 from .outline import Outline
 from .scaling import draw_wanted, shape_that_holds
 from .settings import VesselSettings
+from .sizes import draw_size
 from .wall import WallShape, glass_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
@@ -70,8 +70,7 @@ def draw_vessel(
         volume of the settings, or hold that of its liquid.
     """
     category, *size = draw_size(rng, settings)
-    measured = fill_volumes(settings.fill)
-    wanted = draw_wanted(rng, settings, category, measured)
+    wanted = draw_wanted(rng, settings, category)
 
     def build(stream: np.random.Generator, height: float, radius: float) -> VesselShape:
         return _built(stream, settings, FAMILIES[category], height, radius)

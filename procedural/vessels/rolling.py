@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curve import ARC_STEP, Curve, arc, chained, directions
+from ..profiles.curve import ARC_STEP, Curve, arc, chained, directions
 
 #: How much nearer than touching another point of the wall may be [m]: absorbs the discretisation of the wall
 #: (points 0.1 mm apart see their own disc's envelope wrong by less), and is far below every length that matters.

@@ -10,12 +10,12 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.quantities import volume_text
-from .amounts import volume_limits
+from ..profiles.liquid import brimful_volume
 from .build import VesselShape
-from .families import NOMINAL, Limits, draw_proportions, size_limits
-from .liquid import brimful_volume
+from .families import Limits
 from .rolling import NoRoomError
 from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings
+from .sizes import NOMINAL, draw_proportions, filled_limits, nominal_limits, size_limits
 
 #: Largest relative error of a volume that is reached by scaling [1]: a tenth of what ISO 3819 allows a graduation.
 VOLUME_TOLERANCE = 0.01
@@ -40,12 +40,10 @@ class WantedVolume:
     filled: float | None = None
 
 
-def draw_wanted(
-    rng: np.random.Generator, settings: VesselSettings, category: Category, filled: tuple[float, float] | None
-) -> WantedVolume:
-    """Draw what a vessel has to hold, from the settings and the range of the liquid's volume [m^3]."""
-    nominal = None if settings.volume is None else float(rng.uniform(*volume_limits(settings.volume)))
-    brimful = None if nominal is None else nominal / NOMINAL.get(category, 1.0)
+def draw_wanted(rng: np.random.Generator, settings: VesselSettings, category: Category) -> WantedVolume:
+    """Draw what a vessel has to hold: what the settings say and its family can."""
+    nominal, filled = nominal_limits(settings, category), filled_limits(settings, category)
+    brimful = None if nominal is None else float(rng.uniform(*nominal)) / NOMINAL.get(category, 1.0)
     return WantedVolume(brimful, None if filled is None else float(rng.uniform(*filled)))
 
 

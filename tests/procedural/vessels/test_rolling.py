@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from glassware.procedural.vessels.curve import Curve
+from glassware.procedural.profiles.curve import Curve
 from glassware.procedural.vessels.rolling import rolled
 
 #: Points of the walls in these tests [m].
