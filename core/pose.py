@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .arguments import point
 from .errors import InputError
 
 #: Horizontal offset below which the camera stands at the zenith [fraction of the distance]: it is rounding error.
@@ -53,7 +54,7 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     Parameters
     ----------
     eye, target : (3,) float
-        World frame [m], at different places.
+        World frame [m], at different places; InputError otherwise.
     roll : float
         Turn of the camera about its optical axis, clockwise as the camera sees it [rad].
 
@@ -62,14 +63,15 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     (4, 4) float64
         ``world_T_camera``, OpenCV axes: x right, y down, z forward.
     """
-    offset = np.asarray(target, float) - np.asarray(eye, float)
+    place, aim = point("look_at: eye", eye), point("look_at: target", target)
+    offset = aim - place
     distance = np.linalg.norm(offset)
     if not distance > 0.0:
-        raise ValueError("eye and target: expected two different points")
+        raise InputError("look_at: target", "a point away from the eye", aim.tolist())
     forward = offset / distance
     above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
     right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    return aimed_frame(np.asarray(eye, float), forward, right, roll)
+    return aimed_frame(place, forward, right, roll)
 
 
 def check_rigid(where: str, matrix: np.ndarray) -> None:

@@ -64,7 +64,9 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         for path in files_in(folder, "asset files", suffixes, below)
     }
     media = settings.vessels.media
-    return found if media is None else found | {("media", media.name): media}
+    if media is not None:
+        found["media", media.name] = media
+    return found
 
 
 def scan(settings: SceneSettings) -> Manifest:

@@ -31,7 +31,7 @@ from ..format.dataset_file import DatasetFile, digest_of, new_head
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.config import FLAT, parse_request
-from ..settings.scene_ranges import format_scenes, parse_scenes, shard
+from ..settings.scene_ranges import LARGEST_SCENE, format_scenes, parse_scenes, requested_scenes, shard
 from .progress import BuildProgress
 
 _DESCRIPTION = """Build a data set of many scenes. Run the same command again to resume a build that was stopped.
@@ -48,6 +48,9 @@ class BuildDataset(Model):
 
     settings: Annotated[SceneSettings, FLAT] = SceneSettings()
     scenes: str = Field(default="", description="Scenes, such as 0:2000 (without the end) or 3,7,10:20")
+    count: int | None = Field(
+        default=None, ge=1, le=LARGEST_SCENE + 1, description="Number of scenes, from scene 0 on: 20 is --scenes 0:20"
+    )
     seed: int = Field(default=0, ge=0, le=2**63 - 1, description="Seed of the data set, 0 to 2^63 - 1")
     out: UserPath = Field(default=Path("data"), description="Output folder: absent, empty, or a data set to continue")
     name: UserText = Field(default="glassware", description="Name of the data set")
@@ -131,9 +134,7 @@ def _requested_scenes(request: BuildDataset) -> list[int]:
         raise InputError(
             "--retry-failed", "it without --overwrite, which deletes scenes that would not be rendered again", "both"
         )
-    scenes = parse_scenes(request.scenes)
-    if not scenes:
-        raise InputError("--scenes", "scenes such as 0:2000", "none")
+    scenes = requested_scenes(request.scenes, request.count)
     return scenes if request.shard is None else shard(scenes, request.shard)
 
 

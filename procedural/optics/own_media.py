@@ -22,7 +22,7 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 from scipy.optimize import least_squares
 
 from ...core.errors import InputError
-from ...core.model import Model
+from ...core.model import Model, Rgb
 from ...core.setting_errors import setting_error, shortened
 from ...core.user_text import usable_text
 from ...core.yaml_file import yaml_settings
@@ -226,19 +226,19 @@ def _abbe(formula: Dispersion | None) -> float | None:
     return number if 0.0 < number < np.inf else None
 
 
-def _absorption(given: OwnMedium) -> tuple[tuple[Absorber, ...], tuple[float, float, float]]:
+def _absorption(given: OwnMedium) -> tuple[tuple[Absorber, ...], Rgb]:
     """Return the spectrum of an entry, and its three coefficients [1/m]."""
-    if isinstance(given.absorption, dict):
-        absorbers = (_own_spectrum(sorted(given.absorption.items())),)
+    absorption = given.absorption
+    if isinstance(absorption, dict):
+        absorbers = (_own_spectrum(sorted(absorption.items())),)
         return absorbers, rgb_absorption(absorbers, LIQUID_LENGTH)
-    if isinstance(given.absorption, float):
-        absorbers = (_own_spectrum([(nm, given.absorption) for nm in VISIBLE]),)
-        return (absorbers, (given.absorption,) * 3) if given.absorption else ((), (0.0,) * 3)
     if given.colour is not None:
         red, green, blue = (-np.log(given.colour.rgb) / given.colour.depth).tolist()
         return _spectrum_of((red, green, blue), given.colour.depth), (red, green, blue)
-    if given.absorption is not None:
-        return _spectrum_of(given.absorption, LIQUID_LENGTH), given.absorption
+    if isinstance(absorption, tuple):
+        return _spectrum_of(absorption, LIQUID_LENGTH), absorption
+    if absorption:
+        return (_own_spectrum([(nm, absorption) for nm in VISIBLE]),), (absorption, absorption, absorption)
     return (), (0.0, 0.0, 0.0)
 
 
@@ -246,7 +246,7 @@ def _own_spectrum(samples: list[tuple[float, float]]) -> Absorber:
     return Absorber(spectrum="own", amount=1.0, samples=tuple(samples))
 
 
-def _spectrum_of(sigma_a: tuple[float, float, float], depth: float) -> tuple[Absorber, ...]:
+def _spectrum_of(sigma_a: Rgb, depth: float) -> tuple[Absorber, ...]:
     """Return a smooth spectrum, linear between three wavelengths, whose colour at a depth is nearest to coefficients.
 
     Spectral pictures use it. Colours that no such spectrum has come out as the nearest.

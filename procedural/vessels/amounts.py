@@ -78,7 +78,13 @@ Volumes = Annotated[tuple[str, ...], BeforeValidator(_volumes)]
 
 def fill_volumes(fill: tuple[float | str, ...]) -> Limits | None:
     """Return the range of volumes of a filling [m^3]; None where it is one of fractions."""
-    return None if isinstance(fill[0], float) else volume_limits(tuple(map(str, fill)))
+    return volume_limits(tuple(map(str, fill))) if isinstance(fill[0], str) else None
+
+
+def fill_fractions(fill: tuple[float | str, ...]) -> Limits:
+    """Return the range of fractions of a filling; all of them where it is one of volumes."""
+    low, high = (0.0, 1.0) if isinstance(fill[0], str) else map(float, fill)
+    return low, high
 
 
 def volume_limits(texts: tuple[str, ...]) -> Limits:

@@ -11,6 +11,7 @@ from ..optics.medium import Medium
 from ..profiles.curve import Curve
 from ..profiles.liquid import brimful_volume, volume_below
 from ..profiles.liquid_surface import most_volume
+from .amounts import fill_fractions
 from .build import Filling, VesselShape, build_vessel, vessel_shape
 from .families import FAMILIES, Family, Size
 from .outline import Outline
@@ -129,8 +130,7 @@ def _draw_filling(
     volume: float | None,
 ) -> Filling | None:
     """Draw whether a vessel is filled, and how far; with a given volume [m^3] only whether."""
-    limits = (0.0, 1.0) if volume is not None else settings.fill
-    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*limits)
+    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*fill_fractions(settings.fill))
     if medium is None or not filled:
         return None
     brimful = brimful_volume(inner.points)

@@ -116,14 +116,15 @@ def _scaled(
     low = max(heights[0] / height, radii[0] / radius)
     high = min(heights[1] / height, radii[1] / radius)
     scale = float(np.clip(1.0, low, high))
+    stream = deepcopy(before)
+    shape = build(stream, scale * height, scale * radius)
     for _ in range(_STEPS):
-        stream = deepcopy(before)
-        shape = build(stream, scale * height, scale * radius)
         ratio = target / brimful_volume(shape.inner.points)
         following = float(np.clip(scale * ratio**_EXPONENT, low, high))
         if abs(ratio - 1.0) <= 0.5 * VOLUME_TOLERANCE or following == scale:
             break
-        scale = following
+        scale, stream = following, deepcopy(before)
+        shape = build(stream, scale * height, scale * radius)
     rng.bit_generator.state = stream.bit_generator.state
     return shape
 

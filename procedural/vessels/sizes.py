@@ -103,15 +103,20 @@ def check_volumes(settings: VesselSettings) -> None:
     """Raise InputError where no family of the settings can have their volumes, or hold their fillings."""
     if any(_holds_volumes(c, settings) for c in family_weights(settings) if _fits(FAMILIES[c], settings)):
         return
-    ranges = {c: volumes_of(settings, c) for c in family_weights(settings) if _fits(FAMILIES[c], settings)}
+    ranges: dict[Category, Limits] = {
+        c: volumes_of(settings, c) for c in family_weights(settings) if _fits(FAMILIES[c], settings)
+    }
     if not ranges:  # `draw_size` says which sizes do not go together
         return
-    field, factors = ("fill", dict.fromkeys(ranges, 1.0)) if settings.volume is None else ("volume", NOMINAL)
-    given = settings.fill if settings.volume is None else settings.volume
-    fractions = (LEAST_FILL, MOST_FILL) if settings.volume is None else (1.0, 1.0)
-    low = min(fractions[0] * limits[0] * factors.get(c, 1.0) for c, limits in ranges.items())
-    high = max(fractions[1] * limits[1] * factors.get(c, 1.0) for c, limits in ranges.items())
-    expected = f"{volume_text(low)} to {volume_text(high)} for {', '.join(ranges)} of the heights and radii in settings"
+    if settings.volume is None:
+        field, given = "fill", settings.fill
+        low = LEAST_FILL * min(limits[0] for limits in ranges.values())
+        high = MOST_FILL * max(limits[1] for limits in ranges.values())
+    else:
+        field, given = "volume", settings.volume
+        low = min(limits[0] * NOMINAL.get(c, 1.0) for c, limits in ranges.items())
+        high = max(limits[1] * NOMINAL.get(c, 1.0) for c, limits in ranges.items())
+    expected = f"{volume_text(low)} to {volume_text(high)} (a {' or '.join(ranges)} of the set heights and radii)"
     raise InputError(f"vessels.{field}", expected, " to ".join(dict.fromkeys(map(str, given))))
 
 
