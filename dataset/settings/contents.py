@@ -61,6 +61,6 @@ def _lines(found: Catalogue) -> Iterator[str]:
     yield from (f"  {n:26}{dye.concentrations[0]:g} to {dye.concentrations[1]:g}" for n, dye in found.dyes.items())
     yield "families (vessels.categories): heights [mm], and nominal volumes as drawn without vessels.volume"
     for name, family in found.families.items():
-        low, high = (volume_text(volume) for volume in found.volumes[name])
+        low, high = (volume_text(float(f"{volume:.2g}")) for volume in found.volumes[name])
         yield f"  {name:26}{1e3 * family.height[0]:.0f} to {1e3 * family.height[1]:.0f} mm, {low} to {high}"
     yield f"presets: {', '.join(found.presets)}"
