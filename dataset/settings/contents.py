@@ -45,7 +45,7 @@ def catalogue() -> Catalogue:
         liquids=found,
         mixtures=tuple(name for name in liquid_names() if name not in found),
         dyes=dict(DYES),
-        families=dict(FAMILIES),
+        families={str(name): family for name, family in FAMILIES.items()},
         volumes=limits,
         presets=tuple(preset_names()),
     )

@@ -35,7 +35,7 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
     ball : float
         Radius of the ball [m].
     floor : float
-        Height below which the ball does not reach [m].
+        Height below which the ball does not reach [m]; over a tight corner of the wall it may not come down to it.
 
     Returns
     -------
@@ -95,11 +95,17 @@ def _gap(centres: np.ndarray, wall: np.ndarray, reach: np.ndarray) -> np.ndarray
 
 
 def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Keep the part connected to the top end that is off the axis and not below `lowest`."""
+    """Keep the part connected to the top end that is off the axis and not below `lowest`.
+
+    Where the ball touches the wall twice before it comes down to `lowest`, as over a tight corner at the base, all of
+    it is kept: the floor then lies as low as the ball goes.
+    """
     room = np.minimum(centres[:, 0], centres[:, 1] - lowest)
     blocked = np.flatnonzero(room <= 0.0)
-    if len(blocked) == 0 or blocked[-1] + 1 >= len(room):
-        raise NoRoomError(f"the wall leaves no room for the ball above {lowest:.4f} m, or does not reach down to it")
+    if len(blocked) == 0:
+        return centres, towards
+    if blocked[-1] + 1 >= len(room):
+        raise NoRoomError(f"the wall leaves no room for the ball above {lowest:.4f} m")
     i = int(blocked[-1])
     at_axis, at_floor = (
         0.0 if low > 0.0 else -low / (high - low)

@@ -69,9 +69,9 @@ def shape_that_holds(
     for _ in range(ATTEMPTS):
         try:
             shape = _attempt(rng, size_limits(settings, category), size, wanted, build)
-            volume = brimful_volume(shape.inner.points)
-            if wanted.brimful is None and wanted.filled is None:
+            if wanted == WantedVolume():
                 return shape
+            volume = brimful_volume(shape.inner.points)
             if _holds(volume, wanted):
                 return shape
             target = wanted.brimful or wanted.filled or 1.0
@@ -91,14 +91,14 @@ def _attempt(
 ) -> VesselShape:
     before = deepcopy(rng)
     shape = build(rng, *size)
+    if wanted == WantedVolume():
+        return shape
     target = wanted.brimful
-    if target is None and wanted.filled is not None:
-        fraction = wanted.filled / brimful_volume(shape.inner.points)
+    if target is None:
+        fraction = (wanted.filled or 0.0) / brimful_volume(shape.inner.points)
         if _TOO_LARGE <= fraction <= MOST_FILL:
             return shape
-        target = wanted.filled / float(rng.uniform(*(_IN_SMALL if fraction > MOST_FILL else _IN_LARGE)))
-    if target is None:
-        return shape
+        target = (wanted.filled or 0.0) / float(rng.uniform(*(_IN_SMALL if fraction > MOST_FILL else _IN_LARGE)))
     return _scaled(rng, before, limits, size, target, build)
 
 

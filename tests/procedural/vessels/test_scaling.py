@@ -11,7 +11,8 @@ from glassware.procedural.optics.medium import Medium
 from glassware.procedural.profiles.liquid import brimful_volume
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.vessels.draw import draw_vessel
-from glassware.procedural.vessels.scaling import VOLUME_TOLERANCE
+from glassware.procedural.vessels.rolling import NoRoomError
+from glassware.procedural.vessels.scaling import VOLUME_TOLERANCE, WantedVolume, shape_that_holds
 from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
 from glassware.procedural.vessels.sizes import NOMINAL, draw_size, volumes_of
 
@@ -90,7 +91,21 @@ def test_volumes_that_do_not_go_together_are_one_line_with_the_nearest(settings,
 
 
 def test_a_shape_without_room_inside_is_drawn_again():
-    # The first shape of this stream is a freeform vessel that narrows to less than its two walls.
-    settings = VesselSettings(fill_probability=0.0, chord_error=2e-4)
-    vessel = draw_vessel(stream(774, 0, "vessels/1"), settings, id=2, name="vessel-01", glass=GLASS)
-    assert brimful_volume(np.array(vessel.inner)) > 1e-5
+    settings, shapes = VesselSettings(categories=("vase",), fill_probability=0.0, chord_error=2e-4), []
+
+    def build(rng, height, radius):
+        shapes.append((height, radius))
+        if len(shapes) < 3:
+            raise NoRoomError("no room")
+        return "a shape"
+
+    size = (0.2, 0.05)
+    with pytest.raises(InputError, match=r"^vessels.wall, vessels.base: expected walls that leave room in a vase"):
+        shape_that_holds(stream(1, 0, "v"), settings, "vase", size, WantedVolume(), _no_room)
+    assert shape_that_holds(stream(1, 0, "v"), settings, "vase", size, WantedVolume(), build) == "a shape"
+    assert shapes[0] == size
+    assert len(set(shapes)) == 3
+
+
+def _no_room(*_):
+    raise NoRoomError("no room")
