@@ -29,7 +29,7 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "media"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "vessels.media"]
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
@@ -65,7 +65,7 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     }
     media = settings.vessels.media
     if media is not None:
-        found["media", media.name] = media
+        found["vessels.media", media.name] = media
     return found
 
 
@@ -126,7 +126,7 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    if folder == "media":
+    if folder == "vessels.media":
         return Path(settings.vessels.media or name).with_name(name)
     holder = settings.environment if folder == "hdri_dir" else settings
     return Path(getattr(holder, folder) or "", name)
