@@ -116,7 +116,9 @@ def _shown(value: object) -> str:
 
 
 def _range(field: dict) -> str:
-    """Return the limits in words; of a list, those of its entries."""
+    """Return the limits in words; of a list, those of its entries; what a field says of itself comes first."""
+    if "range" in field:
+        return field["range"]
     if "prefixItems" in field:
         items = field["prefixItems"]
         if "prefixItems" in items[0]:

@@ -29,13 +29,13 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file in one of the asset folders, or the file of camera poses."""
+    """A file in one of the asset folders, or the file of camera poses or of own media."""
 
     folder: Folder = Field(description="The setting that names its folder, or the file itself")
     path: str = Field(description="Below the folder, with forward slashes")
@@ -69,6 +69,8 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     }
     if settings.cameras.poses is not None:
         found["cameras.poses", settings.cameras.poses.name] = settings.cameras.poses
+    if settings.vessels.media is not None:
+        found["vessels.media", settings.vessels.media.name] = settings.vessels.media
     return found
 
 
@@ -129,8 +131,9 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    if folder == "cameras.poses":
-        return (settings.cameras.poses or Path()).with_name(name)
+    files = {"cameras.poses": settings.cameras.poses, "vessels.media": settings.vessels.media}
+    if folder in files:
+        return Path(files[folder] or name).with_name(name)
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 

@@ -17,12 +17,12 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
+from ...core.yaml_file import yaml_settings
 from .camera_layer import with_cameras
 from .help_page import asks_for_help, print_help
 from .option_units import without_units
 from .options import FLAT as FLAT
 from .options import LISTS, SHORT, flat_groups, option_names
-from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
 
@@ -38,7 +38,8 @@ def preset_names() -> list[str]:
 def preset(name: str, where: str = "--preset") -> dict[str, Any]:
     """Return a preset's settings; InputError where no preset has this name."""
     if name not in preset_names():
-        raise InputError(where, f"one of {', '.join(preset_names())}", shortened(name))
+        known = preset_names()
+        raise InputError(where, f"one of {', '.join(known)}", shortened(name) + suggest(str(name), known))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
 
 
@@ -184,15 +185,25 @@ def _argument_error(
         case tyro_errors.InstantiationFailure(argument=argument):
             return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
-            return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
+            return InputError(
+                _place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices)
+            )
         case tyro_errors.BadValue(argument=argument, offending_value=value):
             return InputError(_place(prog, argument), _form(argument), value or "fewer values")
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
-            hint = _option_hint(tokens[0].partition("=")[0], model)
-            return InputError(prog, f"known options with valid values (see --help){hint}", " ".join(tokens))
+            return _unknown_options(prog, tokens, model)
     return InputError(prog, "options as --help lists them", event)
+
+
+def _unknown_options(prog: str, tokens: Sequence[str], model: type[BaseModel]) -> InputError:
+    """Return the error for words that no option takes: all unknown options, each with the nearest known one."""
+    expected, found = "known options with valid values (see --help)", " ".join(tokens)
+    options = [word.partition("=")[0] for word in tokens if word.startswith("--")]
+    if len(options) < 2:
+        return InputError(prog, expected + _option_hint(tokens[0].partition("=")[0], model), found)
+    return InputError(prog, expected, ", ".join(option + _option_hint(option, model) for option in options))
 
 
 def _option_hint(option: str, model: type[BaseModel]) -> str:

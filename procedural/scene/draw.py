@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel
-from ..optics.draw import draw_liquid
+from ..optics.medium import Medium
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
@@ -16,9 +18,9 @@ from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
-from ..vessels.families import draw_size
+from ..vessels.media import draw_media
 from ..vessels.settings import VesselSettings
-from ..vessels.wall_materials import draw_wall_material
+from ..vessels.sizes import draw_size
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
 from .solids import body_mesh, workspace
@@ -50,7 +52,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     vessel_count = int(counts.integers(settings.vessel_count[0], settings.vessel_count[1] + 1))
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
-    vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
+    kinds = settings.vessels.model_copy(update={"categories": families})
+    vessels = _vessels(kinds, seed, scene_id, vessel_count, files.media)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
@@ -75,13 +78,12 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, own: Mapping[str, Medium]) -> list[Vessel]:
     vessels = []
     for i in range(count):
         # The family is the first that a vessel's stream gives; the wall's material follows it.
         category, *_ = draw_size(stream(seed, scene_id, f"vessels/{i}"), settings)
-        media = stream(seed, scene_id, f"media/{i}")
-        glass, liquid = draw_wall_material(media, category), draw_liquid(media)
+        glass, liquid = draw_media(stream(seed, scene_id, f"media/{i}"), settings, category, own)
         rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
         vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
     return vessels

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
@@ -16,6 +16,7 @@ from ..surroundings.camera_settings import CameraSettings
 from ..surroundings.settings import EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
 from ..vessels.settings import VesselSettings
+from ..vessels.sizes import check_volumes
 from .splits import SplitSettings
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]
@@ -49,3 +50,8 @@ class SceneSettings(Model):
     def table_texture_dir(self) -> Path | None:
         """Folder of pictures for the table's top: its own, or that of the props."""
         return self.texture_dir if self.table.texture_dir is None else self.table.texture_dir
+
+    @model_validator(mode="after")
+    def _volumes_fit(self) -> SceneSettings:
+        check_volumes(self.vessels)
+        return self

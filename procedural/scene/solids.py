@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...core.mesh import Mesh, joined
+from ...core.mesh import Mesh
 from ..description.camera import Camera
+from ..description.edits import in_world, solid_of
 from ..description.scene import Prop, SceneObject, glass_solid
 from ..description.surroundings import Table
 from ..placement.overlap import Solid, contains
@@ -22,25 +23,10 @@ def body_mesh(item: SceneObject) -> Mesh:
     return item.mesh if isinstance(item, Prop) else glass_solid(item)
 
 
-def solid(item: SceneObject) -> Solid:
-    """Return the body as others meet it: glass with its liquid, or a prop."""
-    if isinstance(item, Prop):
-        mesh = item.mesh
-    else:
-        outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
-        mesh = joined(outer, f"{item.name}-body")
-    return in_world(mesh, item.world_T_object)
-
-
-def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
-    """Return a mesh at its pose."""
-    return Solid(mesh.vertices.astype(np.float64) @ world_T_mesh[:3, :3].T + world_T_mesh[:3, 3], mesh.faces)
-
-
 def workspace(objects: Sequence[SceneObject], table: Table) -> Workspace:
     """Return what the cameras of a scene look at: a ball around all objects, or the middle of an empty table."""
     centre, radius = _ball(objects)
-    solids = {item.name: solid(item) for item in objects} | {"the table": in_world(table.mesh, np.eye(4))}
+    solids = {item.name: solid_of(item) for item in objects} | {"the table": in_world(table.mesh, np.eye(4))}
     vessels = [item for item in objects if not isinstance(item, Prop)] or list(objects)
     middles = np.array([item.world_T_object[:3, 3] for item in vessels] or [np.zeros(3)])
     return Workspace(
