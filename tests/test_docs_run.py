@@ -199,9 +199,10 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def out(inputs: Path, backend: str) -> Path:
-    """A small data set of one scene, as `render-scene --seed 7 --out out --write all` makes it."""
+    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` beside it has all files."""
     with contextlib.chdir(inputs):
-        assert run(smaller(["render-scene", "--seed", "7", "--out", "out", "--write", "all"])) == (0, "")
+        assert run(smaller(["render-scene", "--seed", "7", "--out", "out"])) == (0, "")
+        assert run(smaller(["render-scene", "--seed", "7", "--out", "out-all", "--write", "all"])) == (0, "")
     return inputs / "out"
 
 
@@ -356,7 +357,7 @@ def provide(page: str, *data_sets: tuple[Path, str]) -> None:
 @ignore_copy
 @pytest.mark.parametrize("page", [page for page in PYTHON_PAGES if page != "building.md"])
 def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Path, here: Path) -> None:
-    provide(page, (out, "out"))
+    provide(page, (out, "out"), (out.with_name("out-all"), "out-all"))
     assert list(failing(page, [*PYTHON_NOT_RUN, *PYTHON_SLOW])) == []
 
 
@@ -366,7 +367,7 @@ def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Pat
 def test_the_python_of_a_page_works_on_a_scene_with_an_irradiance_cache_as_well(
     page: str, out_shared: Path, data: Path, here: Path
 ) -> None:
-    provide(page, (out_shared, "out"), (data, "data"))
+    provide(page, (out_shared, "out"), (out_shared, "out-all"), (data, "data"))
     assert list(failing(page, PYTHON_NOT_RUN)) == []
 
 
