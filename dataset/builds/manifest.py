@@ -65,6 +65,8 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     }
     media = settings.vessels.media
     if media is not None:
+        if not media.is_file():
+            raise InputError(media, "the YAML file of vessels.media", "none")
         found["vessels.media", media.name] = media
     return found
 
