@@ -174,5 +174,6 @@ def test_a_scene_with_own_media_is_stored_whole(tmp_path):
     save_scene(scene, tmp_path / "scene.json")
     path.unlink()
     (vessel,) = load_scene(tmp_path / "scene.json").vessels
+    assert vessel.liquid is not None
     assert (vessel.glass.eta, vessel.liquid.medium.eta, vessel.liquid.medium.sigma_a) == (1.6, 1.43, (1.0, 2.0, 9.0))
     assert vessel.liquid == scene.vessels[0].liquid
