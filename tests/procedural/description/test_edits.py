@@ -62,18 +62,20 @@ def test_curves_are_read_back_from_the_meshes_of_every_family(category, filled):
         {"vessel_count": (1, 1), "prop_count": (0, 0), "vessels": vessels, "environment": {"room_share": 0.0}}
     )
     (vessel,) = draw_scene(settings, 5, 0).vessels
+    assert isinstance(vessel, Vessel)
     outer, inner, _ = section_of(vessel)
     for curve in (outer, inner):
         np.testing.assert_allclose(np.hypot(*curve.normals.T), 1.0, atol=1e-12)
     empty = refilled(vessel, None)
     assert (empty.liquid, [part.part for part in empty.interfaces]) == (None, ["outside"])
     if not filled:
-        (before,), (after,) = vessel.interfaces, empty.interfaces
-        np.testing.assert_array_equal(after.mesh.vertices, before.mesh.vertices)
-        np.testing.assert_array_equal(after.mesh.faces, before.mesh.faces)
-        np.testing.assert_allclose(after.mesh.normals, before.mesh.normals, atol=ROUNDING)
-    full = refilled(empty, water(), 0.4)
-    assert full.liquid.fill == pytest.approx(0.4, rel=1e-5)
+        before, after = vessel.interfaces[0].mesh, empty.interfaces[0].mesh
+        np.testing.assert_array_equal(after.vertices, before.vertices)
+        np.testing.assert_array_equal(after.faces, before.faces)
+        np.testing.assert_allclose(np.array(after.normals), np.array(before.normals), atol=ROUNDING)
+    full = refilled(empty, water(), 0.4).liquid
+    assert full is not None
+    assert full.fill == pytest.approx(0.4, rel=1e-5)
 
 
 def test_a_liquid_keeps_its_volume_where_nobody_says_another(scene):
@@ -176,7 +178,7 @@ def test_what_has_no_inside_takes_no_liquid(scene):
 )
 def test_a_plain_copy_whose_label_says_something_else_is_refused(scene, field, value, line):
     vessel = scene.vessels[0]
-    assert isinstance(vessel, Vessel)
+    assert vessel.liquid is not None
     liquid = vessel.liquid.model_copy(update={field: value})
     changed = scene.model_copy(update={"vessels": (vessel.model_copy(update={"liquid": liquid}), *scene.vessels[1:])})
     with pytest.raises(InputError) as error:
