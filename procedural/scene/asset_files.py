@@ -11,6 +11,8 @@ from ...core.assets import asset
 from ..materials.picture_files import check_pictures, picture_files
 from ..optics.draw import NO_MEDIA
 from ..optics.medium import Medium
+from ..own_vessels.files import VesselFile, vessel_files
+from ..own_vessels.shape import check_own
 from ..props.mesh_files import MeshFile, check_meshes, mesh_files
 from ..surroundings.camera_poses import poses_of
 from ..surroundings.hdri import hdri_files, read_hdri
@@ -30,6 +32,7 @@ class AssetFiles:
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[Path, ...] = ()
     table_textures: tuple[Path, ...] = ()  #: those of the props, unless the table has a folder of its own
+    vessels: tuple[VesselFile, ...] = ()
     poses: tuple[FilePose, ...] = ()
     media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
 
@@ -43,6 +46,7 @@ def asset_files(settings: SceneSettings) -> AssetFiles:
         meshes=() if meshes is None else mesh_files(meshes),
         textures=() if textures is None else picture_files(textures),
         table_textures=() if tables is None else picture_files(tables),
+        vessels=() if settings.vessel_dir is None else vessel_files(settings.vessel_dir),
         poses=poses_of(settings.cameras),
         media=own_media(settings.vessels),
     )
@@ -61,6 +65,7 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
         table_textures=kept(files.table_textures, lambda path: path.relative_to(tables or path).as_posix()),
+        vessels=kept(files.vessels, lambda file: file.name),
         poses=files.poses,
     )
 
@@ -84,6 +89,8 @@ def check_inputs(settings: SceneSettings) -> None:
             read_hdri(asset(path))
     if settings.mesh_dir is not None:
         check_meshes(mesh_files(settings.mesh_dir))
+    if settings.vessel_dir is not None:
+        check_own(vessel_files(settings.vessel_dir), settings.vessels)
     if settings.texture_dir is not None:
         check_pictures(picture_files(settings.texture_dir))
     if settings.table.texture_dir is not None:

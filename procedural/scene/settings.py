@@ -33,6 +33,10 @@ class SceneSettings(Model):
         default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
+    vessel_dir: UserPath | None = Field(
+        default=None,
+        description="Folder of vessels, or one file: closed meshes that are taken as glass (OBJ, PLY, GLB, STL)",
+    )
     texture_dir: UserPath | None = Field(
         default=None, description="Folder of pictures for plain props, and for the table without `table.texture_dir`"
     )
