@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Most lines of a grid [1], and the shares of the wall's thickness and of the solid's width that lines are apart: a
+#: Most lines of a grid [1], and the fractions of the wall's thickness and of the solid's width that lines are apart: a
 #: wall that is thicker than the distance of two lines is met by one of them wherever it stands upright.
 MOST_LINES = 640 * 640
 PITCH_PER_WALL, PITCH_PER_WIDTH = 0.6, 1.0 / 160.0
@@ -145,8 +145,8 @@ def _lines(vertices: np.ndarray, faces: np.ndarray, pitch: float) -> _Lines:
     column, face, height, rising = column[order], face[order], height[order], rising[order]
     steps = np.where(rising, -1, 1)
     total = np.cumsum(steps)
-    starts = np.flatnonzero(np.diff(column, prepend=-1))
-    start = np.repeat(starts, np.diff(np.append(starts, len(column))))
+    begins = np.flatnonzero(np.diff(column, prepend=-1))
+    start = np.repeat(begins, np.diff(np.append(begins, len(column))))
     after = total - np.where(start > 0, total[start - 1], 0)
     return _Lines(origin, (nx, ny), column, face, height, rising, after - steps, after, start)
 

@@ -188,13 +188,13 @@ def _cut_points(
     flip = mesh.vertices[one, 2] > mesh.vertices[other, 2]
     one, other = np.where(flip, other, one), np.where(flip, one, other)
     foot, head = (mesh.vertices[ends].astype(np.float64) for ends in (one, other))
-    share = ((heights - foot[:, 2]) / (head[:, 2] - foot[:, 2]))[:, None]
-    points = foot + share * (head - foot)
+    along = ((heights - foot[:, 2]) / (head[:, 2] - foot[:, 2]))[:, None]
+    points = foot + along * (head - foot)
     points[:, 2] = heights
     vertices = np.concatenate([mesh.vertices, points.astype(np.float32)])
     normals = mesh.normals
     if normals is not None:
-        mixed = normals[one] + share * (normals[other] - normals[one])
+        mixed = normals[one] + along * (normals[other] - normals[one])
         mixed /= np.maximum(np.linalg.norm(mixed, axis=1, keepdims=True), 1e-12)
         normals = np.concatenate([normals, mixed.astype(np.float32)])
     return vertices, normals, len(mesh.vertices) + number.reshape(start.shape)

@@ -1,7 +1,7 @@
 """Find the cavities of a solid: where it would hold liquid as it stands, up to which height, and how much.
 
-Liquid stands in a part of the free space that is not connected to the outside below a height: the highest such height is
-the brim. It is the smallest, over all ways out, of the highest point of the way (a minimax path), which the minimum
+Liquid stands in a part of the free space that is not connected to the outside below a height: the highest such height
+is the brim. It is the smallest, over all ways out, of the highest point of the way (a minimax path), which the minimum
 spanning tree of the free space has (Hu 1961, "The maximum capacity route problem", Operations Research 9(6)).
 """
 
@@ -15,9 +15,9 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 
 from .columns import Columns
 
-#: A cavity is deeper than this [m], and holds more than this [m^3] and this share of the largest one [1]: dents of
+#: A cavity is deeper than this [m], and holds more than this [m^3] and this fraction of the largest one [1]: dents of
 #: feet, handles and ornaments hold less.
-LEAST_DEPTH, LEAST_VOLUME, LEAST_SHARE = 2e-3, 2e-7, 0.02
+LEAST_DEPTH, LEAST_VOLUME, LEAST_PART = 2e-3, 2e-7, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ def hollows(columns: Columns) -> tuple[Hollow, ...]:
     found = [_hollow(columns, group, brim) for group in groups]
     found = [one for one in found if one.brim - one.floor > LEAST_DEPTH and one.volume > LEAST_VOLUME]
     found.sort(key=lambda one: -one.volume)
-    return tuple(one for one in found if one.volume >= LEAST_SHARE * found[0].volume)
+    return tuple(one for one in found if one.volume >= LEAST_PART * found[0].volume)
 
 
 def _hollow(columns: Columns, group: np.ndarray, brim: np.ndarray) -> Hollow:
@@ -93,13 +93,11 @@ def _links(columns: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     lines = np.arange(nx * ny).reshape(nx, ny)
     sides = [(lines[:-1].ravel(), lines[1:].ravel()), (lines[:, :-1].ravel(), lines[:, 1:].ravel())]
     left, right = (np.concatenate([side[k] for side in sides]) for k in (0, 1))
-    parts = [
-        _met(columns, left, right, firsts, counts, i, j) for i in range(-1, int(counts.max())) for j in range(-1, i)
-    ]
-    parts += [
-        _met(columns, right, left, firsts, counts, i, j) for i in range(-1, int(counts.max())) for j in range(-1, i)
-    ]
-    parts += [_met(columns, left, right, firsts, counts, i, i) for i in range(int(counts.max()))]
+    most = int(counts.max())
+    unequal = [(i, j) for i in range(most) for j in range(-1, i)]
+    parts = [_met(columns, left, right, firsts, counts, i, j) for i, j in unequal]
+    parts += [_met(columns, right, left, firsts, counts, i, j) for i, j in unequal]
+    parts += [_met(columns, left, right, firsts, counts, i, i) for i in range(most)]
     start, end, height = (np.concatenate([part[k] for part in parts]) for k in range(3))
     # Several ways to the outside are one: the lowest.
     order = np.lexsort((height, end, start))

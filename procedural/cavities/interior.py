@@ -15,15 +15,15 @@ from .cut import Parts, clear_level, cut, touched_faces, welded
 from .find import Hollow, hollows
 from .wall import THINNEST, thicknesses
 
-#: Least distance of a liquid's surface below the brim [m], and the share of the depth that it may be at most [1]:
+#: Least distance of a liquid's surface below the brim [m], and the fraction of the depth that it may be at most [1]:
 #: below the rounding of most rims, as in vessels that are drawn.
 BRIM_MARGIN, MOST_MARGIN = 2.5e-3, 0.1
 #: Quantile of the pieces of horizontal lines in the solid that counts as the wall [1], to choose how far lines are
 #: apart.
 _THIN_RUN = 0.05
-#: Below the brim the wall is rounded off: it is measured below this many times its own thickness, and this share of the
+#: Below the brim the wall is rounded off: it is measured below this many times its own thickness, and this fraction of the
 #: depth [1].
-_RIM_SHARE = 0.15
+_RIM_PART = 0.15
 #: Interiors that are remembered [1]: scenes have up to 24 vessels.
 _REMEMBERED = 32
 
@@ -79,7 +79,7 @@ def _wall(places: np.ndarray, faces: np.ndarray, columns: Columns, found: Sequen
     for hollow in found:
         depth = hollow.brim - hollow.floor
         below = touched_faces(faces, places[:, 2], columns, hollow, hollow.brim - 0.01 * depth)
-        deep = corners[..., 2].max(1) < hollow.brim - _RIM_SHARE * depth
+        deep = corners[..., 2].max(1) < hollow.brim - _RIM_PART * depth
         near |= below
         inner |= below & deep
     if not inner.any():  # faces as long as the wall is high
@@ -95,14 +95,14 @@ def most_level(hollow: Hollow) -> float:
 
 def most_volume(interior: Interior) -> float:
     """Return the largest volume that the cavities hold together, each as full as the others [m^3]."""
-    shares = [hollow.volume_below(most_level(hollow)) / hollow.volume for hollow in interior.hollows]
-    return min(shares) * interior.volume if shares else 0.0
+    fractions = [hollow.volume_below(most_level(hollow)) / hollow.volume for hollow in interior.hollows]
+    return min(fractions) * interior.volume if fractions else 0.0
 
 
 def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str, str]) -> tuple[Parts, float]:
     """Return a solid's surface cut for a volume of liquid, and the level in its largest cavity [m].
 
-    Every cavity gets the same share of what it holds.
+    Every cavity gets the same fraction of what it holds.
 
     Parameters
     ----------
@@ -121,8 +121,8 @@ def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str
         Where a level does not cut the wall in closed lines.
     """
     heights = welded(solid)[0][:, 2]
-    share = volume / interior.volume
-    levels = [_level(hollow, share * hollow.volume, heights) for hollow in interior.hollows]
+    fraction = volume / interior.volume
+    levels = [_level(hollow, fraction * hollow.volume, heights) for hollow in interior.hollows]
     return cut(solid, interior.columns, list(zip(interior.hollows, levels, strict=True)), names), float(levels[0])
 
 

@@ -13,10 +13,6 @@ from ..optics.medium import AIR, Medium
 from .bodies import Cavity, Interface, Liquid, MeshVessel
 from .refill import wanted_volume
 
-#: Corrections of the level by the volume of the body that follows from it: lines sample the cavity, which is off by up
-#: to some tenths of a percent.
-_CORRECTIONS = 1
-
 
 def mesh_vessel(
     solid: Mesh,
@@ -123,13 +119,15 @@ def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float,
     """Return the parts, the level [m] and the volume of the liquid's body [m^3]."""
     stem = solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
-    volume, asked = wanted, wanted
-    for correction in range(1 + _CORRECTIONS):
-        parts, level = filled(solid, inside, asked, names)
-        volume = volume_of(joined([turned(parts.wet_wall), parts.liquid_surface], stem))
-        if correction < _CORRECTIONS:
-            asked = min(asked + wanted - volume, most_volume(inside))
-    return parts, level, volume
+    parts, level = filled(solid, inside, wanted, names)
+    # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
+    parts, level = filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
+    return parts, level, _content(parts)
+
+
+def _content(parts: Parts) -> float:
+    """Return the volume of the liquid's body [m^3]."""
+    return volume_of(joined([turned(parts.wet_wall), parts.liquid_surface], "liquid"))
 
 
 def _contact_angle(parts: Parts, level: float) -> float:

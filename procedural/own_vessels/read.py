@@ -128,7 +128,7 @@ def in_metres(path: Path, vertices: np.ndarray, unit: Unit | None) -> np.ndarray
     low, high = SIZES
     if low <= longest * scale <= high:
         return vertices * scale
-    fitting = [name for name, factor in UNITS.items() if low <= longest * factor <= high]
+    fitting: list[Unit] = [name for name, factor in UNITS.items() if low <= longest * factor <= high]
     hint = f" (--vessels.unit {fitting[-1]} makes it {longest * UNITS[fitting[-1]]:.3g} m)" if fitting else ""
     stated = f"in {unit}" if unit else "in metres, as no unit is stated"
     expected = f"a vessel whose longest side has {1e3 * low:g} mm to {high:g} m"

@@ -1,7 +1,7 @@
 """Make a closed solid of the triangles in a file, where that is safe; say what is wrong and where, where it is not.
 
-Safe repairs: welding of points that are nearly equal, faces without area and faces that are there twice, faces that look
-the wrong way, small holes, and bodies that overlap, which become one.
+Safe repairs: welding of points that are nearly equal, faces without area and faces that are there twice, faces that
+look the wrong way, small holes, and bodies that overlap, which become one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..cavities.columns import PITCH_PER_WIDTH, crossed_twice
 from .bodies import oriented, united
 from .sheets import holes_filled, thickened
 
-#: Points nearer than this share of the longest side are one where a surface is open without it [1]: what text files
+#: Points nearer than this fraction of the longest side are one where a surface is open without it [1]: what text files
 #: with six digits round away.
 _WELD = 1e-5
 
@@ -147,11 +147,11 @@ def _check_edges(path: Path, surface: Surface) -> None:
 def _same_way(path: Path, surface: Surface) -> np.ndarray:
     """Return the faces, turned so that neighbours look to the same side."""
     faces = surface.faces
-    ends, edge, count = _edge_counts(faces)
+    _, edge, count = _edge_counts(faces)
     order = np.argsort(edge, kind="stable")
     order = order[np.repeat(count, count) == 2].reshape(-1, 2)
-    starts = faces.reshape(-1)[order]
-    turned = starts[:, 0] == starts[:, 1]  # both go along the edge in the same direction
+    origin = faces.reshape(-1)[order]
+    turned = origin[:, 0] == origin[:, 1]  # both go along the edge in the same direction
     if not turned.any():
         return faces
     a, b = (order // 3).T
@@ -171,8 +171,8 @@ def _same_way(path: Path, surface: Surface) -> np.ndarray:
 
 def _open(surface: Surface, loose: np.ndarray) -> str:
     points = surface.vertices[loose]
-    length = np.linalg.norm(points[:, 0] - points[:, 1], axis=1).sum()
-    return f"an open one: {len(loose)} loose edges, {1e3 * length:.3g} mm long together, the first {_at(points[0].mean(0))}"
+    length, first = np.linalg.norm(points[:, 0] - points[:, 1], axis=1).sum(), points[0].mean(0)
+    return f"an open one: {len(loose)} loose edges, {1e3 * length:.3g} mm long together, the first {_at(first)}"
 
 
 def _at(place: np.ndarray) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -16,15 +17,15 @@ from ..cavities.interior import interior_of
 from ..cavities.wall import spread
 from ..optics.medium import Medium
 from ..props.normals import creased
-from ..vessels.settings import UpAxis, VesselSettings
+from ..vessels.settings import Unit, UpAxis, VesselSettings
 from .files import VesselFile
 from .read import UP, default_up, in_metres, read_triangles, turned_up
 from .repair import closed_solid
 
 #: Shapes that are remembered between scenes [1].
 _REMEMBERED = 32
-#: Points of the surface, sectors about the axis, and largest distance between the sections of two sectors, as a share of
-#: the longest side [1], for a solid of revolution: a ring of 24 edges is off by 0.9 % of its radius.
+#: Points of the surface, sectors about the axis, and largest distance between the sections of two sectors, as a
+#: fraction of the longest side [1], for a solid of revolution: a ring of 24 edges is off by 0.9 % of its radius.
 _POINTS, _SECTORS, _ROUND = 40_000, 16, 0.012
 
 
@@ -59,13 +60,21 @@ def own_shape(file: VesselFile, settings: VesselSettings) -> OwnShape:
 
 @lru_cache(_REMEMBERED)
 def _own_shape(
-    path: Path, unit: str | None, up: str | None, shell: float | None, _size: int, _changed: int
+    path: Path,
+    unit: Unit | None,
+    up: UpAxis | Literal["fullest"] | None,
+    shell: float | None,
+    _size: int,
+    _changed: int,
 ) -> OwnShape:
     found = read_triangles(path)
-    vertices = in_metres(path, found.vertices, unit)  # pyright: ignore[reportArgumentType]
+    vertices = in_metres(path, found.vertices, unit)
     surface = closed_solid(path, vertices, found.faces, shell)
-    axis = _fullest(surface.vertices, surface.faces) if up == "fullest" else up or default_up(path)
-    placed = turned_up(surface.vertices, axis)  # pyright: ignore[reportArgumentType]
+    if up == "fullest":
+        axis = _fullest(surface.vertices, surface.faces)
+    else:
+        axis = up or default_up(path)
+    placed = turned_up(surface.vertices, axis)
     solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
     if volume_of(solid) <= 0.0:
         raise InputError(path, "a solid", "a surface around nothing")
@@ -81,7 +90,7 @@ def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
     """Return the axis along which a solid holds most as it stands on its other end; z where it holds nothing."""
     held = {axis: interior_of(Mesh(f"up {axis}", turned_up(vertices, axis), faces)).volume for axis in UP}
-    best = max(held, key=lambda axis: held[axis])
+    best: UpAxis = max(held, key=lambda axis: held[axis])
     return best if held[best] > 0.0 else "z"
 
 

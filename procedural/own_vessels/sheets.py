@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import InputError
 
-#: Holes up to this share of the longest side are filled [1]: a missing triangle, not an opening.
+#: Holes up to this fraction of the longest side are filled [1]: a missing triangle, not an opening.
 SMALL_HOLE = 0.05
 
 
@@ -37,11 +37,9 @@ def loose_rings(faces: np.ndarray) -> list[np.ndarray] | None:
 def holes_filled(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return the faces with those that fill small holes, each by a fan from one of its points."""
     reach = SMALL_HOLE * float(np.ptp(vertices, axis=0).max())
-    fans = [faces]
-    for ring in loose_rings(faces) or []:
-        if np.ptp(vertices[ring], axis=0).max() <= reach:
-            fans.append(np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1))
-    return np.concatenate(fans)
+    rings = [ring for ring in loose_rings(faces) or [] if np.ptp(vertices[ring], axis=0).max() <= reach]
+    fans = [np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1) for ring in rings]
+    return np.concatenate([faces, *fans])
 
 
 def thickened(path: Path, vertices: np.ndarray, faces: np.ndarray, thickness: float) -> tuple[np.ndarray, np.ndarray]:

@@ -86,7 +86,7 @@ def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, fil
     if files.vessels:
         choice = stream(seed, scene_id, f"vessel-file/{number}")
         file = files.vessels[int(choice.integers(len(files.vessels)))]
-        if choice.random() < settings.file_share:
+        if choice.random() < settings.file_probability:
             rng = stream(seed, scene_id, place)
             return draw_own_vessel(rng, media, settings, file, id=id, name=name, own=files.media)
     # The family is the first that a vessel's stream gives; the wall's material follows it.

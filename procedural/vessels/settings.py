@@ -98,7 +98,7 @@ class VesselSettings(Model):
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
-    file_share: float = Field(
+    file_probability: float = Field(
         default=1.0, ge=0.0, le=1.0, description="Probability that a vessel comes from `vessel_dir`, if that is given"
     )
     unit: Unit | None = Field(
@@ -107,8 +107,8 @@ class VesselSettings(Model):
     )
     up: UpAxis | Literal["fullest"] | None = Field(
         default=None,
-        description="Axis of the files in `vessel_dir` that points up, or 'fullest', the one along which a vessel holds "
-        "most; by default y in GLB and z in other files",
+        description="Axis of the files in `vessel_dir` that points up, or 'fullest', the one along which a vessel "
+        "holds most; by default y in GLB and z in other files",
     )
     shell: Annotated[float, Field(ge=0.0003, le=0.02), LENGTH] | None = Field(
         default=None,
