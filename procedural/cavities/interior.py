@@ -21,8 +21,7 @@ BRIM_MARGIN, MOST_MARGIN = 2.5e-3, 0.1
 #: Quantile of the pieces of horizontal lines in the solid that counts as the wall [1], to choose how far lines are
 #: apart.
 _THIN_RUN = 0.05
-#: Below the brim the wall is rounded off: it is measured below this many times its own thickness, and this fraction of the
-#: depth [1].
+#: Near the brim the wall is rounded off: it is measured this fraction of the depth below it [1].
 _RIM_PART = 0.15
 #: Interiors that are remembered [1]: scenes have up to 24 vessels.
 _REMEMBERED = 32

@@ -70,10 +70,7 @@ def _own_shape(
     found = read_triangles(path)
     vertices = in_metres(path, found.vertices, unit)
     surface = closed_solid(path, vertices, found.faces, shell)
-    if up == "fullest":
-        axis = _fullest(surface.vertices, surface.faces)
-    else:
-        axis = up or default_up(path)
+    axis = _fullest(surface.vertices, surface.faces) if up == "fullest" else up or default_up(path)
     placed = turned_up(surface.vertices, axis)
     solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
     if volume_of(solid) <= 0.0:
@@ -89,7 +86,9 @@ def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 
 def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
     """Return the axis along which a solid holds most as it stands on its other end; z where it holds nothing."""
-    held = {axis: interior_of(Mesh(f"up {axis}", turned_up(vertices, axis), faces)).volume for axis in UP}
+    held: dict[UpAxis, float] = {
+        axis: interior_of(Mesh(f"up {axis}", turned_up(vertices, axis), faces)).volume for axis in UP
+    }
     best: UpAxis = max(held, key=lambda axis: held[axis])
     return best if held[best] > 0.0 else "z"
 
