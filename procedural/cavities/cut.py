@@ -49,14 +49,14 @@ def welded(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     return mesh.vertices[first].astype(np.float64), index.reshape(-1)
 
 
-def clear_level(heights: np.ndarray, level: float) -> np.float32:
+def clear_level(heights: np.ndarray, level: float) -> float:
     """Return the level near a wanted one that is farthest from the vertices' heights [m], as single precision."""
     near = np.sort(heights[np.abs(heights - level) <= _REACH + _CLEAR])
     if not len(near) or np.abs(near - level).min() > _CLEAR:
-        return np.float32(level)
+        return float(np.float32(level))
     ends = np.concatenate([[level - _REACH], near[np.abs(near - level) <= _REACH], [level + _REACH]])
     widest = int(np.diff(ends).argmax())
-    return np.float32(0.5 * (ends[widest] + ends[widest + 1]))
+    return float(np.float32(0.5 * (ends[widest] + ends[widest + 1])))
 
 
 def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], names: tuple[str, str, str]) -> Parts:
@@ -82,7 +82,10 @@ def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], 
     links = _links(index[mesh.faces])
     level = np.full(len(mesh.faces), np.nan)  # of the liquid that a face touches
     for hollow, height in fillings:
-        level[_touched(links, places[:, 2] < height, columns, hollow, height)] = height
+        touched = _touched(links, places[:, 2] < height, columns, hollow, height)
+        if not touched.any():
+            raise ValueError("expected a wall below the level, found none")
+        level[touched] = height
     below = mesh.vertices[mesh.faces, 2] < level[:, None]
     split = np.flatnonzero(below.any(1) & ~below.all(1))
     vertices, normals, pieces = _split(mesh, links, below[split], split, level[split])
@@ -149,10 +152,7 @@ def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, h
     under = columns.crossing_height < height
     inside = np.isin(columns.crossing_interval[under], hollow.intervals)
     votes = np.bincount(piece[columns.crossing_face[under]], np.where(inside, 1.0, -1.0), piece.max() + 1)
-    found = some & (votes[piece] > 0)
-    if not found.any():
-        raise ValueError("expected a wall below the level, found none")
-    return found
+    return some & (votes[piece] > 0)
 
 
 def _split(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -57,8 +57,15 @@ def interior_of(solid: Mesh) -> Interior:
     places, index = welded(solid)
     faces = index[solid.faces]
     columns = columns_of(places, faces, pitch_for(places, _thin(places, faces)))
-    found = hollows(columns)
-    return Interior(columns, found, _wall(places, faces, columns, found) if found else None)
+    walls = {hollow: _near(places, faces, columns, hollow) for hollow in hollows(columns)}
+    # Where a wall is thinner than lines can tell, a part of the outside may look like a cavity: it has no wall.
+    walls = {hollow: wall for hollow, wall in walls.items() if wall.any()}
+    return Interior(columns, tuple(walls), _wall(places[faces], walls) if walls else None)
+
+
+def _near(places: np.ndarray, faces: np.ndarray, columns: Columns, hollow: Hollow) -> np.ndarray:
+    """Return the faces around a cavity, (m,) bool."""
+    return touched_faces(faces, places[:, 2], columns, hollow, hollow.brim - 0.01 * (hollow.brim - hollow.floor))
 
 
 def _thin(places: np.ndarray, faces: np.ndarray) -> float:
@@ -72,18 +79,14 @@ def _thin(places: np.ndarray, faces: np.ndarray) -> float:
     return float(np.quantile(lengths, _THIN_RUN)) if len(lengths) else 0.0
 
 
-def _wall(places: np.ndarray, faces: np.ndarray, columns: Columns, found: Sequence[Hollow]) -> float:
-    corners = places[faces]
-    inner, near = np.zeros(len(faces), dtype=bool), np.zeros(len(faces), dtype=bool)
-    for hollow in found:
-        depth = hollow.brim - hollow.floor
-        below = touched_faces(faces, places[:, 2], columns, hollow, hollow.brim - 0.01 * depth)
-        deep = corners[..., 2].max(1) < hollow.brim - _RIM_PART * depth
-        near |= below
-        inner |= below & deep
-    if not inner.any():  # faces as long as the wall is high
-        inner = near
-    distances = thicknesses(corners, inner, ~near)
+def _wall(corners: np.ndarray, walls: Mapping[Hollow, np.ndarray]) -> float:
+    """Return the smallest thickness of the wall around cavities [m]."""
+    near = np.logical_or.reduce(list(walls.values()))
+    top = corners[..., 2].max(1)
+    deep = [wall & (top < one.brim - _RIM_PART * (one.brim - one.floor)) for one, wall in walls.items()]
+    inner = np.logical_or.reduce(deep)
+    # Faces may be as long as the wall is high.
+    distances = thicknesses(corners, inner if inner.any() else near, ~near)
     return float(np.quantile(distances, THINNEST))
 
 
@@ -122,9 +125,9 @@ def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str
     heights = welded(solid)[0][:, 2]
     fraction = volume / interior.volume
     levels = [_level(hollow, fraction * hollow.volume, heights) for hollow in interior.hollows]
-    return cut(solid, interior.columns, list(zip(interior.hollows, levels, strict=True)), names), float(levels[0])
+    return cut(solid, interior.columns, list(zip(interior.hollows, levels, strict=True)), names), levels[0]
 
 
-def _level(hollow: Hollow, volume: float, heights: np.ndarray) -> np.float32:
+def _level(hollow: Hollow, volume: float, heights: np.ndarray) -> float:
     level = brentq(lambda z: hollow.volume_below(z) - volume, hollow.floor, hollow.brim, xtol=1e-9)
     return clear_level(heights, float(level))

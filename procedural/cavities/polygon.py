@@ -114,7 +114,7 @@ def _clipped(points: np.ndarray, ring: np.ndarray) -> np.ndarray:
     left = np.ones(count, dtype=bool)
     triangles, corner, since = [], 0, 0
     while count > 3:
-        a, b, c = before[corner], corner, after[corner]
+        a, b, c = int(before[corner]), corner, int(after[corner])
         # After a whole round without an ear, rounding is in the way: any corner that turns left will do, then any.
         if _is_ear(places, left, (a, b, c), since // (count + 1)):
             triangles.append((a, b, c))
@@ -122,7 +122,7 @@ def _clipped(points: np.ndarray, ring: np.ndarray) -> np.ndarray:
             after[a], before[c] = c, a
             count -= 1
             since = 0
-            corner = c if since else after[c]  # not the next one: fans from one corner are thin
+            corner = int(after[c])  # not the next one: fans from one corner are thin
         else:
             corner, since = c, since + 1
     triangles.append((before[corner], corner, after[corner]))

@@ -8,11 +8,23 @@ from scipy.sparse.csgraph import connected_components
 
 
 def bodies_of(faces: np.ndarray) -> np.ndarray:
-    """Return the number of the body, connected by points, of each face (m,)."""
-    count = int(faces.max()) + 1
-    a, b = np.concatenate([faces[:, :2], faces[:, 1:]]).T
-    _, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(count, count)), directed=False)
-    return np.unique(label[faces[:, 0]], return_inverse=True)[1].reshape(-1)
+    """Return the number of the body of each face, (m,): faces that share an edge with no other face are in one."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
+    _, edge, count = np.unique(
+        ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1], return_inverse=True, return_counts=True
+    )
+    order = np.argsort(edge.reshape(-1), kind="stable")
+    a, b = order[np.repeat(count, count) == 2].reshape(-1, 2).T // 3
+    total = len(faces)
+    return connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(total, total)), directed=False)[1]
+
+
+def parted(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the vertices and faces with points of its own for each body, so that bodies that touch are apart."""
+    count = len(vertices)
+    own = bodies_of(faces)[:, None] * count + faces
+    used, index = np.unique(own, return_inverse=True)
+    return vertices[used % count], index.reshape(-1, 3)
 
 
 def oriented(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

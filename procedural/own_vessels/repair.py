@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 from ..cavities.columns import PITCH_PER_WIDTH, crossed_twice
-from .bodies import oriented, united
+from .bodies import oriented, parted, united
 from .sheets import holes_filled, thickened
 
 #: Points nearer than this fraction of the longest side are one where a surface is open without it [1]: what text files
@@ -55,7 +55,10 @@ def closed_solid(path: Path, vertices: np.ndarray, faces: np.ndarray, shell: flo
     if len(_edges_with(surface.faces, 1)):
         closer = _welded(surface)
         surface = closer if len(_edges_with(closer.faces, 1)) < len(_edges_with(surface.faces, 1)) else surface
-    _check_edges(path, surface)
+    touching = bool((_edge_counts(surface.faces)[2] > 2).any())
+    if touching:
+        surface = Surface(*parted(surface.vertices, surface.faces))
+        _check_edges(path, surface)
     surface = Surface(surface.vertices, _same_way(path, surface))
     loose = _edges_with(surface.faces, 1)
     if len(loose) and shell is not None:
@@ -69,14 +72,16 @@ def closed_solid(path: Path, vertices: np.ndarray, faces: np.ndarray, shell: flo
             )
         surface = Surface(surface.vertices, faces)
     surface = Surface(surface.vertices, oriented(surface.vertices, surface.faces))
-    return _apart(path, surface)
+    return _apart(path, surface, touching)
 
 
-def _apart(path: Path, surface: Surface) -> Surface:
-    """Return a solid whose bodies are united where they overlap; InputError where one crosses itself."""
+def _apart(path: Path, surface: Surface, touching: bool) -> Surface:
+    """Return a solid whose bodies are united where they overlap or touch; InputError where one crosses itself."""
     place = _doubled(surface)
     if place is None:
-        return surface
+        if not touching:
+            return surface
+        place = surface.vertices[surface.faces[0]].mean(0)
     joined = united(surface.vertices, surface.faces)
     if joined is not None:
         surface = _clean(*joined)
