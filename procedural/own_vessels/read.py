@@ -75,29 +75,45 @@ def read_triangles(path: Path) -> Triangles:
         parts = [_placed(scene.geometry[name], pose) for pose, name in nodes]
     except Exception as error:  # the readers raise exceptions of many types for malformed files
         raise InputError(path, f"a readable {kind.upper()} mesh", "one that cannot be read") from error
-    parts = [part for part in parts if part is not None]
-    offsets = np.cumsum([0] + [len(points) for points, _ in parts[:-1]])
-    vertices = np.concatenate([points for points, _ in parts]) if parts else np.zeros((0, 3))
-    faces = [some + offset for (_, some), offset in zip(parts, offsets, strict=False)]
-    joined = np.concatenate(faces).astype(np.int64) if faces else np.zeros((0, 3), np.int64)
-    _check(path, vertices, joined)
-    return Triangles(vertices, joined, gltf_glass(path, content) if kind == "glb" else None)
+    solid = [part for part in parts if len(part[1])]
+    if not solid:
+        points = _points(content) if kind == "obj" else np.concatenate([np.zeros((0, 3)), *(some for some, _ in parts)])
+        _check_points(path, points)
+        return Triangles(points, np.zeros((0, 3), np.int64), None)
+    offsets = np.cumsum([0] + [len(points) for points, _ in solid[:-1]])
+    vertices = np.concatenate([points for points, _ in solid])
+    faces = np.concatenate([some + offset for (_, some), offset in zip(solid, offsets, strict=True)]).astype(np.int64)
+    _check(path, vertices, faces)
+    return Triangles(vertices, faces, gltf_glass(path, content) if kind == "glb" else None)
 
 
-def _placed(part: object, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the vertices and faces of a body in the file's frame; None for what has no faces."""
+def _points(content: bytes) -> np.ndarray:
+    """Return the points of an OBJ file, (n, 3); none where a line is no point."""
+    lines = [line.split()[1:4] for line in content.splitlines() if line.startswith(b"v ")]
+    try:
+        return np.array(lines, dtype=np.float64).reshape(-1, 3)
+    except ValueError:
+        return np.zeros((0, 3))
+
+
+def _check_points(path: Path, points: np.ndarray) -> None:
+    if not len(points):
+        raise InputError(path, "a mesh with faces, or points on a surface", "neither")
+    if not np.isfinite(points).all():
+        raise InputError(path, "finite points", "NaN or infinity")
+
+
+def _placed(part: object, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points and faces of a body in the file's frame."""
     import trimesh
 
-    if not isinstance(part, trimesh.Trimesh) or not len(part.faces):
-        return None
-    faces = np.asarray(part.faces)
+    points = np.asarray(getattr(part, "vertices", np.zeros((0, 3))), np.float64).reshape(-1, 3)
+    faces = np.asarray(part.faces) if isinstance(part, trimesh.Trimesh) else np.zeros((0, 3), np.int64)
     mirrored = np.linalg.det(pose[:3, :3]) < 0.0
-    return trimesh.transform_points(part.vertices, pose), faces[:, ::-1] if mirrored else faces
+    return trimesh.transform_points(points, pose), faces[:, ::-1] if mirrored else faces
 
 
 def _check(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    if not len(faces):
-        raise InputError(path, "a mesh with faces", "none")
     if len(faces) > MOST_FACES:
         raise InputError(path, f"at most {MOST_FACES:,} triangles", f"{len(faces):,}")
     if faces.min() < 0 or faces.max() >= len(vertices):

@@ -19,6 +19,7 @@ from ..optics.medium import Medium
 from ..props.normals import creased
 from ..vessels.settings import Unit, UpAxis, VesselSettings
 from .files import VesselFile
+from .points import solid_of_points
 from .read import UP, default_up, in_metres, read_triangles, turned_up
 from .repair import closed_solid
 
@@ -29,6 +30,8 @@ _REMEMBERED = 32
 _POINTS, _SECTORS, _ROUND = 40_000, 16, 0.012
 #: Part of the points that has to be so near [1]: near the axis a sector has few. The smallest handle is more.
 _ALIKE = 0.995
+#: Least part of its box that a body holds the right way up [1]: less is a hollow under a foot.
+_LEAST_HELD = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +74,13 @@ def _own_shape(
 ) -> OwnShape:
     found = read_triangles(path)
     vertices = in_metres(path, found.vertices, unit)
-    surface = closed_solid(path, vertices, found.faces, shell)
+    faces = found.faces
+    if not len(faces):
+        if shell is None:
+            expected = "faces, or a thickness for a surface through the points (--vessels.shell 3mm)"
+            raise InputError(path, expected, f"{len(vertices):,} points alone")
+        vertices, faces = solid_of_points(path, vertices, shell)
+    surface = closed_solid(path, vertices, faces, shell)
     axis = _fullest(surface.vertices, surface.faces) if up == "fullest" else up or default_up(path)
     placed = turned_up(surface.vertices, axis)
     solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
@@ -87,11 +96,12 @@ def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 
 
 def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
-    """Return the axis along which a solid holds most as it stands on its other end; z where it holds nothing."""
-    turned = {axis: Mesh(f"up {axis}", turned_up(vertices, axis), faces) for axis in UP}
-    held: dict[UpAxis, float] = {axis: interior_of(mesh).volume for axis, mesh in turned.items()}
-    best: UpAxis = max(held, key=lambda axis: held[axis])
-    return best if held[best] > 0.0 else "z"
+    """Return the axis along which a solid holds most as it stands on its other end; z where it holds next to nothing."""
+    turned: dict[UpAxis, Mesh] = {axis: Mesh(f"up {axis}", turned_up(vertices, axis), faces) for axis in UP}
+    held = {axis: interior_of(mesh).volume for axis, mesh in turned.items()}
+    best = max(turned, key=lambda axis: held[axis])
+    box = float(np.prod(np.ptp(vertices, axis=0)))
+    return best if held[best] > _LEAST_HELD * box else "z"
 
 
 def is_round(solid: Mesh) -> bool:
