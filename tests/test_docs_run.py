@@ -184,6 +184,9 @@ def write_inputs(folder: Path) -> None:
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
     (folder / "meshes").mkdir()
     trimesh.creation.icosphere(subdivisions=1, radius=0.03).export(folder / "meshes" / "ball.ply")
+    # A beaker in millimetres: 70 wide, 90 high, walls of 2.
+    profile = np.array([(0, 0), (35, 0), (35, 90), (33, 90), (33, 2), (0, 2)], float)
+    trimesh.creation.revolve(profile, sections=64).export(folder / "beaker.obj")
 
 
 @pytest.fixture(scope="module")

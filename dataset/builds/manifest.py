@@ -21,6 +21,7 @@ from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
+from ...procedural.own_vessels.files import vessel_files
 from ...procedural.props.mesh_files import MESH_SUFFIXES
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
@@ -29,7 +30,9 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
+Folder = Literal[
+    "hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "vessel_dir", "cameras.poses", "vessels.media"
+]
 _SINGLE_FILES = ("cameras.poses", "vessels.media")
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
@@ -68,6 +71,8 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
     }
+    if settings.vessel_dir is not None:
+        found |= {("vessel_dir", file.name): file.path for file in vessel_files(settings.vessel_dir)}
     for name, path in _single_files(settings).items():
         if not path.is_file():
             raise InputError(path, f"the file of {name}", "none")
@@ -140,6 +145,8 @@ def _single_files(settings: SceneSettings) -> dict[str, Path]:
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
     if folder in _SINGLE_FILES:
         return _single_files(settings).get(folder, Path(name)).with_name(name)
+    if folder == "vessel_dir" and settings.vessel_dir is not None and settings.vessel_dir.is_file():
+        return settings.vessel_dir
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 

@@ -54,6 +54,7 @@ def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, 
     names = {
         "hdri_dir": tuple(path.relative_to(hdri).as_posix() for path in held.environments),
         "mesh_dir": tuple(file.name for file in held.meshes),
+        "vessel_dir": tuple(file.name for file in held.vessels),
         "texture_dir": tuple(path.relative_to(textures).as_posix() for path in held.textures),
     }
     if tables is not None:

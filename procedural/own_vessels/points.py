@@ -21,8 +21,8 @@ from ..cavities.wall import spread
 
 #: Most points [1]: beyond it a file has faces, or a program that makes them.
 MOST_POINTS = 100_000
-#: Largest circumradius of a triangle between neighbours, in distances of neighbours (their quantile of 0.95) [1]: points
-#: as evenly apart as a Poisson disc leave no larger gap.
+#: Largest circumradius of a triangle between neighbours, in distances of neighbours (their quantile of 0.95) [1]:
+#: points as evenly apart as a Poisson disc leave no larger gap.
 _ALPHA, _QUANTILE = 1.6, 0.95
 #: Edges of the grid in which the surface is sought, in thicknesses [1], and the fewest along the longest side.
 _CELL, _CELLS = 0.4, 100
@@ -120,7 +120,7 @@ def _distances(
 def _sampled(field: np.ndarray, low: np.ndarray, cell: float) -> Callable[[float, float, float], float]:
     """Return the field between grid points, by trilinear interpolation, for one point at a time."""
     nx, ny, nz = (size - 2 for size in field.shape)
-    values, (x0, y0, z0) = memoryview(np.ascontiguousarray(field)), low.tolist()
+    values, (x0, y0, z0) = memoryview(np.ascontiguousarray(field).data), low.tolist()
 
     def at(x: float, y: float, z: float) -> float:
         u, v, w = (x - x0) / cell, (y - y0) / cell, (z - z0) / cell

@@ -96,7 +96,7 @@ def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 
 
 def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
-    """Return the axis along which a solid holds most as it stands on its other end; z where it holds next to nothing."""
+    """Return the axis that has to point up so that a solid holds most; z where it holds next to nothing."""
     turned: dict[UpAxis, Mesh] = {axis: Mesh(f"up {axis}", turned_up(vertices, axis), faces) for axis in UP}
     held = {axis: interior_of(mesh).volume for axis, mesh in turned.items()}
     best = max(turned, key=lambda axis: held[axis])
