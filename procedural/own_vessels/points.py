@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, gaussian_filter
+from scipy.ndimage import distance_transform_edt, gaussian_filter, label
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, cKDTree
@@ -26,6 +26,8 @@ MOST_POINTS = 100_000
 _ALPHA, _QUANTILE = 1.6, 0.95
 #: Edges of the grid in which the surface is sought, in thicknesses [1], and the fewest along the longest side.
 _CELL, _CELLS = 0.4, 100
+#: Distances are known this far beyond the surface of a sheet [cells]: what blurring and interpolation look at.
+_MARGIN = 3.0
 #: Smoothing of the distances [cells], and passes, factors of the mesh's (Taubin 1995, "A signal processing approach to
 #: fair surface design", SIGGRAPH '95).
 _BLUR, _PASSES, _SHRINK, _GROW = 0.7, 12, 0.5, -0.53
@@ -108,13 +110,24 @@ def _distances(
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
     samples, _ = spread(corners, int(4.0 * area / cell**2) + 1000)
-    reach = 2.0 * thickness
-    away = cKDTree(samples).query(grid.reshape(-1, 3), distance_upper_bound=reach)[0].reshape(grid.shape[:-1])
-    place = mesh.find_simplex(grid.reshape(-1, 3)).reshape(grid.shape[:-1])
-    inside = (place >= 0) & np.append(enclosed, False)[place]
-    # Grid points that the surface's groups leave out, such as single keypoints, are in the open.
-    inside &= ~((distance_transform_edt(inside) <= 1.0) & (away > reach))
-    return np.where(inside, 1.0, -1.0) * np.minimum(away, reach)
+    reach = 0.5 * thickness + _MARGIN * cell
+    filled = np.zeros(grid.shape[:-1], dtype=bool)
+    filled[tuple(np.rint((samples - grid[0, 0, 0]) / cell).astype(int).T)] = True
+    near = distance_transform_edt(~filled) * cell <= reach + cell
+    away = np.full(near.shape, reach)
+    away[near] = np.minimum(cKDTree(samples).query(grid[near], distance_upper_bound=reach)[0], reach)
+    inside = np.zeros(near.shape, dtype=bool)
+    inside[near] = _inside(mesh, enclosed, grid[near])
+    # Far from the surface a whole region is on one side of it.
+    region, count = label(~near)
+    first = np.unique(region, return_index=True)[1][-count:]
+    inside |= np.append(False, _inside(mesh, enclosed, grid.reshape(-1, 3)[first]))[region]
+    return np.where(inside, away, -away)
+
+
+def _inside(mesh: Delaunay, enclosed: np.ndarray, points: np.ndarray) -> np.ndarray:
+    place = mesh.find_simplex(points)
+    return (place >= 0) & enclosed[place]
 
 
 def _sampled(field: np.ndarray, low: np.ndarray, cell: float) -> Callable[[float, float, float], float]:

@@ -55,7 +55,7 @@ def test_a_size_that_another_unit_explains_names_it(own_shapes: ModuleType, tmp_
 
 
 def test_the_fullest_way_up_is_found(own_shapes: ModuleType, tmp_path: Path) -> None:
-    lying = own_shapes.beaker().apply_transform(trimesh.transformations.rotation_matrix(0.5 * np.pi, [0, 1, 0]))
+    lying = own_shapes.beaker(32).apply_transform(trimesh.transformations.rotation_matrix(0.5 * np.pi, [0, 1, 0]))
     found = shape(own_shapes.saved(lying, tmp_path / "b.obj"), up="fullest")
     assert len(interior_of(found.solid).hollows) == 1
 
@@ -71,7 +71,8 @@ def test_a_handle_of_its_own_becomes_part_of_the_cup(own_shapes: ModuleType, tmp
 
 def test_faces_that_look_the_wrong_way_and_small_holes_are_mended(own_shapes: ModuleType, tmp_path: Path) -> None:
     mesh = own_shapes.beaker(rows=40)
-    faces = np.array(mesh.faces)[1:]
+    small = int(np.argmin(mesh.area_faces))
+    faces = np.delete(np.array(mesh.faces), small, axis=0)
     faces[::3] = faces[::3, ::-1]
     mesh = trimesh.Trimesh(mesh.vertices, faces, process=False)
     found = shape(own_shapes.saved(mesh, tmp_path / "b.ply"))
