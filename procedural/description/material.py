@@ -31,9 +31,18 @@ class PictureTexture(Model):
 
     kind: Literal["picture"] = "picture"
     asset: Asset
+    factor: Reflectance = Field(
+        default=(1.0, 1.0, 1.0), exclude_if=lambda factor: factor == (1.0, 1.0, 1.0), description="On the reflectances"
+    )
 
 
-Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture, Field(discriminator="kind")]
+class VertexColours(Model):
+    """The colours of the mesh's vertices, linear between them."""
+
+    kind: Literal["vertices"] = "vertices"
+
+
+Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture | VertexColours, Field(discriminator="kind")]
 
 
 class OpaqueMaterial(Model):
