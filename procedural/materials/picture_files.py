@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -11,9 +12,10 @@ import numpy as np
 from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.silence import quiet
+from ...core.tga_picture import read_tga
 
 #: Formats that OpenCV's wheel reads on every platform and that have 8 or 16 bits per channel.
-PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
+PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp")
 #: Longest side of a texture [px]. A prop or a table fills a view of at most a few thousand pixels; 4096 is 200 MB.
 LONGEST_SIDE = 4096
 
@@ -79,6 +81,8 @@ def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
 def _decoded(path: Path) -> np.ndarray:
     try:
         content = np.frombuffer(path.read_bytes(), np.uint8)
+        if path.suffix.lower() == ".tga":
+            return _tga(path, content.tobytes())
         with quiet():
             picture = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
     except OSError as error:
@@ -88,3 +92,30 @@ def _decoded(path: Path) -> np.ndarray:
     if picture is None:
         raise InputError(path, "a readable picture", "a broken file")
     return picture
+
+
+def read_opacity(path: Path, channel: Literal["alpha", "grey"]) -> np.ndarray | None:
+    """Return the opacity that a picture states, (h, w) float32 in [0, 1]; None where it has no such channel.
+
+    Parameters
+    ----------
+    path : Path
+        The picture; InputError where it cannot be read.
+    channel : str
+        ``"alpha"`` is the picture's own transparency; ``"grey"`` its first channel, as pictures of opacity have it.
+    """
+    stored = _decoded(path)
+    stored = stored[..., None] if stored.ndim == 2 else stored
+    if channel == "alpha" and stored.shape[2] not in (2, 4):
+        return None
+    most = np.iinfo(stored.dtype).max if stored.dtype.kind == "u" else 1.0
+    # Blue, green, red: the first channel is the third one.
+    place = -1 if channel == "alpha" else min(2, stored.shape[2] - 1)
+    return stored[..., place].astype(np.float32) / most
+
+
+def _tga(path: Path, content: bytes) -> np.ndarray:
+    try:
+        return read_tga(content)
+    except ValueError as error:
+        raise InputError(path, "a readable picture", "a broken file") from error
