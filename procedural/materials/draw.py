@@ -167,6 +167,11 @@ def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
 
+def whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
+    """Return a material with its repeats per metre rounded to a whole number per texture unit of `unit` metres."""
+    return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})
+
+
 def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> OpaqueMaterial:
     path = files[int(rng.integers(len(files)))]
     return OpaqueMaterial(

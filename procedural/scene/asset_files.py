@@ -44,7 +44,7 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
         Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
     """
     hdri, textures = settings.environment.hdri_dir, settings.texture_dir
-    meshes, findings = usable_meshes(settings.mesh_dir, progress)
+    meshes, findings = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
     if settings.strict:
         check_strict(findings)
     return AssetFiles(

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel, glass_solid
 from ..optics.draw import draw_liquid
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
@@ -66,7 +66,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         seed=seed,
         scene_id=scene_id,
         table=table,
-        vessels=tuple(item for item in objects if isinstance(item, Vessel)),
+        vessels=tuple(item for item in objects if isinstance(item, GlassBody)),
         props=tuple(item for item in objects if isinstance(item, Prop)),
         environment=environment,
         lights=lights,
@@ -89,7 +89,7 @@ def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> 
 
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
-) -> list[Prop]:
+) -> list[Prop | GlassBody]:
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
@@ -119,8 +119,8 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(item, Prop):
-        return resting_pose(item.mesh, rng)
+    if not isinstance(item, Vessel):
+        return resting_pose(_body(item), rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
 
 
