@@ -20,10 +20,10 @@ from ..mesh_files.embedded import picture_folder
 from ..mesh_files.layouts import Listing, Place, listing, place_of
 from ..mesh_files.model import FilePart, GlassLook, Look, Notes, Source
 from ..mesh_files.read import MESH_SUFFIXES, read_parts
-from .pieces import Piece, joined_pieces
+from .pieces import Piece, joined_pieces, sewn
 
 #: Number of the check; what was remembered of another one is forgotten.
-CHECK_VERSION = 2
+CHECK_VERSION = 3
 #: A file of unknown unit whose longest side is in this range is taken to be in metres and keeps its size [m]: objects
 #: on tables. Any other such file gets a drawn size.
 TRUE_SIZES = (0.01, 0.5)
@@ -218,8 +218,8 @@ def checked_meshes(
         raise InputError(folder, "meshes that can be used", f"none in {counted(len(good), 'file')}; {refused[0]}")
     drawn = [file for file, outcome in kept if metres_per_unit(file, float(outcome.facts["longest"])) is None]
     if drawn:
-        several = f"{drawn[0].name} has" if len(drawn) == 1 else f"{len(drawn)} files, such as {drawn[0].name}, have"
-        reason = f"{several} no size of their own; each gets one, the same in all scenes (props.unit states the unit)"
+        several = "no" if len(drawn) == 1 else f"as {len(drawn) - 1} more, no"
+        reason = f"{several} known size; one is drawn, the same in all scenes (props.unit states the unit)"
         refused.append(Finding(folder="mesh_dir", path=drawn[0].name, reason=reason, used=True))
     return tuple(kept), (*findings, *refused)
 
@@ -276,7 +276,7 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
     scale = metres_per_unit(file, side) or longest / side
     centre = low + 0.5 * extent
     placed = [replace(part, vertices=(part.vertices - centre) * scale) for part in parts]
-    mesh, pieces = joined_pieces(file.path, name, placed)
+    mesh, pieces = joined_pieces(file.path, name, placed if glass is None else sewn(placed))
     if file.place.up == "y":
         centre = _Z_UP[:3, :3].T @ centre
     x, y, z = centre.tolist()

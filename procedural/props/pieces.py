@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import trimesh
+from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
@@ -16,6 +18,8 @@ from .normals import creased
 
 #: Fraction of corners whose stored normal may point into their face, as at slivers; above it all normals are computed.
 STRAY_NORMALS = 0.01
+#: Distance up to which positions are one, over the longest side [1]: float32 has 6e-8, and transforms lose a few bits.
+_SEAM = 2e-6
 #: Most pieces of a prop [1]: each is a shape of its own to the renderer. Of a file with more, those of one colour
 #: become one piece with colours of its vertices.
 MOST_PIECES = 24
@@ -60,6 +64,21 @@ def joined_pieces(path: Path, name: str, parts: Sequence[FilePart]) -> tuple[Mes
     )
     pieces = [Piece(sum(len(s.faces) for s in some), look, sum(_area(s) for s in some)) for look, some in shapes]
     return mesh, tuple(pieces)
+
+
+def sewn(parts: Sequence[FilePart]) -> list[FilePart]:
+    """Return the parts with positions that are the same but for rounding made equal, so that seams close.
+
+    Exporters write the two sides of a seam from sine and cosine, or a node's transform rounds them differently.
+    """
+    vertices = np.concatenate([part.vertices for part in parts])
+    reach = _SEAM * float(np.ptp(vertices, axis=0).max())
+    pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
+    label = trimesh.graph.connected_component_labels(pairs, node_count=len(vertices))
+    _, first = np.unique(label, return_index=True)
+    joined = vertices[first[label]]
+    ends = np.cumsum([len(part.vertices) for part in parts])[:-1]
+    return [replace(part, vertices=some) for part, some in zip(parts, np.split(joined, ends), strict=True)]
 
 
 def _key(part: FilePart) -> str:
