@@ -82,14 +82,14 @@ def _statements(source: Source, content: bytes) -> _Statements:
     v, vt, vn, corners, faces = found.v, found.vt, found.vn, found.corners, found.faces
     tables = {"v": v, "vt": vt, "vn": vn}
     for line in text.splitlines():
-        words = line.split() or [""]
+        named = "#" not in line or line.lstrip().startswith(("usemtl", "mtllib"))
+        words = (line if named else line.partition("#")[0]).split() or [""]
         match words[0]:
             case "v" | "vt" | "vn":
                 tables[words[0]].append(words[1:])
             case "f" | "fo":
-                ends = words[1:] if "#" not in line else line.split("#")[0].split()[1:]
-                corners.extend(ends)
-                faces.append((len(ends), material, len(v), len(vt), len(vn)))
+                corners.extend(words[1:])
+                faces.append((len(words) - 1, material, len(v), len(vt), len(vn)))
             case "usemtl":
                 name = line.split(maxsplit=1)[1].strip() if len(words) > 1 else ""
                 material = found.materials.setdefault(name, len(found.materials))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import gzip
 import json
+import math
 import re
 import zlib
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from .synsets import SYNSETS
 
@@ -60,14 +59,14 @@ def bop_symmetries(path: Path, number: int) -> tuple[bool, tuple[tuple[float, ..
     if not isinstance(record, dict):
         return False, ()
     turns = False
-    for item in record.get("symmetries_continuous") or []:
-        axis = item.get("axis") if isinstance(item, dict) else None
-        turns = turns or (isinstance(axis, list) and [abs(float(x)) for x in axis] == [0.0, 0.0, 1.0])
+    for item in _list(record.get("symmetries_continuous")):
+        axis = _list(item.get("axis")) if isinstance(item, dict) else []
+        turns = turns or axis in ([0, 0, 1], [0, 0, -1])
     found = []
-    for item in record.get("symmetries_discrete") or []:
-        matrix = np.array(item, dtype=np.float64).ravel() if isinstance(item, list) else np.zeros(0)
-        if len(matrix) == 16 and np.isfinite(matrix).all():
-            found.append(tuple(matrix.tolist()))
+    for item in _list(record.get("symmetries_discrete")):
+        numbers = [float(x) for x in _list(item) if isinstance(x, int | float) and math.isfinite(x)]
+        if len(numbers) == 16:
+            found.append(tuple(numbers))
     return turns, tuple(found)
 
 
@@ -103,6 +102,10 @@ def licence_named(text: str) -> str:
         if pattern.search(text):
             return name
     return next((line.strip()[:80] for line in text.splitlines() if line.strip()), "")
+
+
+def _list(value: Any) -> list:
+    return value if isinstance(value, list) else []
 
 
 @lru_cache(maxsize=4)
