@@ -70,9 +70,10 @@ class Remembered:
             return
         try:
             path = _memory_file(self._name)
+            known = {name: entry for name, entry in self._known.items() if _stamp(Path(name)) is not None}
             path.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
-                json.dump(self._known, file, sort_keys=True)
+                json.dump(known, file, sort_keys=True)
             Path(file.name).replace(path)
         except (OSError, RuntimeError):
             return

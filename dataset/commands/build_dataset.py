@@ -16,6 +16,7 @@ from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed, run_command
 from ...core.model import Model
+from ...core.passed_over import report
 from ...core.user_text import UserPath, UserText, counted
 from ...procedural.scene.asset_files import AssetFiles, asset_files, check_inputs
 from ...procedural.scene.settings import SceneSettings
@@ -32,7 +33,7 @@ from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.config import FLAT, parse_request
 from ..settings.scene_ranges import format_scenes, parse_scenes, shard
-from .progress import BuildProgress
+from .progress import BuildProgress, Stages
 
 _DESCRIPTION = """Build a data set of many scenes. Run the same command again to resume a build that was stopped.
 
@@ -102,7 +103,7 @@ def _build_dataset(arguments: Sequence[str]) -> None:
     with lock_output(root, say):
         if not request.overwrite:
             check_request(root, request.seed, request.settings.model_dump(mode="json"))
-        files, manifest = _assets(root, request.settings, request.overwrite)
+        files, manifest = _assets(root, request.settings, request.overwrite, Stages(console))
         config = WorkerConfig(
             root=root,
             seed=request.seed,
@@ -114,6 +115,7 @@ def _build_dataset(arguments: Sequence[str]) -> None:
         try:
             with _executor(request, config) as executor:
                 head = _head(request, manifest, executor.worker_info())
+                head = head.model_copy(update={"findings": files.findings})
                 head = prepare_output(root, head, scenes, request.overwrite)
                 write_manifest(root, manifest)
                 plan = _plan(request, root, scenes, say)
@@ -137,14 +139,16 @@ def _requested_scenes(request: BuildDataset) -> list[int]:
     return scenes if request.shard is None else shard(scenes, request.shard)
 
 
-def _assets(root: Path, settings: SceneSettings, overwrite: bool) -> tuple[AssetFiles, Manifest]:
-    """Return the asset files and their manifest, after comparing it with the data set's."""
+def _assets(root: Path, settings: SceneSettings, overwrite: bool, stages: Stages) -> tuple[AssetFiles, Manifest]:
+    """Return the asset files and their manifest, after comparing it with the data set's; say what is passed over."""
     found, stored = scan(settings), read_manifest(root)
     if stored is not None and not overwrite:
         check_manifest(stored, found, settings)
     if found != stored:  # the files of a stored manifest were checked when it was written
         check_inputs(settings)
-    return asset_files(settings), found
+    files = asset_files(settings, stages.checking)
+    stages.say_all(report(files.findings))
+    return files, found
 
 
 def _head(request: BuildDataset, manifest: Manifest, info: WorkerInfo) -> DatasetFile:

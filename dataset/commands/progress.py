@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
@@ -15,6 +15,9 @@ from ...core.stopwatch import Stopwatch
 from ...render.frame import LightCheck
 from ..builds.messages import Attempt
 
+#: Time between lines about the check of a folder's files [s]: a quick check says nothing.
+_CHECK_INTERVAL = 3.0
+
 
 class Stages:
     """The progress of one scene: a bar or a line per view, and at the end a table of the time of each stage."""
@@ -25,10 +28,24 @@ class Stages:
         self._start = perf_counter()
         self._bar: Progress | None = None
         self._done, self._total = 0, 0
+        self._told = self._start
 
     def say(self, line: str) -> None:
         """Print a line."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    def say_all(self, lines: Iterable[str]) -> None:
+        """Print lines."""
+        for line in lines:
+            self.say(line)
+
+    def checking(self, content: str, done: int, total: int) -> None:
+        """Say how many files of a folder have been checked, about every `_CHECK_INTERVAL` seconds."""
+        check_stop()
+        now = perf_counter()
+        if now - self._told > _CHECK_INTERVAL:
+            self._told = now
+            self.say(f"checking {content}: {done} of {total}")
 
     @contextmanager
     def progress(self, total: int) -> Iterator[None]:

@@ -12,8 +12,9 @@ from rich.console import Console
 
 from ...core.exit_codes import run_command
 from ...core.model import Model
+from ...core.passed_over import report
 from ...core.user_text import UserPath, UserText, counted
-from ...procedural.scene.asset_files import check_inputs
+from ...procedural.scene.asset_files import asset_files, check_inputs
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate
@@ -63,9 +64,12 @@ def _render_scene(arguments: Sequence[str]) -> None:
     check_output(request.out, head, [request.scene])
     with stages.stopwatch.stage("inputs"):
         check_inputs(settings)
+        files = asset_files(settings, stages.checking)
+    stages.say_all(report(files.findings))
+    head = head.model_copy(update={"findings": files.findings})
     _say_what_is_done(request, stages)
     with stages.stopwatch.stage("description"):
-        scene = draw_scene(settings, request.seed, request.scene)
+        scene = draw_scene(settings, request.seed, request.scene, files)
     start_dataset(request.out, head, [request.scene])
     renderer = Renderer(scene)
     if renderer.light_check is not None:

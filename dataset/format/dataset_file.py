@@ -13,6 +13,7 @@ from ...core.assets import Asset
 from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
+from ...core.passed_over import Finding
 from ...render.backend.llvm import compiler_version
 from .layout import DATASET, DATASET_SCHEMA
 
@@ -44,6 +45,9 @@ class DatasetFile(Model):
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
+    findings: tuple[Finding, ...] = Field(
+        default=(), description="Files of the asset folders that were passed over, or of which something is not used"
+    )
 
 
 def installed_versions() -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,15 @@ import trimesh
 from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.mesh import Mesh
+from ...core.passed_over import Finding, Progress, checked_files
+from ...core.remembered import Checked
 from .mesh_material import MeshMaterial, default_picture_folder, glb_material, obj_material
 from .normals import creased
 
 #: Formats that are read.
 MESH_SUFFIXES = (".glb", ".obj", ".ply", ".stl")
+#: Number of the check; what was remembered of another one is forgotten.
+CHECK_VERSION = 1
 #: A file whose longest side is in this range is taken to be in metres and keeps its size [m]: objects on tables. Any
 #: other file has another unit or none, and gets a drawn size.
 TRUE_SIZES = (0.02, 0.40)
@@ -122,10 +125,44 @@ def read_mesh(file: MeshFile, name: str, longest: float) -> FileMesh:
     return FileMesh(Mesh(name, vertices, faces, normals, uv), _material(file, content))
 
 
-def check_meshes(files: Iterable[MeshFile]) -> None:
-    """Read every file once, to refuse a bad one before any scene is drawn; InputError names the file."""
-    for file in files:
-        read_mesh(file, "check", 1.0)
+def usable_meshes(
+    folder: Path | None, progress: Progress | None = None, pictures: Path | None = None
+) -> tuple[tuple[MeshFile, ...], tuple[Finding, ...]]:
+    """Return the meshes under a folder that can be used, each read once, and what was found about the files.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        None has no meshes.
+    progress : callable, optional
+        Is told how far the check is.
+    pictures : Path, optional
+        As for `mesh_files`.
+
+    Raises
+    ------
+    InputError
+        Where the folder cannot be used, or no mesh in it can.
+    """
+    if folder is None:
+        return (), ()
+    files = mesh_files(folder, pictures)
+    good, findings = checked_files(
+        files,
+        lambda file: file.path,
+        _checked,
+        folder="mesh_dir",
+        root=folder,
+        content="meshes",
+        version=CHECK_VERSION,
+        progress=progress,
+    )
+    return tuple(file for file, _ in good), findings
+
+
+def _checked(file: MeshFile) -> Checked:
+    read_mesh(file, "check", 1.0)
+    return Checked()
 
 
 def box_mapped(mesh: Mesh) -> Mesh:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from ...core.assets import asset
+from ...core.passed_over import Finding, Progress, check_strict
 from ..materials.picture_files import check_pictures, picture_files
-from ..props.mesh_files import MeshFile, check_meshes, mesh_files
+from ..props.mesh_files import MeshFile, usable_meshes
 from ..surroundings.hdri import hdri_files, read_hdri
 from .settings import SceneSettings
 from .splits import Split, files_of
@@ -24,15 +25,33 @@ class AssetFiles:
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[Path, ...] = ()
+    findings: tuple[Finding, ...] = ()  #: what was passed over, and remarks
 
 
-def asset_files(settings: SceneSettings) -> AssetFiles:
-    """Return the files in the settings' folders; InputError where a folder or a file in it cannot be used."""
-    hdri, meshes, textures = settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir
+def asset_files(settings: SceneSettings, progress: Progress | None = None) -> AssetFiles:
+    """Return the usable files in the settings' folders, each checked once, and what was found about the others.
+
+    Parameters
+    ----------
+    settings : SceneSettings
+        Folders that are None are skipped.
+    progress : callable, optional
+        Is told how far the check is.
+
+    Raises
+    ------
+    InputError
+        Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
+    """
+    hdri, textures = settings.environment.hdri_dir, settings.texture_dir
+    meshes, findings = usable_meshes(settings.mesh_dir, progress)
+    if settings.strict:
+        check_strict(findings)
     return AssetFiles(
         environments=() if hdri is None else hdri_files(hdri),
-        meshes=() if meshes is None else mesh_files(meshes),
+        meshes=meshes,
         textures=() if textures is None else picture_files(textures),
+        findings=findings,
     )
 
 
@@ -47,6 +66,7 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
+        findings=files.findings,
     )
 
 
@@ -66,7 +86,5 @@ def check_inputs(settings: SceneSettings) -> None:
     if settings.environment.hdri_dir is not None:
         for path in hdri_files(settings.environment.hdri_dir):
             read_hdri(asset(path))
-    if settings.mesh_dir is not None:
-        check_meshes(mesh_files(settings.mesh_dir))
     if settings.texture_dir is not None:
         check_pictures(picture_files(settings.texture_dir))

@@ -31,6 +31,7 @@ class SceneSettings(Model):
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
     texture_dir: UserPath | None = Field(default=None, description="Folder of pictures for the table and plain props")
+    strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()
     table: TableSettings = TableSettings()

@@ -14,7 +14,7 @@ import trimesh
 from glassware.core.errors import InputError
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.materials.textures import bake
-from glassware.procedural.props.mesh_files import FileMesh, box_mapped, check_meshes, mesh_files, read_mesh
+from glassware.procedural.props.mesh_files import FileMesh, box_mapped, mesh_files, read_mesh, usable_meshes
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "meshes"
 CORNERS = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
@@ -75,12 +75,15 @@ def test_a_face_of_a_ply_that_points_past_the_vertices_is_refused(tmp_path: Path
         _read(tmp_path, "a.ply", header + body)
 
 
-def test_a_whole_folder_can_be_checked_before_anything_is_drawn(tmp_path: Path) -> None:
+def test_a_whole_folder_is_checked_and_a_bad_file_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text(CORNERS + FACES)
-    check_meshes(mesh_files(tmp_path))
     (tmp_path / "b.obj").write_text(CORNERS)
-    with pytest.raises(InputError, match=r"b\.obj: expected a mesh with faces, found none"):
-        check_meshes(mesh_files(tmp_path))
+    files, findings = usable_meshes(tmp_path)
+    assert [file.name for file in files] == ["a.obj"]
+    assert [str(item) for item in findings] == ["mesh_dir: b.obj: expected a mesh with faces, found none"]
+    (tmp_path / "a.obj").unlink()
+    with pytest.raises(InputError, match="meshes that can be used, found none in 1 file; mesh_dir: b"):
+        usable_meshes(tmp_path)
 
 
 @pytest.mark.parametrize(("side", "expected"), [(0.1, 0.1), (0.021, 0.021), (0.39, 0.39), (10.0, 0.07), (0.001, 0.07)])
