@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,7 +11,8 @@ from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.material import OpaqueMaterial
 from ..description.scene import Prop
-from ..materials.draw import draw_material, draw_plain_material
+from ..materials.draw import PICTURE_SIDE, draw_material, draw_plain_material
+from ..materials.surface_files import SurfaceFiles
 from .mesh_files import MeshFile, box_mapped, read_mesh
 from .shapes import draw_shape
 
@@ -40,7 +40,8 @@ def draw_prop(
     id: int,
     name: str,
     mesh_files: Sequence[MeshFile] = (),
-    texture_files: Sequence[Path] = (),
+    texture_files: Sequence[SurfaceFiles] = (),
+    texture_side: tuple[float, float] = PICTURE_SIDE,
 ) -> Prop:
     """Draw a prop at the world's origin; placement sets its pose.
 
@@ -56,8 +57,10 @@ def draw_prop(
         Name of the prop and of its mesh, unique in the scene.
     mesh_files : sequence of MeshFile
         Result of `mesh_files.mesh_files`; may be empty.
-    texture_files : sequence of Path
-        Result of `picture_files.picture_files`; may be empty.
+    texture_files : sequence of SurfaceFiles
+        Result of `surface_files.usable_surfaces`; may be empty.
+    texture_side : (float, float)
+        Range of the side of what a picture shows [m], where no file states it.
 
     Raises
     ------
@@ -68,12 +71,12 @@ def draw_prop(
     from_file = rng.random() < settings.file_share
     if mesh_files and from_file:
         file = mesh_files[int(rng.integers(len(mesh_files)))]
-        mesh, material = _prop_from_file(rng, file, name, longest, texture_files)
+        mesh, material = _prop_from_file(rng, file, name, longest, texture_files, texture_side)
         category, symmetric = file.name, False
     else:
         shape = draw_shape(rng, longest, name)
         mesh, category, symmetric = shape.mesh, shape.category, shape.symmetric
-        material = _whole_repeats(draw_material(rng, texture_files), shape.texture_unit)
+        material = _whole_repeats(draw_material(rng, texture_files, texture_side), shape.texture_unit)
     x, y, z = (float(side) for side in np.ptp(mesh.bounds, axis=0))
     return Prop(
         id=id,
@@ -88,13 +91,18 @@ def draw_prop(
 
 
 def _prop_from_file(
-    rng: np.random.Generator, file: MeshFile, name: str, longest: float, texture_files: Sequence[Path]
+    rng: np.random.Generator,
+    file: MeshFile,
+    name: str,
+    longest: float,
+    texture_files: Sequence[SurfaceFiles],
+    side: tuple[float, float],
 ) -> tuple[Mesh, OpaqueMaterial]:
     found = read_mesh(file, name, longest)
     mesh, stored = found.mesh, found.material
     if mesh.uv is None:
         mesh = box_mapped(mesh)
-        material = _whole_repeats(draw_material(rng, texture_files), float(np.ptp(mesh.bounds, axis=0).max()))
+        material = _whole_repeats(draw_material(rng, texture_files, side), float(np.ptp(mesh.bounds, axis=0).max()))
     else:
         # A procedural pattern would not fit the charts of the file.
         material = draw_plain_material(rng)

@@ -10,7 +10,7 @@ from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vesse
 from ..optics.draw import draw_liquid
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
-from ..props.draw import PropSettings, draw_prop
+from ..props.draw import draw_prop
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
@@ -51,8 +51,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
-    props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
+    props = _props(settings, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures, settings.texture_side)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
 
     centre, radius = _workspace(objects)
@@ -88,16 +88,17 @@ def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> 
 
 
 def _props(
-    settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
+    settings: SceneSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop]:
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
-            settings,
+            settings.props,
             id=first_id + i,
             name=f"prop-{i:02d}",
             mesh_files=files.meshes,
             texture_files=files.textures,
+            texture_side=settings.texture_side,
         )
         for i in range(count)
     ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,7 +11,8 @@ from scipy.spatial import ConvexHull
 from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.surroundings import Table
-from ..materials.draw import draw_table_material
+from ..materials.draw import PICTURE_SIDE, draw_table_material
+from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
 
@@ -36,7 +36,12 @@ class TableSettings(Model):
         return self
 
 
-def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files: Sequence[Path] = ()) -> Table:
+def draw_table(
+    rng: np.random.Generator,
+    settings: TableSettings,
+    texture_files: Sequence[SurfaceFiles] = (),
+    side: tuple[float, float] = PICTURE_SIDE,
+) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
     Parameters
@@ -45,8 +50,10 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
         Source of all draws.
     settings : TableSettings
         Sizes and the probability of a round table.
-    texture_files : sequence of Path
-        Pictures for the top; without them the material is procedural.
+    texture_files : sequence of SurfaceFiles
+        Pictures for the top, with their maps; without them the material is procedural.
+    side : (float, float)
+        Range of the side of what a picture shows [m], where no file states it.
 
     Returns
     -------
@@ -59,7 +66,7 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
     round_table = rng.random() < settings.round_share
     size = (long_side, long_side if round_table else short_side, thickness)
     mesh = _round_board(long_side, thickness, radius) if round_table else _board(size, radius)
-    return Table(mesh=mesh, material=draw_table_material(rng, texture_files), size=size)
+    return Table(mesh=mesh, material=draw_table_material(rng, texture_files, side), size=size)
 
 
 def outline(table: Table) -> np.ndarray:
