@@ -29,6 +29,8 @@ class Mesh:
         Unit shading normals; None means flat shading.
     uv : (n, 2) float32, optional
         Texture coordinates.
+    colours : (n, 3) float32, optional
+        Reflectances, linear Rec.709.
     """
 
     name: str
@@ -36,11 +38,12 @@ class Mesh:
     faces: np.ndarray
     normals: np.ndarray | None = None
     uv: np.ndarray | None = None
+    colours: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", _frozen(self.vertices, np.float32, 3, f"vertices of mesh {self.name}"))
         object.__setattr__(self, "faces", _frozen(self.faces, np.int32, 3, f"faces of mesh {self.name}"))
-        for field, width in (("normals", 3), ("uv", 2)):
+        for field, width in (("normals", 3), ("uv", 2), ("colours", 3)):
             value = getattr(self, field)
             if value is not None:
                 value = _frozen(value, np.float32, width, f"{field} of mesh {self.name}")
@@ -58,6 +61,13 @@ class Mesh:
     def bounds(self) -> np.ndarray:
         """Smallest and largest coordinates, (2, 3) float64 [m]."""
         return np.stack([self.vertices.min(0), self.vertices.max(0)]).astype(np.float64)
+
+
+def some_faces(mesh: Mesh, faces: slice, name: str) -> Mesh:
+    """Return the mesh of some faces, in their order, with the vertices that they use."""
+    used, index = np.unique(mesh.faces[faces], return_inverse=True)
+    normals, uv, colours = (None if x is None else x[used] for x in (mesh.normals, mesh.uv, mesh.colours))
+    return Mesh(name, mesh.vertices[used], index.reshape(-1, 3), normals, uv, colours)
 
 
 def check_closed(where: str, mesh: Mesh) -> None:
@@ -99,7 +109,7 @@ def joined(meshes: tuple[Mesh, ...] | list[Mesh], name: str) -> Mesh:
 def turned(mesh: Mesh, name: str | None = None) -> Mesh:
     """Return the mesh with its faces and normals reversed."""
     normals = None if mesh.normals is None else -mesh.normals
-    return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv)
+    return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv, mesh.colours)
 
 
 def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trimesh:

@@ -28,7 +28,7 @@ class Stages:
         self._start = perf_counter()
         self._bar: Progress | None = None
         self._done, self._total = 0, 0
-        self._told = self._start
+        self._shown_at = self._start
 
     def say(self, line: str) -> None:
         """Print a line."""
@@ -43,8 +43,8 @@ class Stages:
         """Say how many files of a folder have been checked, about every `_CHECK_INTERVAL` seconds."""
         check_stop()
         now = perf_counter()
-        if now - self._told > _CHECK_INTERVAL:
-            self._told = now
+        if now - self._shown_at > _CHECK_INTERVAL:
+            self._shown_at = now
             self.say(f"checking {content}: {done} of {total}")
 
     @contextmanager

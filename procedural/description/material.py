@@ -35,6 +35,9 @@ class PictureTexture(Model):
 
     kind: Literal["picture"] = "picture"
     asset: Asset
+    factor: Reflectance = Field(
+        default=(1.0, 1.0, 1.0), exclude_if=lambda factor: factor == (1.0, 1.0, 1.0), description="On the reflectances"
+    )
 
 
 class ChannelMap(Model):
@@ -66,7 +69,13 @@ class BumpMap(Model):
     )
 
 
-Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture, Field(discriminator="kind")]
+class VertexColours(Model):
+    """The colours of the mesh's vertices, linear between them."""
+
+    kind: Literal["vertices"] = "vertices"
+
+
+Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture | VertexColours, Field(discriminator="kind")]
 
 
 class OpaqueMaterial(Model):

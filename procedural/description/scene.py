@@ -120,6 +120,21 @@ class Vessel(GlassBody):
     symmetric: bool = Field(default=True, exclude=True)
 
 
+class PropPart(Model):
+    """Faces of a prop's mesh that have a material of their own."""
+
+    faces: int = Field(ge=1, description="Number of faces; the parts follow each other in the list of the mesh's faces")
+    material: OpaqueMaterial
+
+
+class Origin(Model):
+    """Where a mesh comes from."""
+
+    file: str = Field(description="The mesh file, below the folder that the user gave")
+    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
+    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
+
+
 class Prop(Model):
     """An opaque object; the frame's origin is the centre of its bounding box."""
 
@@ -127,10 +142,22 @@ class Prop(Model):
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Shape, or the file that the mesh came from")
     mesh: MeshField
-    material: OpaqueMaterial
+    material: OpaqueMaterial = Field(description="Of the whole mesh; of its part with most area where it has parts")
+    # Left out of files where there are none: scenes of one material stay what they were.
+    parts: tuple[PropPart, ...] = Field(
+        default=(), exclude_if=lambda parts: not parts, description="Parts with materials of their own, or none"
+    )
+    origin: Origin | None = Field(
+        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a file"
+    )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
     world_T_object: Matrix4
+
+    @property
+    def pieces(self) -> tuple[PropPart, ...]:
+        """The parts; where there are none, one of all faces."""
+        return self.parts or (PropPart(faces=len(self.mesh.faces), material=self.material),)
 
     def __repr__(self) -> str:
         """Return one line: id, name, material and size."""
@@ -316,6 +343,6 @@ def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
 
 def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
-        return [item.material]
+        return [piece.material for piece in item.pieces]
     media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
     return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -12,9 +13,10 @@ from ...core.errors import InputError, cause_of
 from ...core.exr_picture import read_exr_picture
 from ...core.picture_size import picture_size
 from ...core.silence import quiet
+from ...core.tga_picture import read_tga, tga_size
 
 #: Formats that OpenCV's wheel reads on every platform and that have 8 or 16 bits per channel.
-PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
+PICTURE_SUFFIXES = (".bmp", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp")
 #: Widest and highest picture that is read [px]: the largest that Poly Haven and ambientCG have; 16384 x 16384 pixels
 #: take 0.8 to 1.6 GB while they are decoded.
 MOST_PIXELS = 16384
@@ -105,9 +107,12 @@ def _decoded(path: Path) -> np.ndarray:
     try:
         content = path.read_bytes()
         check_content(path, content)
-        size = picture_size(content)
+        is_tga = path.suffix.lower() == ".tga"
+        size = tga_size(content) if is_tga else picture_size(content)
         if size is not None:
             _check_size(path, *size)
+        if is_tga:
+            return _tga(path, content)
         with quiet():
             picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     except OSError as error:
@@ -117,3 +122,30 @@ def _decoded(path: Path) -> np.ndarray:
     if picture is None:
         raise InputError(path, "a readable picture", "a broken file")
     return picture
+
+
+def read_opacity(path: Path, channel: Literal["alpha", "grey"]) -> np.ndarray | None:
+    """Return the opacity that a picture states, (h, w) float32 in [0, 1]; None where it has no such channel.
+
+    Parameters
+    ----------
+    path : Path
+        The picture; InputError where it cannot be read.
+    channel : str
+        ``"alpha"`` is the picture's own transparency; ``"grey"`` its first channel, as pictures of opacity have it.
+    """
+    stored = _decoded(path)
+    stored = stored[..., None] if stored.ndim == 2 else stored
+    if channel == "alpha" and stored.shape[2] not in (2, 4):
+        return None
+    most = np.iinfo(stored.dtype).max if stored.dtype.kind == "u" else 1.0
+    # Blue, green, red: the first channel is the third one.
+    place = -1 if channel == "alpha" else min(2, stored.shape[2] - 1)
+    return stored[..., place].astype(np.float32) / most
+
+
+def _tga(path: Path, content: bytes) -> np.ndarray:
+    try:
+        return read_tga(content)
+    except ValueError as error:
+        raise InputError(path, "a readable picture", "a broken file") from error

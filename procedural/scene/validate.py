@@ -73,6 +73,8 @@ def check_scene(scene: Scene) -> None:
             _check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
+        if isinstance(item, Prop):
+            _check_pieces(item)
         mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
         _check_size(f"{item.name}, size", mesh, np.array(item.size))
     for number, camera in enumerate(scene.cameras):
@@ -127,6 +129,16 @@ def _check_parts(body: GlassBody) -> None:
     expected = ["outside"] if body.liquid is None else ["liquid_surface", "outside", "wet_wall"]
     if sorted(parts) != expected:
         raise InputError(body.name, f"the interfaces {', '.join(expected)}", ", ".join(parts) or "none")
+
+
+def _check_pieces(prop: Prop) -> None:
+    count = sum(piece.faces for piece in prop.pieces)
+    if count != len(prop.mesh.faces):
+        raise InputError(f"{prop.name}, parts", f"parts of {len(prop.mesh.faces)} faces together", count)
+    for piece in prop.pieces:
+        if piece.material.base_colour.kind == "vertices" and prop.mesh.colours is None:
+            where = f"{prop.name}, {piece.material.name}"
+            raise InputError(where, f"a mesh with colours ({prop.mesh.name}), as its texture says", "one without")
 
 
 def _check_profiles(vessel: Vessel) -> None:

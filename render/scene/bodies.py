@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.mesh import Mesh
+from ...core.mesh import Mesh, some_faces
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
 from ...procedural.materials.textures import bake
 from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .surfaces import Surface
+from .vertex_colours import coloured
 
 #: Roughness up to which props count as polished [1]: lamps reflected in them are sharp (GGX alpha of 0.16) and noisy.
 #: Mostly metallic materials count at any roughness: all their light is reflected. Tables never count: the denoiser
@@ -47,7 +48,7 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
     bodies = [Body(with_repeats(scene.table.mesh, scene.table.material), np.eye(4), table, surface)]
     glass = None if glass_for_mitsuba else table
     for index, item in enumerate(scene.objects):
-        bodies += [_prop_body(item, index)] if isinstance(item, Prop) else _glass_bodies(item, index, glass)
+        bodies += _prop_bodies(item, index) if isinstance(item, Prop) else _glass_bodies(item, index, glass)
     return bodies
 
 
@@ -67,10 +68,20 @@ def _glass_bsdf(interface: Interface) -> mi.BSDF:
     return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
 
 
-def _prop_body(prop: Prop, index: int) -> Body:
-    surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(prop.material))
-    bsdf = mi.load_dict(opaque_bsdf(prop.material))
-    return Body(with_repeats(prop.mesh, prop.material), prop.world_T_object, bsdf, surface)
+def _prop_bodies(prop: Prop, index: int) -> list[Body]:
+    """Return one body for each part of a prop."""
+    bodies, start = [], 0
+    for number, piece in enumerate(prop.pieces):
+        material, end = piece.material, start + piece.faces
+        mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
+        surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(material), piece=number)
+        pixels = None
+        if material.base_colour.kind == "vertices":
+            mesh, pixels = coloured(mesh)
+        bsdf = mi.load_dict(opaque_bsdf(material, pixels))
+        bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface))
+        start = end
+    return bodies
 
 
 def _is_polished(material: OpaqueMaterial) -> bool:
@@ -78,16 +89,17 @@ def _is_polished(material: OpaqueMaterial) -> bool:
     return material.roughness <= POLISHED or material.metallic >= 0.5
 
 
-def opaque_bsdf(material: OpaqueMaterial) -> dict:
+def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None) -> dict:
     """Return the Mitsuba dictionary of a principled BSDF, one-sided; the ray loop flips the frame to the ray's side.
 
     Every material has a bitmap texture, even a plain colour: all opaque surfaces then share one kernel, and a new scene
     with other values compiles nothing. For the same reason the texture repeats are not in the bitmap's transform: see
-    `with_repeats`.
+    `with_repeats`. The colours are the material's texture, or `pixels` as `bake` returns them.
     """
+    pixels = bake(material.base_colour) if pixels is None else pixels
     colour = {
         "type": "bitmap",
-        "bitmap": mi.Bitmap(np.array(bake(material.base_colour), np.float32)),  # a copy: no read-only arrays
+        "bitmap": mi.Bitmap(np.array(pixels, np.float32)),  # a copy: no read-only arrays
         "raw": False,  # reflectance, for spectral variants too; a float bitmap counts as linear
         "filter_type": "bilinear",
         "wrap_mode": "repeat",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.mesh import as_trimesh
-from ...procedural.description.scene import TABLE_ID, Scene
+from ...procedural.description.scene import Scene
 from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
@@ -107,8 +107,8 @@ def _opaque_body(scene: Scene, row: int, body: Body) -> OpaqueBody:
         normals = np.empty((len(positions), 3))
         normals[faces] = np.cross(b - a, c - a)[:, None]
     closed = as_trimesh(mesh).is_watertight
-    materials = {TABLE_ID: scene.table.material, **{prop.id: prop.material for prop in scene.props}}
-    material = materials[body.surface.instance]
+    pieces = {prop.id: prop.pieces for prop in scene.props}.get(body.surface.instance)
+    material = scene.table.material if pieces is None else pieces[body.surface.piece].material
     return OpaqueBody(row, positions, normals, faces, closed, material.roughness, material.metallic)
 
 

@@ -28,6 +28,7 @@ class Surface:
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
     polished: bool = False  #: whether it is a prop with clear mirror reflections
+    piece: int = 0  #: number of the part of a prop
 
 
 @dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
@@ -60,6 +61,7 @@ class SurfaceTable:
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
     polished: mi.Bool
+    piece: mi.UInt32
     eta_d: mi.Float  #: by medium: refractive index at the d line
     sigma_a_rgb: mi.Float  #: by medium and linear Rec.709 channel, 3 values each: absorption [1/m]
     eta_render: mi.Float  #: by medium and sample of the active variant (`spectrum.index_at`)
@@ -102,6 +104,7 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         polished=column(mi.Bool, [row.polished for row in rows]),
+        piece=column(mi.UInt32, [row.piece for row in rows]),
         eta_d=column(mi.Float, [medium.eta for medium in media]),
         sigma_a_rgb=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
         eta_render=column(mi.Float, index.astype(np.float32).ravel()),
