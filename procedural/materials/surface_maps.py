@@ -52,12 +52,20 @@ def bake_maps(material: OpaqueMaterial) -> np.ndarray:
 
 def mean_roughness(material: OpaqueMaterial) -> float:
     """Return a material's roughness, averaged over its map."""
-    return float(_numbers(material.roughness_map, material.roughness).mean())
+    return (
+        material.roughness
+        if material.roughness_map is None
+        else float(_numbers(material.roughness_map, material.roughness).mean())
+    )
 
 
 def mean_metallic(material: OpaqueMaterial) -> float:
     """Return a material's metalness, averaged over its map."""
-    return float(_numbers(material.metallic_map, material.metallic).mean())
+    return (
+        material.metallic
+        if material.metallic_map is None
+        else float(_numbers(material.metallic_map, material.metallic).mean())
+    )
 
 
 def _numbers(channel: ChannelMap | None, factor: float) -> np.ndarray:
