@@ -52,6 +52,7 @@ def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, 
     names = {
         "hdri_dir": tuple(path.relative_to(hdri).as_posix() for path in held.environments),
         "mesh_dir": tuple(file.name for file in held.meshes),
+        "shipped": tuple(path.name for path in held.shipped),
         "texture_dir": tuple(item.name for item in held.textures),
     }
     return {folder: found for folder, found in names.items() if found}

@@ -11,6 +11,7 @@ from ...core.passed_over import Finding, Progress, check_strict
 from ..materials.surface_files import SurfaceFiles, usable_surfaces
 from ..props.mesh_files import MeshFile, usable_meshes
 from ..surroundings.hdri import usable_hdris
+from ..surroundings.shipped_light import shipped_maps
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -24,6 +25,7 @@ class AssetFiles:
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[SurfaceFiles, ...] = ()
+    shipped: tuple[Path, ...] = ()  #: environment maps of the package
     findings: tuple[Finding, ...] = ()  #: what was passed over, and remarks
 
 
@@ -48,7 +50,7 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     findings = (*of_light, *of_meshes, *of_textures)
     if settings.strict:
         check_strict(findings)
-    return AssetFiles(environments, meshes, textures, findings)
+    return AssetFiles(environments, meshes, textures, shipped_maps(), findings)
 
 
 def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Split) -> AssetFiles:
@@ -62,5 +64,6 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda item: item.name),
+        shipped=kept(files.shipped, lambda path: path.name),
         findings=files.findings,
     )
