@@ -133,6 +133,9 @@ class Origin(Model):
     file: str = Field(description="The mesh file, below the folder that the user gave")
     layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
     licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
+    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
+    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
+    up: Literal["y", "z"] = Field(default="z", description="The file's axis that is z here; y is turned about x")
 
 
 class Prop(Model):

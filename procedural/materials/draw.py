@@ -43,8 +43,6 @@ METALS: dict[str, Reflectance] = {
 }
 #: Probability that a prop has a picture from the user's folder [1]: pictures are common, most props stay procedural.
 PICTURE_PROBABILITY = 0.25
-#: Range of the side of a picture on a table or prop [m]; files do not state it. Table-top photographs show 0.3-1 m.
-PICTURE_SIDE = (0.3, 1.0)
 #: Range of the roughness of a picture's material [1], lacquered to raw; pictures do not state it.
 PICTURE_ROUGHNESS = (0.3, 0.7)
 #: Height from black to white in a displacement map [m]; files do not state it. Relief of wood, brick and plaster is
@@ -143,9 +141,7 @@ TABLE_FAMILIES = (
 )
 
 
-def draw_material(
-    rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = (), side: tuple[float, float] = PICTURE_SIDE
-) -> OpaqueMaterial:
+def draw_material(rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = ()) -> OpaqueMaterial:
     """Draw the material of a prop.
 
     Parameters
@@ -154,8 +150,6 @@ def draw_material(
         Source of all draws.
     texture_files : sequence of SurfaceFiles
         Pictures with their maps, used with `PICTURE_PROBABILITY`; may be empty.
-    side : (float, float)
-        Range of the side of what a picture shows [m], where no file states it.
 
     Returns
     -------
@@ -164,16 +158,14 @@ def draw_material(
     """
     picture = rng.random() < PICTURE_PROBABILITY
     if texture_files and picture:
-        return _picture_material(rng, texture_files, side)
+        return _picture_material(rng, texture_files)
     return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
 
 
-def draw_table_material(
-    rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = (), side: tuple[float, float] = PICTURE_SIDE
-) -> OpaqueMaterial:
+def draw_table_material(rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = ()) -> OpaqueMaterial:
     """Draw the material of a table, with a picture if there are any; `repeats` are per metre."""
     if texture_files:
-        return _picture_material(rng, texture_files, side)
+        return _picture_material(rng, texture_files)
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
 
 
@@ -185,11 +177,14 @@ def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
 
-def _picture_material(
-    rng: np.random.Generator, files: Sequence[SurfaceFiles], side: tuple[float, float]
-) -> OpaqueMaterial:
+def whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
+    """Return a material with its repeats per metre rounded to a whole number per texture unit of `unit` metres."""
+    return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})
+
+
+def _picture_material(rng: np.random.Generator, files: Sequence[SurfaceFiles]) -> OpaqueMaterial:
     item = files[int(rng.integers(len(files)))]
-    drawn, roughness = rng.uniform(*side), rng.uniform(*PICTURE_ROUGHNESS)
+    drawn, roughness = rng.uniform(*item.drawn_side), rng.uniform(*PICTURE_ROUGHNESS)
     material = OpaqueMaterial(
         name=f"material {item.base}" if item.maps else f"picture {item.colour.stem}",
         base_colour=PictureTexture(asset=asset(item.colour)),

@@ -18,6 +18,8 @@ from .picture_files import PICTURE_SUFFIXES, check_picture
 
 #: Pictures of surfaces: those in colour, and maps of floats.
 SURFACE_SUFFIXES = (".exr", *PICTURE_SUFFIXES)
+#: Range of the side of a picture on a table or prop [m], where no file states it. Table-top photographs show 0.3-1 m.
+PICTURE_SIDE = (0.3, 1.0)
 #: Width from which a larger picture of the same map is not preferred [1024 px]: textures are reduced to 4096 px.
 _ENOUGH = 4
 #: Which channel of a packed map holds roughness, and which metalness.
@@ -60,6 +62,8 @@ class SurfaceFiles:
         The maps; heights only where there are no normals.
     side : float, optional
         Side of the surface that the pictures show [m], if a file beside them says so.
+    drawn_side : (float, float)
+        Range that the side is drawn from otherwise [m].
     """
 
     colour: Path
@@ -70,6 +74,7 @@ class SurfaceFiles:
     normal: MapFile | None = None
     height: MapFile | None = None
     side: float | None = None
+    drawn_side: tuple[float, float] = PICTURE_SIDE
 
     @property
     def name(self) -> str:
@@ -110,9 +115,18 @@ def surface_files(folder: Path) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding
 
 
 def usable_surfaces(
-    folder: Path | None, progress: Progress | None = None
+    folder: Path | None, side: tuple[float, float] = PICTURE_SIDE, progress: Progress | None = None
 ) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding, ...]]:
     """Return the surfaces in a folder whose pictures can all be read, and what was found about the other files.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Searched with its subfolders; None holds nothing.
+    side : (float, float)
+        Range of the side of what the pictures show [m], where no file states it.
+    progress : callable, optional
+        Is told how far the check is.
 
     Raises
     ------
@@ -132,7 +146,7 @@ def usable_surfaces(
         version=_CHECK,
         progress=progress,
     )
-    return tuple(item for item, _ in good), (*lost, *findings)
+    return tuple(replace(item, drawn_side=side) for item, _ in good), (*lost, *findings)
 
 
 def _check(item: SurfaceFiles) -> Checked:

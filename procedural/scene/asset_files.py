@@ -45,8 +45,8 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
         Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
     """
     environments, of_light = usable_hdris(settings.environment.hdri_dir, progress)
-    meshes, of_meshes = usable_meshes(settings.mesh_dir, progress)
-    textures, of_textures = usable_surfaces(settings.texture_dir, progress)
+    meshes, of_meshes = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
+    textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_side, progress)
     findings = (*of_light, *of_meshes, *of_textures)
     if settings.strict:
         check_strict(findings)

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel, glass_solid
 from ..optics.draw import draw_liquid
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
-from ..props.draw import draw_prop
+from ..props.draw import PropSettings, draw_prop
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
@@ -52,8 +52,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
-    props = _props(settings, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures, settings.texture_side)
+    props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
 
     centre, radius = _workspace(objects)
@@ -70,7 +70,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         seed=seed,
         scene_id=scene_id,
         table=table,
-        vessels=tuple(item for item in objects if isinstance(item, Vessel)),
+        vessels=tuple(item for item in objects if isinstance(item, GlassBody)),
         props=tuple(item for item in objects if isinstance(item, Prop)),
         environment=environment,
         lights=lights,
@@ -92,17 +92,16 @@ def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> 
 
 
 def _props(
-    settings: SceneSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
-) -> list[Prop]:
+    settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
+) -> list[Prop | GlassBody]:
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
-            settings.props,
+            settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
             mesh_files=files.meshes,
             texture_files=files.textures,
-            texture_side=settings.texture_side,
         )
         for i in range(count)
     ]
@@ -124,8 +123,8 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(item, Prop):
-        return resting_pose(item.mesh, rng)
+    if not isinstance(item, Vessel):
+        return resting_pose(_body(item), rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
 
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
 from ..description.picture import Picture
-from ..materials.draw import PICTURE_SIDE
+from ..materials.surface_files import PICTURE_SIDE
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings

@@ -37,7 +37,7 @@ _LICENCE = "CC0-1.0"
 
 def shipped_maps() -> tuple[Path, ...]:
     """Return the maps in the package, sorted by name."""
-    folder = files(__package__).joinpath("maps")
+    folder = files("glassware.procedural.surroundings").joinpath("maps")
     return tuple(Path(str(folder.joinpath(f"{name}.exr"))) for name in sorted(_PLACES))
 
 

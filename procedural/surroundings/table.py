@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.surroundings import Table
-from ..materials.draw import PICTURE_SIDE, draw_table_material
+from ..materials.draw import draw_table_material
 from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
@@ -40,7 +40,6 @@ def draw_table(
     rng: np.random.Generator,
     settings: TableSettings,
     texture_files: Sequence[SurfaceFiles] = (),
-    side: tuple[float, float] = PICTURE_SIDE,
 ) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
@@ -52,8 +51,6 @@ def draw_table(
         Sizes and the probability of a round table.
     texture_files : sequence of SurfaceFiles
         Pictures for the top, with their maps; without them the material is procedural.
-    side : (float, float)
-        Range of the side of what a picture shows [m], where no file states it.
 
     Returns
     -------
@@ -66,7 +63,7 @@ def draw_table(
     round_table = rng.random() < settings.round_share
     size = (long_side, long_side if round_table else short_side, thickness)
     mesh = _round_board(long_side, thickness, radius) if round_table else _board(size, radius)
-    return Table(mesh=mesh, material=draw_table_material(rng, texture_files, side), size=size)
+    return Table(mesh=mesh, material=draw_table_material(rng, texture_files), size=size)
 
 
 def outline(table: Table) -> np.ndarray:

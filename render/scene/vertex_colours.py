@@ -14,7 +14,8 @@ def coloured(mesh: Mesh) -> tuple[Mesh, np.ndarray]:
 
     Each face has a square of 2 x 2 texels of its own, with its corners at the centres of three of them. Bilinear
     interpolation between a, b, c and b + c - a is linear, so the texture shows what interpolation between the vertices
-    would. (The fourth texel may lie outside [0, 1]; no point of the face shows it alone.)
+    would. The corner a has the middle one of the three luminances, so that the fourth texel is between the others where
+    a face has colours of one hue; elsewhere it is clipped.
 
     Parameters
     ----------
@@ -33,13 +34,15 @@ def coloured(mesh: Mesh) -> tuple[Mesh, np.ndarray]:
     """
     if mesh.colours is None:
         raise ValueError(f"mesh {mesh.name}: expected colours of its vertices, found none")
-    index = mesh.faces.ravel()
-    a, b, c = (mesh.colours[mesh.faces[:, k]] for k in range(3))
+    middle = np.argsort(mesh.colours[mesh.faces].mean(2), axis=1, kind="stable")[:, 1]
+    faces = np.take_along_axis(mesh.faces, (middle[:, None] + np.arange(3)) % 3, axis=1)
+    index = faces.ravel()
+    a, b, c = (mesh.colours[faces[:, k]] for k in range(3))
     across = max(1, math.ceil(math.sqrt(len(mesh.faces))))
     rows = math.ceil(len(mesh.faces) / across)
     row, column = np.divmod(np.arange(len(mesh.faces)), across)
     pixels = np.zeros((2 * rows, 2 * across, 3), np.float32)
-    for (down, right), colour in (((0, 0), a), ((0, 1), b), ((1, 0), c), ((1, 1), b + c - a)):
+    for (down, right), colour in (((0, 0), a), ((0, 1), b), ((1, 0), c), ((1, 1), np.clip(b + c - a, 0.0, 1.0))):
         pixels[2 * row + down, 2 * column + right] = colour
     corner = np.stack([2 * column, 2 * row], 1)[:, None] + np.array([[0, 0], [1, 0], [0, 1]]) + 0.5
     uv = (corner / [2 * across, 2 * rows]).reshape(-1, 2)

@@ -137,7 +137,7 @@ def test_a_material_has_the_size_that_a_file_beside_it_states(tmp_path) -> None:
 def test_a_material_of_maps_takes_roughness_metalness_and_normals_from_them(tmp_path) -> None:
     for kind in ("BaseColor", "ORM", "Normal-dx"):
         write(tmp_path / f"brick_{kind}.png")
-    material = draw_table_material(np.random.default_rng(0), surface_files(tmp_path)[0], side=(2.0, 2.0))
+    material = draw_table_material(np.random.default_rng(0), usable_surfaces(tmp_path, (2.0, 2.0))[0])
     assert material.roughness_map is not None
     assert material.roughness_map.channel == "green"
     assert material.metallic_map is not None
