@@ -21,6 +21,7 @@ from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
+from ...procedural.materials.surface_files import SURFACE_SUFFIXES
 from ...procedural.props.mesh_files import MESH_SUFFIXES
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
@@ -53,15 +54,16 @@ class Manifest(Model):
 def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     """Return the files in the asset folders, with those that meshes may refer to; InputError for an unusable folder."""
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
-        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
+        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
-        ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
+        ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
     )
     return {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
+        if path.exists()  # a link to nothing is passed over
     }
 
 

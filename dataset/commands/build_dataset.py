@@ -18,7 +18,7 @@ from ...core.exit_codes import WorkFailed, run_command
 from ...core.model import Model
 from ...core.passed_over import report
 from ...core.user_text import UserPath, UserText, counted
-from ...procedural.scene.asset_files import AssetFiles, asset_files, check_inputs
+from ...procedural.scene.asset_files import AssetFiles, asset_files
 from ...procedural.scene.settings import SceneSettings
 from ..builds.build_log import BuildLog
 from ..builds.local_executor import LocalExecutor
@@ -144,8 +144,6 @@ def _assets(root: Path, settings: SceneSettings, overwrite: bool, stages: Stages
     found, stored = scan(settings), read_manifest(root)
     if stored is not None and not overwrite:
         check_manifest(stored, found, settings)
-    if found != stored:  # the files of a stored manifest were checked when it was written
-        check_inputs(settings)
     files = asset_files(settings, stages.checking)
     stages.say_all(report(files.findings))
     return files, found

@@ -14,7 +14,7 @@ from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.passed_over import report
 from ...core.user_text import UserPath, UserText, counted
-from ...procedural.scene.asset_files import asset_files, check_inputs
+from ...procedural.scene.asset_files import asset_files
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate
@@ -63,7 +63,6 @@ def _render_scene(arguments: Sequence[str]) -> None:
     head = new_head(request.name, request.seed, config, installed_versions(), backend)
     check_output(request.out, head, [request.scene])
     with stages.stopwatch.stage("inputs"):
-        check_inputs(settings)
         files = asset_files(settings, stages.checking)
     stages.say_all(report(files.findings))
     head = head.model_copy(update={"findings": files.findings})

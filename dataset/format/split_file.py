@@ -48,11 +48,12 @@ def splits_file(settings: SceneSettings, files: AssetFiles, seed: int, scenes: I
 
 def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, tuple[str, ...]]:
     held = files_for(settings, files, seed, "test")
-    hdri, textures = settings.environment.hdri_dir or Path(), settings.texture_dir or Path()
+    hdri = settings.environment.hdri_dir or Path()
     names = {
         "hdri_dir": tuple(path.relative_to(hdri).as_posix() for path in held.environments),
         "mesh_dir": tuple(file.name for file in held.meshes),
-        "texture_dir": tuple(path.relative_to(textures).as_posix() for path in held.textures),
+        "shipped": tuple(path.name for path in held.shipped),
+        "texture_dir": tuple(item.name for item in held.textures),
     }
     return {folder: found for folder, found in names.items() if found}
 

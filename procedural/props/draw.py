@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -13,6 +12,7 @@ from pydantic import Field, model_validator
 from ...core.model import Model
 from ..description.scene import GlassBody, Prop
 from ..materials.draw import draw_material, whole_repeats
+from ..materials.surface_files import SurfaceFiles
 from .from_file import prop_from_file
 from .mesh_files import MeshChoice, MeshFile
 from .shapes import draw_shape
@@ -57,7 +57,7 @@ def draw_prop(
     id: int,
     name: str,
     mesh_files: Sequence[MeshFile] = (),
-    texture_files: Sequence[Path] = (),
+    texture_files: Sequence[SurfaceFiles] = (),
 ) -> Prop | GlassBody:
     """Draw a prop at the world's origin; placement sets its pose.
 
@@ -73,8 +73,8 @@ def draw_prop(
         Name of the prop and of its mesh, unique in the scene.
     mesh_files : sequence of MeshFile
         Result of `mesh_files.usable_meshes`; may be empty. One that its file says is glass is a glass body.
-    texture_files : sequence of Path
-        Result of `picture_files.picture_files`; may be empty.
+    texture_files : sequence of SurfaceFiles
+        Result of `surface_files.usable_surfaces`; may be empty.
 
     Raises
     ------

@@ -12,6 +12,7 @@ from ...core.mesh import Mesh
 from ..description.material import OpaqueMaterial
 from ..description.scene import GlassBody, Interface, Origin, Prop, PropPart
 from ..materials.draw import draw_material, draw_plain_material, whole_repeats
+from ..materials.surface_files import SurfaceFiles
 from ..mesh_files.model import GlassLook, Look
 from ..optics.medium import AIR, Medium
 from .mesh_files import FileMesh, MeshFile, box_mapped, read_mesh
@@ -24,7 +25,7 @@ def prop_from_file(
     *,
     id: int,
     name: str,
-    texture_files: Sequence[Path] = (),
+    texture_files: Sequence[SurfaceFiles] = (),
 ) -> Prop | GlassBody:
     """Return a prop of a mesh file at the world's origin.
 
@@ -38,7 +39,7 @@ def prop_from_file(
         Longest side of a file without a size of its own [m].
     id, name : int, str
         Of the prop; the name is also that of its mesh.
-    texture_files : sequence of Path
+    texture_files : sequence of SurfaceFiles
         Pictures for files without any material; may be empty.
 
     Raises
@@ -89,7 +90,7 @@ def origin_of(file: MeshFile, found: FileMesh) -> Origin:
 
 
 def _of_drawn_material(
-    rng: np.random.Generator, mesh: Mesh, texture_files: Sequence[Path]
+    rng: np.random.Generator, mesh: Mesh, texture_files: Sequence[SurfaceFiles]
 ) -> tuple[Mesh, OpaqueMaterial]:
     if mesh.uv is None:
         mesh = box_mapped(mesh)

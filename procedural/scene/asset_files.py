@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from ...core.assets import asset
 from ...core.passed_over import Finding, Progress, check_strict
-from ..materials.picture_files import check_pictures, picture_files
+from ..materials.surface_files import SurfaceFiles, usable_surfaces
 from ..props.mesh_files import MeshFile, usable_meshes
-from ..surroundings.hdri import hdri_files, read_hdri
+from ..surroundings.hdri import usable_hdris
+from ..surroundings.shipped_light import shipped_maps
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -24,7 +24,8 @@ class AssetFiles:
 
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
-    textures: tuple[Path, ...] = ()
+    textures: tuple[SurfaceFiles, ...] = ()
+    shipped: tuple[Path, ...] = ()  #: environment maps of the package
     findings: tuple[Finding, ...] = ()  #: what was passed over, and remarks
 
 
@@ -43,16 +44,13 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     InputError
         Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
     """
-    hdri, textures = settings.environment.hdri_dir, settings.texture_dir
-    meshes, findings = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
+    environments, of_light = usable_hdris(settings.environment.hdri_dir, progress)
+    meshes, of_meshes = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
+    textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_side, progress)
+    findings = (*of_light, *of_meshes, *of_textures)
     if settings.strict:
         check_strict(findings)
-    return AssetFiles(
-        environments=() if hdri is None else hdri_files(hdri),
-        meshes=meshes,
-        textures=() if textures is None else picture_files(textures),
-        findings=findings,
-    )
+    return AssetFiles(environments, meshes, textures, shipped_maps(), findings)
 
 
 def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Split) -> AssetFiles:
@@ -61,30 +59,11 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
     def kept(some: Sequence[F], name: Callable[[F], str]) -> tuple[F, ...]:
         return files_of(settings.splits, seed, split, some, name)
 
-    hdri, textures = settings.environment.hdri_dir, settings.texture_dir
+    hdri = settings.environment.hdri_dir
     return AssetFiles(
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
-        textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
+        textures=kept(files.textures, lambda item: item.name),
+        shipped=kept(files.shipped, lambda path: path.name),
         findings=files.findings,
     )
-
-
-def check_inputs(settings: SceneSettings) -> None:
-    """Read every file of the folders in the settings, and refuse invalid ones before any work begins.
-
-    Parameters
-    ----------
-    settings : SceneSettings
-        Folders that are None are skipped.
-
-    Raises
-    ------
-    InputError
-        Names the first folder or file that cannot be used.
-    """
-    if settings.environment.hdri_dir is not None:
-        for path in hdri_files(settings.environment.hdri_dir):
-            read_hdri(asset(path))
-    if settings.texture_dir is not None:
-        check_pictures(picture_files(settings.texture_dir))

@@ -15,6 +15,7 @@ from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
+from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
 from ..vessels.families import draw_size
@@ -57,6 +58,9 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
 
     centre, radius = _workspace(objects)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
+    environment = with_shipped_light(
+        stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
+    )
     pixels = bake_environment(environment)
     far = reach(settings.cameras, centre, radius)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)

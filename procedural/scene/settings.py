@@ -9,6 +9,7 @@ from pydantic import Field
 from ...core.model import Model, Ordered
 from ...core.user_text import UserPath
 from ..description.picture import Picture
+from ..materials.surface_files import PICTURE_SIDE
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
@@ -17,6 +18,7 @@ from ..vessels.settings import VesselSettings
 from .splits import SplitSettings
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]
+_Side = Annotated[float, Field(ge=0.01, le=100.0)]
 _Props = Annotated[int, Field(ge=0, le=24)]
 
 
@@ -30,7 +32,14 @@ class SceneSettings(Model):
         default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
-    texture_dir: UserPath | None = Field(default=None, description="Folder of pictures for the table and plain props")
+    texture_dir: UserPath | None = Field(
+        default=None, description="Folder of pictures and materials with maps for the table and plain props"
+    )
+    texture_side: Annotated[tuple[_Side, _Side], Ordered] = Field(
+        default=PICTURE_SIDE,
+        description="Range of the side of what a picture or material shows [m], where no file beside it states it; "
+        "the same number twice states it",
+    )
     strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()

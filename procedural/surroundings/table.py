@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -13,6 +12,7 @@ from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
+from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
 
@@ -36,7 +36,11 @@ class TableSettings(Model):
         return self
 
 
-def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files: Sequence[Path] = ()) -> Table:
+def draw_table(
+    rng: np.random.Generator,
+    settings: TableSettings,
+    texture_files: Sequence[SurfaceFiles] = (),
+) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
     Parameters
@@ -45,8 +49,8 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
         Source of all draws.
     settings : TableSettings
         Sizes and the probability of a round table.
-    texture_files : sequence of Path
-        Pictures for the top; without them the material is procedural.
+    texture_files : sequence of SurfaceFiles
+        Pictures for the top, with their maps; without them the material is procedural.
 
     Returns
     -------

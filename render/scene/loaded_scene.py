@@ -80,7 +80,9 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
     opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
-    table = surface_table(by_id, scene.picture.dispersion)
+    ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
+    maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
+    table = surface_table(by_id, scene.picture.dispersion, maps)
     return LoadedScene(scene, mi_scene, _robust(mi_scene), table, RAY_OFFSET * reach, opaque)
 
 

@@ -11,6 +11,7 @@ from ...procedural.optics.medium import AIR, Medium
 from .._mitsuba import dr, mi
 from ..frame import PARTS
 from .spectrum import absorption_at, index_at, media_columns
+from .surface_maps import SurfaceMaps, surface_maps
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
@@ -67,6 +68,7 @@ class SurfaceTable:
     eta_render: mi.Float  #: by medium and sample of the active variant (`spectrum.index_at`)
     sigma_a_render: mi.Float  #: by medium and sample of the active variant (`spectrum.absorption_at`) [1/m]
     media: tuple[Medium, ...]
+    maps: SurfaceMaps | None = None  #: of roughness, metalness and normals; None where no material has any
 
     def relative_index(self, surface: SurfaceMedia, wavelengths: Any) -> mi.Float:
         """Return the index behind an interface over the index before it, for pictures in the active variant."""
@@ -79,8 +81,13 @@ class SurfaceTable:
         return dr.exp(-sigma_a * surface.distance)
 
 
-def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTable:
-    """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength."""
+def surface_table(
+    surfaces: dict[int, Surface], dispersion: bool, maps: dict[int, np.ndarray] | None = None
+) -> SurfaceTable:
+    """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength.
+
+    The `maps` of materials are given by registry id too (`surface_maps`).
+    """
     media = [AIR]
     for surface in surfaces.values():
         media += [medium for medium in (surface.front, surface.back) if medium not in media]
@@ -110,6 +117,7 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
         eta_render=column(mi.Float, index.astype(np.float32).ravel()),
         sigma_a_render=column(mi.Float, absorption.astype(np.float32).ravel()),
         media=tuple(media),
+        maps=surface_maps(maps or {}, len(rows)),
     )
 
 

@@ -20,7 +20,7 @@ SETTINGS = SceneSettings(
     vessel_count=(3, 3),
     prop_count=(3, 3),
     vessels=VesselSettings(fill_probability=1.0, chord_error=60e-6),
-    environment=EnvironmentSettings(room_share=0.0),
+    environment=EnvironmentSettings(room_share=0.0, shipped_share=0.0),
 )
 
 
