@@ -10,10 +10,11 @@ from rich.console import Console
 
 from ...core.errors import InputError
 from ...core.exit_codes import run_command
-from . import build_dataset, merge, render_scene, verify
+from . import assets, build_dataset, merge, render_scene, verify
 
 #: What each command does, and its entry point, by name.
 _COMMANDS: dict[str, tuple[str, Callable[[Sequence[str]], int]]] = {
+    "assets": ("what is in a folder of meshes, with a contact sheet, and what cannot be used", assets.main),
     "build": ("many scenes, by worker processes or a cluster (also: build-dataset)", build_dataset.main),
     "merge": ("merge the shards of a build into one data set", merge.main),
     "render": ("one labelled scene from a seed (also: render-scene)", render_scene.main),
