@@ -28,7 +28,7 @@ from ..builds.output_folder import finalize_output, lock_output, prepare_output
 from ..builds.plan import Plan, plan_build
 from ..builds.scheduler import Executor, Result, run
 from ..format import layout
-from ..format.dataset_file import DatasetFile, digest_of, new_head
+from ..format.dataset_file import DatasetFile, digest_of, new_head, with_files
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.config import FLAT, parse_request
@@ -115,7 +115,7 @@ def _build_dataset(arguments: Sequence[str]) -> None:
         try:
             with _executor(request, config) as executor:
                 head = _head(request, manifest, executor.worker_info())
-                head = head.model_copy(update={"findings": files.findings})
+                head = with_files(head, files)
                 head = prepare_output(root, head, scenes, request.overwrite)
                 write_manifest(root, manifest)
                 plan = _plan(request, root, scenes, say)

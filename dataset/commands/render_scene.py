@@ -20,7 +20,7 @@ from ...procedural.scene.settings import SceneSettings
 from ...render.backend.variant import activate
 from ...render.renderer import Renderer
 from ..format import layout
-from ..format.dataset_file import installed_versions, new_head, read_head
+from ..format.dataset_file import installed_versions, new_head, read_head, with_files
 from ..format.pictures import write_png
 from ..output_checks import check_output
 from ..pipeline import write_scene
@@ -65,7 +65,7 @@ def _render_scene(arguments: Sequence[str]) -> None:
     with stages.stopwatch.stage("inputs"):
         files = asset_files(settings, stages.checking)
     stages.say_all(report(files.findings))
-    head = head.model_copy(update={"findings": files.findings})
+    head = with_files(head, files)
     _say_what_is_done(request, stages)
     with stages.stopwatch.stage("description"):
         scene = draw_scene(settings, request.seed, request.scene, files)
