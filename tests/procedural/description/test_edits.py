@@ -15,7 +15,7 @@ from glassware.procedural.primitives.bodies import ball
 from glassware.procedural.profiles.liquid import brimful_volume
 from glassware.procedural.profiles.liquid_surface import LEAST_ANGLE
 from glassware.procedural.scene.draw import draw_scene
-from glassware.procedural.scene.scene_file import scene_digest
+from glassware.procedural.scene.scene_file import load_scene, save_scene, scene_digest
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.scene.validate import check_scene
 from glassware.procedural.vessels.settings import CATEGORIES
@@ -113,6 +113,19 @@ def test_objects_are_moved_left_out_and_added(scene):
     added = scene.add(lens)
     assert added.vessels[-1].id == max(item.id for item in scene.objects) + 1
     check_scene(added)
+
+
+def test_a_body_of_another_scene_is_added_with_an_id_and_meshes_of_its_own(scene, tmp_path):
+    pose = scene.vessels[0].world_T_object.copy()
+    pose[2, 3] += 0.3
+    twin = scene.vessels[0].model_copy(update={"name": "twin of vessel-00", "world_T_object": pose})
+    both = scene.add(twin)
+    save_scene(both, tmp_path / "scene.json")
+    stored = load_scene(tmp_path / "scene.json")
+    assert [item.name for item in stored.vessels] == ["vessel-00", "vessel-01", "twin of vessel-00"]
+    assert scene_digest(stored.without("twin of vessel-00")) == scene_digest(scene)
+    # And its liquid can still be changed.
+    assert both.with_liquid("twin of vessel-00", "ethanol").vessels[-1].liquid.medium.name == "ethanol"
 
 
 def _sunk(scene):
