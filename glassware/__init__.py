@@ -15,6 +15,7 @@ Each name loads its module when it is first used, so importing glassware is chea
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -33,6 +34,11 @@ if TYPE_CHECKING:
     from .render.renderer import Renderer as Renderer
 
     __version__: str
+
+# A Python that is started in a checkout finds this folder before the installed package, and the others by their links.
+_LINKS = Path(__file__).parents[1] / ".ci" / "packages" / "glassware"
+if _LINKS.is_dir():
+    __path__.append(str(_LINKS))
 
 #: The module of each public name.
 _MODULES = {

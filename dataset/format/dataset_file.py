@@ -14,6 +14,7 @@ from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...render.backend.llvm import compiler_version
+from .file_kinds import KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -43,6 +44,9 @@ class DatasetFile(Model):
     hashes: dict[str, str] = Field(
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
+    files: FileKinds = Field(
+        default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
+    )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
 
 
@@ -58,12 +62,25 @@ def installed_versions() -> dict[str, str]:
 
 
 def new_head(
-    name: str, seed: int, config: dict[str, Any], versions: dict[str, str], backend: str, scenes: str = ""
+    name: str,
+    seed: int,
+    config: dict[str, Any],
+    versions: dict[str, str],
+    backend: str,
+    scenes: str = "",
+    files: FileKinds = KINDS,
 ) -> DatasetFile:
     """Return the head of a new data set, with the hashes of its settings and of the software."""
     hashes = {"config": digest_of(config), "backend": digest_of({"backend": backend, "versions": versions})}
     return DatasetFile(
-        name=name, seed=seed, config=config, versions=versions, backend=backend, scenes=scenes, hashes=hashes
+        name=name,
+        seed=seed,
+        config=config,
+        versions=versions,
+        backend=backend,
+        scenes=scenes,
+        hashes=hashes,
+        files=files,
     )
 
 

@@ -6,16 +6,18 @@ import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 
 from ...core.errors import InputError, cause_of
 from ...core.folders import files_in
 from ...core.mesh import Mesh
 from .mesh_material import MeshMaterial, default_picture_folder, glb_material, obj_material
 from .normals import creased
+
+if TYPE_CHECKING:
+    import trimesh
 
 #: Formats that are read.
 MESH_SUFFIXES = (".glb", ".obj", ".ply", ".stl")
@@ -152,6 +154,8 @@ def _content(path: Path) -> bytes:
 
 def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
     """Return vertices, faces, normals if all parts have them, and texture coordinates if any part has them."""
+    import trimesh
+
     parts = _parts(file, content)
     offsets = np.cumsum([0] + [len(part.vertices) for part, _ in parts[:-1]])
     vertices = np.concatenate([trimesh.transform_points(part.vertices, pose) for part, pose in parts])
@@ -178,6 +182,8 @@ def _surface(file: MeshFile, content: bytes) -> tuple[np.ndarray, np.ndarray, np
 
 def _parts(file: MeshFile, content: bytes) -> list[tuple[trimesh.Trimesh, np.ndarray]]:
     """Return a file's parts that have faces, each with ``file_T_part``."""
+    import trimesh
+
     kind = file.path.suffix.lower()[1:]
     # MTL is read by `mesh_material`, which checks the paths in it. (A GLB would lose its texture coordinates.)
     options: dict[str, Any] = {"skip_materials": True} if kind == "obj" else {}

@@ -12,7 +12,9 @@ from ..materials.picture_files import check_pictures, picture_files
 from ..optics.draw import NO_MEDIA
 from ..optics.medium import Medium
 from ..props.mesh_files import MeshFile, check_meshes, mesh_files
+from ..surroundings.camera_poses import poses_of
 from ..surroundings.hdri import hdri_files, read_hdri
+from ..surroundings.pose_files import FilePose
 from ..vessels.media import own_media
 from .settings import SceneSettings
 from .splits import Split, files_of
@@ -27,16 +29,21 @@ class AssetFiles:
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[Path, ...] = ()
+    table_textures: tuple[Path, ...] = ()  #: those of the props, unless the table has a folder of its own
+    poses: tuple[FilePose, ...] = ()
     media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
 
 
 def asset_files(settings: SceneSettings) -> AssetFiles:
     """Return the files in the settings' folders; InputError where a folder or a file in it cannot be used."""
     hdri, meshes, textures = settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir
+    tables = settings.table_texture_dir
     return AssetFiles(
         environments=() if hdri is None else hdri_files(hdri),
         meshes=() if meshes is None else mesh_files(meshes),
         textures=() if textures is None else picture_files(textures),
+        table_textures=() if tables is None else picture_files(tables),
+        poses=poses_of(settings.cameras),
         media=own_media(settings.vessels),
     )
 
@@ -47,12 +54,14 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
     def kept(some: Sequence[F], name: Callable[[F], str]) -> tuple[F, ...]:
         return files_of(settings.splits, seed, split, some, name)
 
-    hdri, textures = settings.environment.hdri_dir, settings.texture_dir
+    hdri, textures, tables = settings.environment.hdri_dir, settings.texture_dir, settings.table_texture_dir
     return replace(
         files,
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
+        table_textures=kept(files.table_textures, lambda path: path.relative_to(tables or path).as_posix()),
+        poses=files.poses,
     )
 
 
@@ -77,3 +86,6 @@ def check_inputs(settings: SceneSettings) -> None:
         check_meshes(mesh_files(settings.mesh_dir))
     if settings.texture_dir is not None:
         check_pictures(picture_files(settings.texture_dir))
+    if settings.table.texture_dir is not None:
+        check_pictures(picture_files(settings.table.texture_dir))
+    poses_of(settings.cameras)

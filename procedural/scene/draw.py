@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel, glass_solid
+from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel
 from ..optics.medium import Medium
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
@@ -24,6 +23,7 @@ from ..vessels.settings import VesselSettings
 from ..vessels.sizes import draw_size
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
+from .solids import body_mesh, workspace
 from .splits import families_of, split_of
 
 
@@ -55,16 +55,16 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     kinds = settings.vessels.model_copy(update={"categories": families})
     vessels = _vessels(kinds, seed, scene_id, vessel_count, files.media)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
 
-    centre, radius = _workspace(objects)
+    space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
     pixels = bake_environment(environment)
-    far = reach(settings.cameras, centre, radius)
+    far = reach(settings.cameras, space, files.poses)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
     exposed = exposure(irradiance(pixels, environment.strength, lights))
-    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, centre, radius, exposed)
+    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, space, exposed, files.poses)
     return Scene(
         seed=seed,
         scene_id=scene_id,
@@ -110,7 +110,7 @@ def _placed(
 ) -> list[SceneObject]:
     """Return the objects in their places: vessels upright, props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
+    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
     shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     placed = []
     for item, pose, shift in zip(objects, poses, shifts, strict=True):
@@ -123,18 +123,4 @@ def _placed(
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
     if isinstance(item, Prop):
         return resting_pose(item.mesh, rng)
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
-
-
-def _body(item: SceneObject) -> Mesh:
-    return item.mesh if isinstance(item, Prop) else glass_solid(item)
-
-
-def _workspace(objects: list[SceneObject]) -> tuple[np.ndarray, float]:
-    """Return centre (3,) and radius [m] of a ball around all objects, or around the middle of an empty table."""
-    if not objects:
-        return np.zeros(3), 0.1
-    clouds = [_body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3] for item in objects]
-    points = np.concatenate(clouds)
-    centre = 0.5 * (points.min(0) + points.max(0))
-    return centre, float(np.linalg.norm(points - centre, axis=1).max())
+    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

@@ -17,7 +17,6 @@ from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
     Liquid,
-    Prop,
     Scene,
     Vessel,
     glass_solid,
@@ -27,6 +26,7 @@ from ..optics.medium import AIR
 from ..placement.overlap import Solid, contains
 from ..profiles.liquid import brimful_volume, level_of_volume
 from .fields import check_fields
+from .solids import body_mesh
 from .validate_light import check_lamp, check_sun
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
@@ -73,8 +73,7 @@ def check_scene(scene: Scene) -> None:
             _check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
-        mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
-        _check_size(f"{item.name}, size", mesh, np.array(item.size))
+        _check_size(f"{item.name}, size", body_mesh(item), np.array(item.size))
     for number, camera in enumerate(scene.cameras):
         _check_camera(f"camera {number}", camera)
     for body in scene.vessels:
@@ -223,9 +222,9 @@ def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:
     """Refuse a camera of which an eye is inside an object: light paths begin in air."""
     poses = [pose for camera in scene.cameras for pose in (camera.world_T_camera, camera.world_T_right)]
     eyes = np.array([pose[:3, 3] for pose in poses])
-    for name, solid in solids.items():
-        near = ((eyes >= solid.points.min(0)) & (eyes <= solid.points.max(0))).all(1).nonzero()[0]
-        for index in near[contains(solid, eyes[near])] if len(near) else near:
+    for name, body in solids.items():
+        near = ((eyes >= body.points.min(0)) & (eyes <= body.points.max(0))).all(1).nonzero()[0]
+        for index in near[contains(body, eyes[near])] if len(near) else near:
             view, eye = divmod(int(index), 2)
             where = f"camera {view}, {('left', 'right')[eye]} eye"
             raise InputError(where, "a place in the air", f"({', '.join(f'{x:.3f}' for x in eyes[index])}), in {name}")

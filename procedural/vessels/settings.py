@@ -8,6 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from ...core.model import Model, Ordered
 from ...core.quantities import volume_text
+from ...core.units import LENGTH, Length
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
@@ -19,10 +20,10 @@ Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask",
 CATEGORIES: tuple[Category, ...] = get_args(Category)
 
 
-_Height = Annotated[float, Field(ge=0.04, le=0.30)]
-_Radius = Annotated[float, Field(ge=0.015, le=0.08)]
-_Wall = Annotated[float, Field(ge=0.001, le=0.004)]
-_Base = Annotated[float, Field(ge=0.002, le=0.010)]
+_Height = Annotated[float, Field(ge=0.04, le=0.30), LENGTH]
+_Radius = Annotated[float, Field(ge=0.015, le=0.08), LENGTH]
+_Wall = Annotated[float, Field(ge=0.001, le=0.004), LENGTH]
+_Base = Annotated[float, Field(ge=0.002, le=0.010), LENGTH]
 _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
 #: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
 #: below the rim, whatever the vessel's shape.
@@ -94,7 +95,7 @@ class VesselSettings(Model):
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
-    chord_error: float = Field(
+    chord_error: Length = Field(
         default=15e-6,
         ge=2e-6,
         le=200e-6,

@@ -14,7 +14,8 @@ from glassware.procedural.primitives.bodies import ball
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.scene.validate import LARGEST_ID, check_scene
-from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings
+from glassware.procedural.surroundings.camera_settings import CameraSettings
+from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.procedural.vessels.settings import VesselSettings
 
 SETTINGS = SceneSettings(
