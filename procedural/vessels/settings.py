@@ -7,8 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, field_validator, model_validator
 
 from ...core.model import Model, Ordered
-from ...core.quantities import volume_text
-from ...core.units import LENGTH, Length
+from ...core.units import LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
