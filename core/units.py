@@ -1,4 +1,4 @@
-"""Quantities as text with a unit, such as ``12cm``, ``30deg`` or ``150ml``: a table of suffixes, a reader per dimension.
+"""Quantities as text with a unit, such as ``12cm``, ``30deg`` or ``150ml``: a table of suffixes, and their readers.
 
 A new unit is a row of `SUFFIXES`; a new dimension is a value of `Dimension`, its examples, and a function such as
 `length`. The readers are validators of settings: whatever is no text with a suffix is returned as it is, for whoever
