@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
-from math import degrees
 from reprlib import Repr
 from typing import Any
 
@@ -13,6 +13,8 @@ from pydantic import BaseModel, ValidationError
 from .errors import InputError
 from .model import Ordered
 
+#: A name among those that pydantic expects of a literal.
+_QUOTED = re.compile(r"'([^']*)'")
 #: What pydantic expects, in plain words, by its types of errors.
 _PLAIN = {
     "int_type": "a whole number",
@@ -30,9 +32,6 @@ _PLAIN = {
     "string_pattern_mismatch": "a text of the right form",
 }
 
-#: Where pydantic's errors of a limit have it, by their types.
-_LIMITS = {"greater_than": "gt", "greater_than_equal": "ge", "less_than": "lt", "less_than_equal": "le"}
-
 
 def setting_error(
     where: object,
@@ -40,9 +39,8 @@ def setting_error(
     model: type[BaseModel] | None = None,
     group: Sequence[str] = (),
     noun: str = "settings",
-    request: type[BaseModel] | None = None,
 ) -> InputError:
-    """Return the first fault of a validation as one line.
+    """Return the first fault of a validation as one line, or all of them where names are not known.
 
     Parameters
     ----------
@@ -56,21 +54,36 @@ def setting_error(
         Names of the fields that hold the validated model, outermost first.
     noun : str
         What the fields are.
-    request : type, optional
-        The model of the whole request, which knows the units of angles; by default `model`.
     """
-    first = error.errors(include_url=False)[0]
-    loc = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
+    faults = error.errors(include_url=False)
+    first = faults[0]
+    loc = _place(first)
+    unknown = [[*group, *_place(one)] for one in faults if one["type"] == "extra_forbidden"]
+    if first["type"] == "extra_forbidden" and len(unknown) == 1:
+        return InputError(where, f"known {noun}{_suggestion(model, unknown[0])}", ".".join(unknown[0]))
     if first["type"] == "extra_forbidden":
-        place = [*group, *loc]
-        return InputError(where, f"known {noun}{_suggestion(model, place)}", ".".join(place))
+        return InputError(where, f"known {noun}", ", ".join(".".join(p) + _suggestion(model, p) for p in unknown))
     inner, expected, found = fault(first)
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
     place = [*group, *loc, *([inner] if inner else [])]
-    if _is_angle(request or model, place):
-        expected, found = _with_degrees(first, expected, found)
+    found += "".join(f"; {line}" for line in _more_unknown(faults[1:], group))
     return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
+
+
+def _place(one: Any) -> list[str]:
+    return [str(part) for part in one["loc"] if not str(part).startswith("function-")]
+
+
+def _more_unknown(faults: Sequence[Any], group: Sequence[str]) -> Iterator[str]:
+    """Yield a line for each further fault that is an unknown name, so that all of them are said at once."""
+    for one in faults:
+        inner, expected, found = fault(one)
+        place = ".".join([*group, *_place(one), *([inner] if inner else [])])
+        if one["type"] == "extra_forbidden":
+            yield f"{place}: expected a known name, found it"
+        elif one["type"] == "literal_error" or expected.startswith("one of "):
+            yield f"{place}: expected {expected}, found {found}"
 
 
 def fault(first: Any) -> tuple[str, str, str]:
@@ -88,6 +101,8 @@ def fault(first: Any) -> tuple[str, str, str]:
         expected, _, found = text.rpartition(", found ")
         return field.removesuffix(": "), expected, found
     found = shortened(first["input"])
+    if kind == "literal_error":
+        found += suggest(str(first["input"]), _QUOTED.findall(context.get("expected", "")))
     if kind == "missing":
         return "", "a value", "none"
     if kind in ("too_short", "too_long"):
@@ -145,27 +160,6 @@ def _suggestion(model: type[BaseModel] | None, place: Sequence[str]) -> str:
     if close and not any(name.rpartition(".")[2] == last for name in known):
         return f" (is it {'.'.join([*place[:-1], close[0]])}?)"
     return suggest_setting(".".join(place), known)
-
-
-def _is_angle(model: type[BaseModel] | None, place: Sequence[str]) -> bool:
-    """Tell whether a setting is in radians, by its description; settings inside a group without a name count too."""
-    if model is None or not place:
-        return False
-    field = model.model_fields.get(place[0])
-    if field is None:
-        inner = [kind for one in model.model_fields.values() if (kind := _model_of(one)) is not None]
-        return any(_is_angle(kind, place) for kind in inner if place[0] in kind.model_fields)
-    kind = _model_of(field)
-    return _is_angle(kind, place[1:]) if kind else "[rad]" in (field.description or "")
-
-
-def _with_degrees(first: Any, expected: str, found: str) -> tuple[str, str]:
-    """Return what was expected and found of an angle, with its unit and in degrees."""
-    limit = first.get("ctx", {}).get(_LIMITS.get(first["type"], ""))
-    if not isinstance(limit, int | float):
-        return expected, found
-    words = expected.rpartition(" ")[0]
-    return f"{words} {limit:.6g} rad ({degrees(limit):.4g} degrees)", f"{found} rad"
 
 
 def _is_pair(model: type[BaseModel] | None, place: Sequence[str]) -> bool:

@@ -29,15 +29,15 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file in one of the asset folders."""
+    """A file in one of the asset folders, or the file of camera poses or of own media."""
 
-    folder: Folder
+    folder: Folder = Field(description="The setting that names its folder, or the file itself")
     path: str = Field(description="Below the folder, with forward slashes")
     size: int = Field(ge=0, description="[bytes]")
     sha256: Sha256
@@ -51,18 +51,27 @@ class Manifest(Model):
 
 
 def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
-    """Return the files in the asset folders, with those that meshes may refer to; InputError for an unusable folder."""
+    """Return the files in the asset folders, those that meshes may refer to, and that of the poses.
+
+    Raises InputError for an unusable folder.
+    """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
         ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
+        ("table.texture_dir", settings.table.texture_dir, PICTURE_SUFFIXES, True),
     )
-    return {
+    found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
     }
+    if settings.cameras.poses is not None:
+        found["cameras.poses", settings.cameras.poses.name] = settings.cameras.poses
+    if settings.vessels.media is not None:
+        found["vessels.media", settings.vessels.media.name] = settings.vessels.media
+    return found
 
 
 def scan(settings: SceneSettings) -> Manifest:
@@ -122,8 +131,11 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    holder = settings.environment if folder == "hdri_dir" else settings
-    return Path(getattr(holder, folder) or "", name)
+    files = {"cameras.poses": settings.cameras.poses, "vessels.media": settings.vessels.media}
+    if folder in files:
+        return Path(files[folder] or name).with_name(name)
+    places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
+    return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 
 
 class _DigestCache:

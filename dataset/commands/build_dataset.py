@@ -11,7 +11,7 @@ from ...core.errors import InputError
 from ...core.exit_codes import run_command
 from ...core.user_text import counted
 from ..settings.config import parse_request
-from ..settings.scene_ranges import parse_scenes, shard
+from ..settings.scene_ranges import requested_scenes, shard
 from .build_request import BuildDataset
 
 _DESCRIPTION = """Build a data set of many labelled scenes. The same command again resumes a build that was stopped.
@@ -46,9 +46,7 @@ def _requested_scenes(request: BuildDataset) -> list[int]:
         raise InputError(
             "--retry-failed", "it without --overwrite, which deletes scenes that would not be rendered again", "both"
         )
-    scenes = parse_scenes(request.scenes)
-    if not scenes:
-        raise InputError("--scenes", "scenes such as 0:2000", "none")
+    scenes = requested_scenes(request.scenes, request.count)
     return scenes if request.shard is None else shard(scenes, request.shard)
 
 

@@ -12,6 +12,7 @@ from ...core.user_text import UserPath, UserText
 from ...procedural.scene.settings import SceneSettings
 from ..format.file_kinds import ALL, KINDS, NONE, FileKinds, costs
 from ..settings.options import FLAT, Words
+from ..settings.scene_ranges import LARGEST_SCENE
 
 #: As in CUDA_VISIBLE_DEVICES: a number, or the UUID of a GPU or of a MIG instance.
 Device = Annotated[str, Field(pattern="^([0-9]+|(GPU|MIG)-[0-9A-Za-z/-]+)$")]
@@ -22,6 +23,9 @@ class BuildDataset(Model):
 
     settings: Annotated[SceneSettings, FLAT] = SceneSettings()
     scenes: str = Field(default="", description="Scenes, such as 0:2000 (without the end) or 3,7,10:20")
+    count: int | None = Field(
+        default=None, ge=1, le=LARGEST_SCENE + 1, description="Number of scenes, from scene 0 on: 20 is --scenes 0:20"
+    )
     seed: int = Field(default=0, ge=0, le=2**63 - 1, description="Seed of the data set, 0 to 2^63 - 1")
     out: UserPath = Field(default=Path("data"), description="Output folder: absent, empty, or a data set to continue")
     name: UserText = Field(default="glassware", description="Name of the data set")

@@ -13,10 +13,17 @@ CommonSection = tuple[str, tuple[str, ...]]
 _SCENE: tuple[CommonSection, ...] = (
     (
         "objects",
-        ("--vessel-count", "--vessels.categories", "--vessels.fill-probability", "--vessels.fill", "--prop-count"),
+        (
+            "--vessel-count",
+            "--vessels.categories",
+            "--vessels.glasses",
+            "--vessels.liquids",
+            "--vessels.fill",
+            "--prop-count",
+        ),
     ),
-    ("your own files", ("--hdri-dir", "--mesh-dir", "--texture-dir")),
-    ("cameras and pictures", ("--views", "--width", "--height", "--spp", "--noise")),
+    ("your own files", ("--hdri-dir", "--mesh-dir", "--texture-dir", "--cameras.poses")),
+    ("cameras and pictures", ("--cameras.preset", "--views", "--width", "--height", "--spp")),
 )
 
 #: By the name of the command.
@@ -26,8 +33,8 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
         *_SCENE,
     ),
     "build-dataset": (
-        ("scenes", ("--scenes", "--seed", "--preset", "--config", "--out", "--write")),
-        ("work", ("--workers", "--shard", "--overwrite", "--retry-failed", "--yes")),
+        ("scenes", ("--scenes", "--count", "--seed", "--preset", "--config", "--out", "--write")),
+        ("work", ("--workers", "--shard", "--yes")),
         *_SCENE,
     ),
     "glassware train": (

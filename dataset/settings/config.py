@@ -17,10 +17,12 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
+from ...core.yaml_file import yaml_settings
+from .camera_layer import with_cameras
 from .help_page import asks_for_help, print_help
+from .option_units import without_units
 from .options import FLAT as FLAT
 from .options import LISTS, SHORT, flat_groups, option_names
-from .settings_file import yaml_settings
 
 T = TypeVar("T", bound=BaseModel)
 
@@ -36,7 +38,8 @@ def preset_names() -> list[str]:
 def preset(name: str, where: str = "--preset") -> dict[str, Any]:
     """Return a preset's settings; InputError where no preset has this name."""
     if name not in preset_names():
-        raise InputError(where, f"one of {', '.join(preset_names())}", shortened(name))
+        known = preset_names()
+        raise InputError(where, f"one of {', '.join(known)}", shortened(name) + suggest(str(name), known))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
 
 
@@ -87,18 +90,19 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
         raise _argument_error(prog, event, model, full)
 
-    full = _with_full_names(arguments)
+    full = without_units(prog, model, _with_full_names(arguments), FLAT)
     try:
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
     except ValidationError as error:  # of a `FLAT` group: the parser passes these on
-        raise setting_error(prog, error, request=model) from error
+        raise setting_error(prog, error) from error
 
 
 def _layers(model: type[T], arguments: Sequence[str]) -> T:
     """Return the settings below the options: the preset, and on top of it the YAML file."""
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
     settings, where = {}, "preset"
+    loaded: dict[str, Any] = {}
     if "preset" in model.model_fields:
         settings = preset(name or model.model_fields["preset"].default)
     if path is not None:
@@ -107,7 +111,8 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
             if name in loaded:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
         check_booleans(model, loaded, path)
-        settings, where = merged(settings, loaded), path
+        where = path
+    settings = merged(settings, loaded) | with_cameras(settings, loaded, _with_full_names(arguments))
     return validated(model, settings, where)
 
 
@@ -180,15 +185,25 @@ def _argument_error(
         case tyro_errors.InstantiationFailure(argument=argument):
             return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
-            return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
+            return InputError(
+                _place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices)
+            )
         case tyro_errors.BadValue(argument=argument, offending_value=value):
             return InputError(_place(prog, argument), _form(argument), value or "fewer values")
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
-            hint = _option_hint(tokens[0].partition("=")[0], model)
-            return InputError(prog, f"known options with valid values (see --help){hint}", " ".join(tokens))
+            return _unknown_options(prog, tokens, model)
     return InputError(prog, "options as --help lists them", event)
+
+
+def _unknown_options(prog: str, tokens: Sequence[str], model: type[BaseModel]) -> InputError:
+    """Return the error for words that no option takes: all unknown options, each with the nearest known one."""
+    expected, found = "known options with valid values (see --help)", " ".join(tokens)
+    options = [word.partition("=")[0] for word in tokens if word.startswith("--")]
+    if len(options) < 2:
+        return InputError(prog, expected + _option_hint(tokens[0].partition("=")[0], model), found)
+    return InputError(prog, expected, ", ".join(option + _option_hint(option, model) for option in options))
 
 
 def _option_hint(option: str, model: type[BaseModel]) -> str:
@@ -223,13 +238,12 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
     if error is None:
         return InputError(prog, "valid settings", message)
     flat = flat_groups(model)
-    names = [part for part in group.split(".") if part and part not in flat]
-    return setting_error(prog, error, group=names, request=model)
+    return setting_error(prog, error, group=[part for part in group.split(".") if part and part not in flat])
 
 
 def _form(argument: Any) -> str:
-    """Return the form of an argument's value as the help text has it, such as INT."""
-    return argument.lowered.metavar or "no value"
+    """Return the form of an argument's value as the help text has it, such as INT; without the word for none."""
+    return (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
 
 
 def _place(prog: str, argument: Any) -> str:

@@ -20,7 +20,7 @@ import numpy as np
 from ...core.assets import asset
 from ...core.model import Reflectance
 from ..description.material import OpaqueMaterial, PictureTexture, ProceduralTexture, Texture, UniformTexture
-from .picture_files import srgb_to_linear
+from .picture_files import read_picture, srgb_to_linear
 
 #: Darkest and brightest reflectance of a dielectric, linear: sRGB 30 and 240 (McDermott 2018).
 DIELECTRIC_RANGE = (0.013, 0.871)
@@ -152,10 +152,17 @@ def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) 
     return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
 
 
-def draw_table_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
-    """Draw the material of a table, with a picture if there are any; `repeats` are per metre."""
+def draw_table_material(
+    rng: np.random.Generator, texture_files: Sequence[Path] = (), side: float | None = None
+) -> OpaqueMaterial:
+    """Draw the material of a table, with a picture if there are any; `repeats` are per metre.
+
+    Where the width of one repeat of the picture is given [m], its height has the picture's shape, and no other draw
+    changes.
+    """
     if texture_files:
-        return _picture_material(rng, texture_files)
+        drawn = _picture_material(rng, texture_files)
+        return drawn if side is None else _of_width(drawn, side)
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
 
 
@@ -175,6 +182,14 @@ def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> Opaque
         repeats=1.0 / rng.uniform(*PICTURE_SIDE),
         roughness=rng.uniform(*PICTURE_ROUGHNESS),
     )
+
+
+def _of_width(material: OpaqueMaterial, width: float) -> OpaqueMaterial:
+    """Return a picture's material whose repeats are that wide [m] and have the picture's shape."""
+    assert isinstance(material.base_colour, PictureTexture)
+    rows, columns = read_picture(material.base_colour.asset.path).shape[:2]
+    other = None if rows == columns else columns / (rows * width)
+    return material.model_copy(update={"repeats": 1.0 / width, "repeats_v": other})
 
 
 def _family_material(rng: np.random.Generator, family: Family) -> OpaqueMaterial:

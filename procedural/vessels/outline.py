@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from scipy.interpolate import BPoly
 
-from .curve import Curve
+from ..profiles.curve import Curve
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import CausticShade, PathOrigin, balance_heuristic, trace, visible
+from ..pictures.integrator import PathOrigin, StoredCaustics, balance_heuristic, trace, visible
 from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
@@ -24,7 +24,7 @@ from .irradiance_cache import MOMENTS, IrradianceCache, normalised
 from .lobes import schlick
 from .photon_map import photon_moments
 from .sample_points import PointSampler, point_sampler, sample_points
-from .stored_caustics import caustic_shade
+from .stored_caustics import stored_caustics
 
 #: Paths of one pass [1]. Each holds 48 bytes of results, so a pass stays near 100 MB.
 PATHS_PER_PASS = 1 << 21
@@ -69,7 +69,7 @@ def fill_cache(
     """
     photon_halves = photon_moments(loaded, points, photons, seed)
     caustics = 0.5 * (photon_halves[0] + photon_halves[1])
-    gather = _Gather(loaded, point_sampler(points), caustic_shade(loaded, points, caustics), seed)
+    gather = _Gather(loaded, point_sampler(points), stored_caustics(loaded, points, caustics), seed)
     counts = _group_counts(points, paths / GROUP)
     sums = _traced_groups(gather, counts)
     total, odd = sums.moments, sums.odd_moments
@@ -78,7 +78,7 @@ def fill_cache(
     mean = 0.5 * (halves[0][:grid] + halves[1][:grid])
     moments = np.concatenate([mean, denoised_meshes(points, (halves[0][grid:], halves[1][grid:]))])
     moments = normalised(moments + caustics).astype(np.float32)
-    noise = 0.5 * sum(one[:grid, :6] - other[:grid, :6] for one, other in (halves, photon_halves))
+    noise = 0.5 * ((halves[0] - halves[1])[:grid, :6] + (photon_halves[0] - photon_halves[1])[:grid, :6])
     fraction = luminance(caustics[:grid, :3]) / np.maximum(luminance(moments[:grid, :3]), 1e-30)
     moments[:grid] = denoised_grid(moments[:grid], noise, fraction, (points.axes[1].lines, points.axes[0].lines))
     return IrradianceCache(points, moments, counts * GROUP, photons, caustics)
@@ -90,7 +90,7 @@ class _Gather:
 
     loaded: LoadedScene
     origins: PointSampler
-    caustics: CausticShade
+    caustics: StoredCaustics
     seed: int
 
 

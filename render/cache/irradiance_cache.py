@@ -18,7 +18,7 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, CausticShade, PathDimensions, balance_heuristic, visible
+from ..pictures.integrator import Bounce, PathDimensions, StoredCaustics, balance_heuristic, visible
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import SurfaceTable, registry_id
 from .cache_points import CachePoints, Lookup, interpolation_weights, lookup_of
@@ -54,7 +54,7 @@ class TracedSurfaces:
     """Surfaces of a cached scene whose light is path traced, but for their caustics."""
 
     rows: mi.Bool  #: by registry id
-    caustics: CausticShade
+    caustics: StoredCaustics
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,10 @@ import numpy as np
 from ...procedural.description.picture import Picture
 from ...procedural.description.scene import TABLE_ID
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, CausticShade, Radiance, trace
+from ..pictures.integrator import Bounce, Radiance, StoredCaustics, trace
 from ..pictures.picture import PATH_TRACER, Tracer
 from ..pictures.sampler import SobolSampler
+from ..scene.lighting import sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import registry_id
 from .cache_points import CachePoints, interpolation_weights, lookup_of
@@ -21,8 +22,8 @@ from .irradiance_cache import IrradianceCache, diffuse, interpolated, material_c
 from .lobes import eval_glossy
 
 
-def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray) -> CausticShade:
-    """Return the function that reads a scene's photon map.
+def stored_caustics(loaded: LoadedScene, points: CachePoints, moments: np.ndarray) -> StoredCaustics:
+    """Return how paths read a scene's photon map, and find its sun through glass.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def caustic_shade(loaded: LoadedScene, points: CachePoints, moments: np.ndarray)
         is_light = instance == 0
         return dr.select(is_light, 0.0, radiance), dr.select(is_light, 1.0, fraction)
 
-    return shade
+    return StoredCaustics(shade, sun_glints(loaded.description))
 
 
 def path_tracer_with_caustics(loaded: LoadedScene, cache: IrradianceCache) -> Tracer:
@@ -64,7 +65,7 @@ def path_tracer_with_caustics(loaded: LoadedScene, cache: IrradianceCache) -> Tr
     """
     if cache.caustics is None:
         return PATH_TRACER
-    caustics = caustic_shade(loaded, cache.points, cache.caustics)
+    caustics = stored_caustics(loaded, cache.points, cache.caustics)
 
     def trace_with_caustics(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture

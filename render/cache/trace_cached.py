@@ -33,12 +33,13 @@ from ..pictures.integrator import (
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_1d, sample_4d
+from ..scene.lighting import SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.surfaces import AIR_INDEX, registry_id, surface_media
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
-from .stored_caustics import caustic_shade
+from .stored_caustics import stored_caustics
 
 #: Adaptive sampling: with the cache, most noise is in glass and in reflections of polished surfaces (docs/design.md).
 CACHED_WEIGHTS = SampleWeights(glass=16.0, polished=6.0)
@@ -88,6 +89,7 @@ class CachedTracing:
     picture: Picture
     shader: CachedShader
     emission: EmissionMap
+    glints: SunGlints | None  #: the sun as paths find it through glass; None: as it is
 
     def of_paths(self, state: PathState) -> CachedTracing:
         """Return the same for compacted paths, whose lanes differ."""
@@ -99,13 +101,13 @@ def cached_tracer(loaded: LoadedScene, cache: IrradianceCache, traced: tuple[int
 
     Objects with the ids `traced` are path traced; only their caustics are read.
     """
-    emission = emission_map(loaded.description)
+    emission, glints = emission_map(loaded.description), sun_glints(loaded.description)
     shader = cached_shader(loaded, cache, emission, _traced_surfaces(loaded, cache, traced) if traced else None)
 
     def trace(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
     ) -> Radiance:
-        return trace_cached(CachedTracing(loaded, sampler, picture, shader, emission), ray)
+        return trace_cached(CachedTracing(loaded, sampler, picture, shader, emission, glints), ray)
 
     return Tracer(trace, CACHED_WEIGHTS)
 
@@ -114,7 +116,7 @@ def _traced_surfaces(loaded: LoadedScene, cache: IrradianceCache, ids: tuple[int
     rows = mi.Bool(np.isin(np.array(loaded.surfaces.instance), ids))
     dr.make_opaque(rows)
     caustics = np.zeros(cache.moments.shape) if cache.caustics is None else cache.caustics
-    return TracedSurfaces(rows, caustic_shade(loaded, cache.points, caustics))
+    return TracedSurfaces(rows, stored_caustics(loaded, cache.points, caustics))
 
 
 def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
@@ -280,7 +282,9 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     si = pi.compute_surface_interaction(ray, mi.RayFlags.All, outside)
     previous = dr.zeros(mi.Interaction3f)
     previous.p = ray.o
-    found = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside)
+    # A direction that only glass or the camera can have, and another surface behind: the path comes through glass.
+    through = delta & (depth > 1)
+    found = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside, tracing.glints, through)
     glossy, through_glass, any_traced = (
         mi.Color3f(state.glossy),
         mi.Bool(state.through_glass),
@@ -351,7 +355,7 @@ def _traced_bounce(
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
     if dr.hint(traced, exclude=[scene, surfaces]):
         bounce = opaque_event(scene, si, ray, offset, u)
-        stored, glossy = surfaces.caustics(si, barycentric, ray, bounce)
+        stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy
 

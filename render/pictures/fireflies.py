@@ -4,14 +4,16 @@ Light that reaches a pixel by rare paths (a lamp seen through two glasses) arriv
 all pixels is right, and clamping such samples would darken the picture (bias). So the excess is not clamped but spread
 over the pixels around it that the same rare paths reach: those that show the same kind of surface and have noise. The
 mean stays, and the denoiser can handle the result. Pixels that are bright in every group of samples are not changed.
+Neither are those that show glass: a bright spot there is most often a glint at its right place, and what the denoiser
+takes off glass is returned to it (`denoise.with_mean_of`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
+
+from .guides import Guides
 
 #: Smallest relative standard error of a firefly [1]. It is 1 where one group of samples carries all light, for any
 #: number of groups, and 0.6 where 63 to 70 % of the light is in one group (of sixteen, of four).
@@ -33,16 +35,7 @@ _NOISE_SCALE = 0.02
 _CHUNK = 256
 
 
-@dataclass(frozen=True, eq=False)
-class PixelGuides:
-    """What the filter follows: guides of the denoiser, and which pixels show glass."""
-
-    albedo: np.ndarray  #: (H, W, 3) guide
-    normal: np.ndarray  #: (H, W, 3) guide
-    glass: np.ndarray  #: (H, W) bool, pixels that show glass
-
-
-def spread_fireflies(radiance: np.ndarray, variance: np.ndarray, guides: PixelGuides) -> tuple[np.ndarray, np.ndarray]:
+def spread_fireflies(radiance: np.ndarray, variance: np.ndarray, guides: Guides) -> tuple[np.ndarray, np.ndarray]:
     """Return the picture with the excess of fireflies spread, and its variance; the sum of the picture stays.
 
     Parameters
@@ -51,14 +44,14 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray, guides: PixelGu
         Noisy picture.
     variance : (H, W, 3) float32
         Estimated variance of each value.
-    guides : PixelGuides
+    guides : Guides
         What pixels show.
     """
     level = radiance.mean(axis=2)
     around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), MEDIAN_SIDE)
     # The variance of the mean colour is at most that of fully correlated channels, as those of a firefly are.
     error = np.sqrt(variance).mean(axis=2)
-    is_firefly = (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around)
+    is_firefly = (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around) & ~guides.glass
     if not is_firefly.any():
         return radiance, variance
     kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[..., None]
@@ -68,7 +61,7 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray, guides: PixelGu
     return (radiance * kept + spread).astype(np.float32), (variance * kept**2).astype(np.float32)
 
 
-def _spread(excess: np.ndarray, fireflies: np.ndarray, noisy: np.ndarray, guides: PixelGuides) -> np.ndarray:
+def _spread(excess: np.ndarray, fireflies: np.ndarray, noisy: np.ndarray, guides: Guides) -> np.ndarray:
     """Return the light of the fireflies, (n, 2) rows and columns, given to the pixels around them."""
     height, width = noisy.shape
     radius = max(2, round(SPREAD * width))
@@ -91,10 +84,9 @@ def _spread(excess: np.ndarray, fireflies: np.ndarray, noisy: np.ndarray, guides
     return result.reshape(height, width, 3)
 
 
-def _likeness(guides: PixelGuides, centre: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _likeness(guides: Guides, centre: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return by how much pixels show the same kind of surface as a firefly, (n, side, side) in [0, 1]."""
     normal, albedo = (x.reshape(-1, 3).astype(np.float64) for x in (guides.normal, guides.albedo))
-    glass = guides.glass.ravel()
     apart = ((normal[at] - normal[centre][:, None, None]) ** 2).sum(-1) / _NORMAL_WIDTH**2
     apart += ((albedo[at] - albedo[centre][:, None, None]) ** 2).sum(-1) / _ALBEDO_WIDTH**2
-    return np.exp(-0.5 * apart) * (glass[at] == glass[centre][:, None, None])
+    return np.exp(-0.5 * apart) * ~guides.glass.ravel()[at]

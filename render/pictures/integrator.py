@@ -16,6 +16,7 @@ from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import InterfaceHit, Scattered, scatter
 from ..interfaces.polarised import analyser_of, mueller_to_world, scatter_polarised
+from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
@@ -78,6 +79,14 @@ CausticShade: TypeAlias = (
 )
 
 
+@dataclass(frozen=True, eq=False)
+class StoredCaustics:
+    """How paths find light through glass that they would find by chance alone."""
+
+    shade: CausticShade
+    glints: SunGlints | None = None  #: the sun as paths find it through glass; None: as it is
+
+
 @syntax
 def trace(
     loaded: LoadedScene,
@@ -86,7 +95,7 @@ def trace(
     sampler: SobolSampler,
     picture: Picture,
     origin: PathOrigin | None = None,
-    caustics: CausticShade | None = None,
+    caustics: StoredCaustics | None = None,
 ) -> Radiance:
     """Trace one path for every ray, which starts in air, and return its radiance.
 
@@ -102,6 +111,7 @@ def trace(
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
+    caustics_shade, glints = (None, None) if caustics is None else (caustics.shade, caustics.glints)
     # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
     coherent, through_glass, glossy = mi.Bool(origin is None), mi.Bool(False), mi.Color3f(float(origin is None))
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
@@ -117,8 +127,8 @@ def trace(
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = mi.UInt32(surface.before)
 
-        found = mi.Spectrum(1.0) if caustics is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
-        L += beta * found * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
+        found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
+        L += beta * found * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active, glints, through_glass)
         active = mi.Bool(hit)
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
@@ -126,8 +136,8 @@ def trace(
             bounce = opaque_event(scene, si, ray, offset, u)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
             L += beta * bounce.radiance
-            if caustics is not None:
-                stored, glossy = caustics(si, pi.prim_uv, ray, bounce)
+            if caustics_shade is not None:
+                stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)
                 L += beta * stored
                 through_glass = mi.Bool(False)
         if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, carried]):
@@ -136,9 +146,7 @@ def trace(
                 beta, is_hero = dr.select(is_hero, beta, hero_wavelength(beta)), mi.Bool(True)
             event = interface_event(interface, beta)
             direction, factor = event.direction, mi.Spectrum(event.weight)
-            eta_scale *= event.eta_squared
-            if caustics is not None:
-                through_glass = mi.Bool(True)
+            eta_scale, through_glass = eta_scale * event.eta_squared, mi.Bool(True)
             medium = dr.select(event.transmitted, surface.behind, surface.before)
         beta *= factor
         previous, ray = mi.Interaction3f(si), leave(si, direction, offset)
@@ -191,13 +199,26 @@ def balance_heuristic(pdf: mi.Float, other: mi.Float) -> mi.Float:
     return pdf / (pdf + other)
 
 
-def emitter_hit(scene: mi.Scene, si: mi.SurfaceInteraction3f, origin: PathOrigin, active: mi.Bool) -> mi.Spectrum:
-    """Return the radiance of the emitter that BSDF sampling hit, with its MIS weight against emitter sampling."""
+def emitter_hit(
+    scene: mi.Scene,
+    si: mi.SurfaceInteraction3f,
+    origin: PathOrigin,
+    active: mi.Bool,
+    glints: SunGlints | None = None,
+    through_glass: mi.Bool | None = None,
+) -> mi.Spectrum:
+    """Return the radiance of the emitter that BSDF sampling hit, with its MIS weight against emitter sampling.
+
+    With `glints`, paths that come `through_glass` find the wide sun (`sun_glints`).
+    """
     emitter = si.emitter(scene, active)
     ds = mi.DirectionSample3f(scene, si, origin.previous)
     emitter_pdf = scene.pdf_emitter_direction(origin.previous, ds, ~origin.delta & active)
     mis_weight = dr.select(origin.delta, 1.0, balance_heuristic(origin.pdf, emitter_pdf))
-    return dr.select(active, mi.Spectrum(mis_weight) * emitter.eval(si, active), 0.0)
+    radiance = emitter.eval(si, active)
+    if glints is not None:
+        radiance = dr.select(through_glass & ~si.is_valid(), glints(radiance, -si.wi), radiance)
+    return dr.select(active, mi.Spectrum(mis_weight) * radiance, 0.0)
 
 
 def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:

@@ -16,7 +16,7 @@ from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
 from .denoise import blend, denoise, with_mean_of
 from .film import Film
-from .fireflies import PixelGuides, spread_fireflies
+from .fireflies import spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import SampleWeights, group_counts
@@ -113,8 +113,7 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     Pixels that see the surroundings directly have no noise and are not changed.
     """
     guides = image.guides
-    pixels = PixelGuides(guides.albedo, guides.normal, guides.glass)
-    radiance, variance = spread_fireflies(image.radiance, image.variance, pixels)
+    radiance, variance = spread_fireflies(image.radiance, image.variance, guides)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
     clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass)
     return np.where(guides.background[..., None], image.radiance, clean)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 
+from ...procedural.description.scene import Scene
 from ...procedural.description.surroundings import AreaLight, Environment
 from ...procedural.surroundings.environments import bake_environment
+from ...procedural.surroundings.sun_glints import wide_sun
 from .._mitsuba import dr, mi
 
 #: Rotation from Mitsuba's equirectangular axes (y up) to ours (z up, azimuth from +x towards +y). Mitsuba's azimuth
@@ -41,6 +46,27 @@ def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
     rows = np.empty((2 * len(pixels) + 1, *pixels.shape[1:]), np.float32)
     rows[0::2], rows[1::2] = middle, pixels
     return rows
+
+
+#: (radiance of the environment, direction to it) -> its radiance with the wide disc in place of the sun.
+SunGlints: TypeAlias = "Callable[[mi.Color3f, mi.Vector3f], mi.Color3f]"
+
+
+def sun_glints(scene: Scene) -> SunGlints | None:
+    """Return the sun that paths find through glass (`sun_glints.wide_sun`); None where it is the environment's own."""
+    sun = wide_sun(scene.environment, min(1.0 / camera.focal for camera in scene.cameras))
+    if sun is None:
+        return None
+    to_sun, around, disc = (mi.Vector3f(*values.tolist()) for values in (sun.direction, sun.around, sun.disc))
+    core_cos, disc_cos = mi.Float(sun.core_cos), mi.Float(sun.disc_cos)
+    dr.make_opaque(to_sun, around, disc, core_cos, disc_cos)
+
+    def with_wide_sun(radiance: mi.Color3f, direction: mi.Vector3f) -> mi.Color3f:
+        cos = dr.dot(direction, to_sun)
+        sky = dr.select(cos > core_cos, dr.minimum(radiance, mi.Color3f(around)), radiance)
+        return sky + dr.select(cos > disc_cos, mi.Color3f(disc), 0.0)
+
+    return with_wide_sun
 
 
 def area_light(light: AreaLight) -> dict:

@@ -91,3 +91,28 @@ def test_a_manifest_reads_back_and_none_is_none(assets, tmp_path):
     found = manifest.scan(assets)
     manifest.write_manifest(tmp_path, found)
     assert manifest.read_manifest(tmp_path) == found
+
+
+def test_the_poses_of_cameras_and_the_tables_own_pictures_are_in_it_as_well(assets, tmp_path):
+    poses = tmp_path / "robot" / "poses.txt"
+    poses.parent.mkdir()
+    poses.write_text("1 0 0 0\n")
+    (tmp_path / "tops").mkdir()
+    (tmp_path / "tops" / "oak.png").write_bytes(b"oak")
+    groups = {"cameras": {"poses": poses}, "table": {"texture_dir": tmp_path / "tops"}}
+    settings = SceneSettings.model_validate(groups)
+    kept = manifest.scan(settings)
+    assert [(item.folder, item.path) for item in kept.files] == [
+        ("cameras.poses", "poses.txt"),
+        ("table.texture_dir", "oak.png"),
+    ]
+    for path in (poses, tmp_path / "tops" / "oak.png"):
+        before = path.read_bytes()
+        path.write_bytes(b"other")
+        with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the asset as manifest.json has it"):
+            manifest.check_manifest(kept, manifest.scan(settings), settings)
+        path.write_bytes(before)
+    stamps = manifest.stamps(settings)
+    poses.unlink()
+    with pytest.raises(InputError, match=re.escape(str(poses))):
+        manifest.check_unchanged(stamps)

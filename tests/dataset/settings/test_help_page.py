@@ -66,7 +66,7 @@ def test_help_shows_the_defaults_of_the_preset_that_is_named(capsys):
     with pytest.raises(SystemExit):
         main(["render", "--preset", "standard", "--help"])
     printed = " ".join(capsys.readouterr().out.split())
-    assert "--width INT Picture width [px], 1 to 16384 (default: 640)" in printed
+    assert "--width INT Picture width, 1 to 16384 [px] (default: 640)" in printed
 
 
 @pytest.mark.parametrize(

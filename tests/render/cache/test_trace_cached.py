@@ -36,7 +36,7 @@ def _followed(lit, seed: int = 4, **changes) -> tuple[np.ndarray, ...]:
     camera, picture = kernel.description.cameras[0], kernel.description.picture.model_copy(update=changes)
     pixel = np.arange(camera.width * camera.height, dtype=np.uint32)
     ray, _, points = camera_paths(pinhole(camera), pixel, np.zeros_like(pixel), 16, 16, seed)
-    found = trace_cached(CachedTracing(kernel, points, picture, surface, bright), ray)
+    found = trace_cached(CachedTracing(kernel, points, picture, surface, bright, None), ray)
     return np.array(found.radiance), np.array(found.violations), np.array(found.segments)
 
 

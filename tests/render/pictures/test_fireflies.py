@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from glassware.render.pictures.fireflies import PixelGuides, spread_fireflies
+from glassware.render.pictures.fireflies import spread_fireflies
+from glassware.render.pictures.guides import Guides
 
 #: float32 sums over a picture of 64 x 48.
 SUM_ROUNDING = 1e-5
@@ -20,9 +21,14 @@ def noisy(rng):
 
 
 @pytest.fixture
-def plain() -> PixelGuides:
+def plain() -> Guides:
     """One grey wall that faces the camera."""
-    return PixelGuides(np.full((48, 64, 3), 0.5), np.full((48, 64, 3), 0.577), np.zeros((48, 64), bool))
+    return grey(48, 64)
+
+
+def grey(height: int, width: int) -> Guides:
+    none = np.zeros((height, width), bool)
+    return Guides(np.full((height, width, 3), 0.5), np.full((height, width, 3), 0.577), none, none, none)
 
 
 @pytest.mark.parametrize("place", [(20, 30), (0, 0), (47, 63), (0, 31)])
@@ -70,13 +76,14 @@ def test_pixels_without_noise_get_no_light(with_firefly, plain):
     np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
 
 
-def test_a_firefly_in_glass_gives_its_light_to_glass_alone(with_firefly, plain):
+def test_glass_keeps_its_fireflies_and_gets_none(with_firefly, plain):
     radiance, variance = with_firefly
     glass = np.zeros((48, 64), bool)
     glass[16:24, 26:34] = True
-    spread, _ = spread_fireflies(radiance, variance, replace(plain, glass=glass))
-    np.testing.assert_array_equal(spread[~glass], radiance[~glass])
-    assert spread[20, 27].sum() > radiance[20, 27].sum()
+    np.testing.assert_array_equal(spread_fireflies(radiance, variance, replace(plain, glass=glass))[0], radiance)
+    beside, _ = spread_fireflies(radiance, variance, replace(plain, glass=np.roll(glass, 8, axis=1)))
+    np.testing.assert_array_equal(beside[16:24, 34:42], radiance[16:24, 34:42])
+    assert beside[20, 27].sum() > radiance[20, 27].sum()
 
 
 def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
@@ -92,8 +99,7 @@ def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
 def test_the_light_has_no_border():
     radiance, variance = np.full((128, 256, 3), 0.5, np.float32), np.full((128, 256, 3), 0.05**2, np.float32)
     radiance[64, 128], variance[64, 128] = 500.0, 500.0**2
-    grey = np.full((128, 256, 3), 0.5)
-    spread, _ = spread_fireflies(radiance, variance, PixelGuides(grey, grey, np.zeros((128, 256), bool)))
+    spread, _ = spread_fireflies(radiance, variance, grey(128, 256))
     given = (spread - radiance)[64, 129:, 0]
     assert (np.diff(given) <= 0.0).all()
     # The biweight kernel of radius 16 px falls to (1 - (16 / 17)^2)^2 = 0.013 at its last pixel.
