@@ -199,7 +199,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def out(inputs: Path, backend: str) -> Path:
-    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` has all files as well."""
+    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` has all files."""
     with contextlib.chdir(inputs):
         assert run(smaller(["render-scene", "--seed", "7", "--out", "out"])) == (0, "")
         assert run(smaller(["render-scene", "--seed", "7", "--out", "out-all", "--write", "all"])) == (0, "")
