@@ -65,5 +65,5 @@ def test_all_unknown_names_are_said_at_once_with_the_nearest_known_ones():
     assert "cameras.viewz (is it cameras.views?)" in said
     assert "vessls (is it vessels?)" in said
     with pytest.raises(InputError) as error:
-        parse_request(RenderScene, "--veiws 3 --colour blue".split(), "render-scene", "")
+        parse_request(RenderScene, ["--veiws", "3", "--colour", "blue"], "render-scene", "")
     assert str(error.value).endswith("found --veiws (is it --views?), --colour")
