@@ -13,7 +13,7 @@ from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
-from .amounts import Filled, Volumes, fill_volumes, volume_limits
+from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
@@ -27,6 +27,8 @@ _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
 #: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
 #: below the rim, whatever the vessel's shape.
 LEAST_FILL, MOST_FILL = 0.05, 0.9
+#: Factor that absorbs the rounding of products of volumes.
+ROUNDING = 1.0 + 1e-9
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
@@ -129,11 +131,20 @@ class VesselSettings(Model):
             raise ValueError("dye_concentration: expected dyes with it, found none")
         volumes = fill_volumes(self.fill)
         if volumes is not None and self.volume is not None:
-            most = MOST_FILL * volume_limits(self.volume)[0]
-            if volumes[1] > most * (1.0 + 1e-9):
-                limit = f"at most {volume_text(most)} ({100 * MOST_FILL:.0f} % of vessels.volume {self.volume[0]})"
-                raise ValueError(f"fill: expected {limit}, found {self.fill[1]}")
+            _check_filling(volumes, volume_limits(self.volume), self)
         return self
+
+
+def _check_filling(filled: Limits, nominal: Limits, settings: VesselSettings) -> None:
+    """Raise ValueError where a liquid's volumes do not fit into vessels of all nominal volumes [m^3]."""
+    most, least = MOST_FILL * nominal[0], LEAST_FILL * nominal[1]
+    smallest, largest = (settings.volume or ("", ""))[:2]
+    if filled[1] > most * ROUNDING:
+        limit = f"at most {volume_text(most)} ({100 * MOST_FILL:.0f} % of vessels.volume {smallest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[1]}")
+    if filled[0] * ROUNDING < least:
+        limit = f"at least {volume_text(least)} ({100 * LEAST_FILL:.0f} % of vessels.volume {largest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[0]}")
 
 
 def media_names(field: str, own: tuple[str, ...] = ()) -> list[str]:

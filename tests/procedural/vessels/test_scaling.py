@@ -77,6 +77,10 @@ def test_families_that_cannot_hold_a_volume_are_skipped():
             {"volume": "30ml", "fill": "250ml"},
             "fill: expected at most 27ml (90 % of vessels.volume 30ml), found 250ml",
         ),
+        (
+            {"volume": ["200ml", "1l"], "fill": "20ml"},
+            "fill: expected at least 50ml (5 % of vessels.volume 1l), found 20ml",
+        ),
         ({"categories": ["tumbler"], "fill": "2l"}, "vessels.fill: expected 3.604ml to 648.9ml (a tumbler of"),
         ({"volume": "250ml", "height": (0.2, 0.3), "radius": (0.05, 0.08)}, "vessels.volume: expected 675.4ml to "),
         ({"volume": "5l"}, "expected 10ml to 4l, found 5l"),
