@@ -131,15 +131,16 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
     write_atomically(root / MANIFEST, json_text(manifest.model_dump(mode="json")).encode())
 
 
-def _single_files(settings: SceneSettings) -> dict[str, Path]:
+def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
     files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
+    single = {str(setting): path for setting, path in _single_files(settings).items()}
     if folder in _SINGLE_FILES:
-        return _single_files(settings).get(folder, Path(name)).with_name(name)
+        return single.get(folder, Path(name)).with_name(name)
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ..description.scene import Vessel
 from ..optics.medium import Medium
 from ..profiles.curve import Curve

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ..profiles.liquid import brimful_volume
 from .build import VesselShape
 from .families import Limits

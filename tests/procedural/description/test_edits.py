@@ -148,7 +148,7 @@ def _in_the_other(scene):
         (lambda s: s.with_liquid("vessel-00", 3), "liquid: expected a Medium, its name in the catalogue, or None"),
         (lambda s: s.with_liquid("vessel-00", "water", "9l"), "vessel-00, fill: expected at most "),
         (lambda s: s.with_liquid("vessel-00", "water", 1.0), "vessel-00, fill: expected more than 0 and at most 0.9"),
-        (lambda s: s.with_liquid("vessel-00", "water", "x"), "vessel-00, fill: expected a volume such as 150ml"),
+        (lambda s: s.with_liquid("vessel-00", "water", "x"), "vessel-00, fill: expected a volume in ml, cl or l"),
         (lambda s: s.with_liquid("vessel-00", None, 0.5), "vessel-00, fill: expected none without a liquid, found 0.5"),
         (_sunk, "vessel-00: expected an object above the table's top (z = 0), found 9.9 mm below it"),
         (

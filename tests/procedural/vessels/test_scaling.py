@@ -80,7 +80,7 @@ def test_families_that_cannot_hold_a_volume_are_skipped():
         ({"categories": ["tumbler"], "fill": "2l"}, "vessels.fill: expected 3.604ml to 648.9ml (a tumbler of"),
         ({"volume": "250ml", "height": (0.2, 0.3), "radius": (0.05, 0.08)}, "vessels.volume: expected 675.4ml to "),
         ({"volume": "5l"}, "expected 10ml to 4l, found 5l"),
-        ({"volume": 250}, "expected a volume such as 150ml, 15cl or 0.5l, found '250'"),
+        ({"volume": 250}, "expected a volume in ml, cl or l, such as 150ml or 0.5l, found '250'"),
         ({"volume": ["300ml", "20cl"]}, "expected the smaller one first, found 300ml and 20cl"),
         ({"fill": ["0.2", "100ml"]}, "expected two fractions or two volumes, found 0.2 and 100ml"),
         ({"fill": 1.5}, "expected fractions above 0 and at most 1, or volumes such as 150ml, found 1.5"),
