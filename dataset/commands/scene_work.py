@@ -66,9 +66,10 @@ def _say_light(check: LightCheck | None, verbose: bool, progress: SceneProgress)
 def _made(request: RenderScene, progress: SceneProgress) -> str:
     """Return what was made, where, how large, and what to do next."""
     cameras, out = request.settings.cameras, request.out
+    pixels = cameras.intrinsics()
     views = counted(cameras.views, "stereo view")
     size = sized(folder_size(layout.scene_folder(out, request.scene)))
     return (
-        f"{out}: scene {request.scene} of seed {request.seed}, {views} of {cameras.width}x{cameras.height} px, {size}, "
+        f"{out}: scene {request.scene} of seed {request.seed}, {views} of {pixels.width}x{pixels.height} px, {size}, "
         f"after {clock(progress.seconds)}. Look at {out / layout.PREVIEW} (glassware show {out})"
     )

@@ -35,7 +35,6 @@ from .camera import Camera
 from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
 from .picture import Picture
-from .refill import refilled, with_wall
 from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
@@ -96,6 +95,8 @@ class Scene(Model):
         medium = glass_named(glass) if isinstance(glass, str) else glass
         body = self._body(name)
         if isinstance(body, Vessel):
+            from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
+
             return self._with_body(with_wall(body, medium, roughness))
         return self._with_body(body.with_media(glass=medium, roughness=roughness))
 
@@ -124,6 +125,8 @@ class Scene(Model):
         if not isinstance(body, Vessel):
             raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
         check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
+        from .refill import refilled  # here, as it loads SciPy, and the settings import this module
+
         return self._with_body(refilled(body, liquid_named(liquid) if isinstance(liquid, str) else liquid, fill))
 
     def with_dye(self, name: str, dye: str, concentration: float) -> Scene:

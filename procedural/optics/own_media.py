@@ -20,7 +20,6 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
-from scipy.optimize import least_squares
 
 from ...core.errors import InputError
 from ...core.model import Model, Rgb
@@ -265,6 +264,8 @@ def _spectrum_of(sigma_a: Rgb, depth: float) -> tuple[Absorber, ...]:
 
     start = np.maximum(np.array(sigma_a[::-1]), 1e-3 / depth)
     scale = start.max()
+    from scipy.optimize import least_squares  # here, as it takes a third of a second to load
+
     found = least_squares(
         lambda x: transmitted_rgb(absorbers(x * scale), depth) - wanted, start / scale, bounds=(0.0, np.inf)
     )
