@@ -57,7 +57,7 @@ def build(request: BuildDataset, scenes: Sequence[int], console: Console, argume
     with lock_output(root, say):
         if not request.overwrite:
             check_request(root, request.seed, request.settings.model_dump(mode="json"))
-        _check_space(request, root, scenes, console)
+        request = _with_space(request, root, scenes, console)
         files, manifest = _assets(root, request.settings, request.overwrite)
         try:
             say(f"starting {counted(request.workers, 'worker')}")
@@ -96,8 +96,8 @@ def _made(request: BuildDataset, views: int, seconds: float) -> str:
     return f"{out}: {counted(len(scenes), 'scene')}, {counted(views, 'view')}, {size}, after {clock(seconds)}. {look}"
 
 
-def _check_space(request: BuildDataset, root: Path, scenes: Sequence[int], console: Console) -> None:
-    """Say what the build is likely to take; where it does not fit, ask, or refuse where nobody can answer."""
+def _with_space(request: BuildDataset, root: Path, scenes: Sequence[int], console: Console) -> BuildDataset:
+    """Say what the build is likely to take, and ask where it does not fit; return the request with the answer."""
     there = set() if request.overwrite else set(layout.scene_ids(root))
     need = estimated(root, request.settings, request.write, len(set(scenes) - there))
     console.print(
@@ -108,14 +108,17 @@ def _check_space(request: BuildDataset, root: Path, scenes: Sequence[int], conso
         soft_wrap=True,
     )
     _allow(request, root, need, console)
+    return request if need.fits else request.model_copy(update={"yes": True})
 
 
 def _allow(request: BuildDataset, root: Path, need: Need, console: Console) -> None:
+    """Raise InputError where scenes do not fit on the disk, unless the user wants them all the same."""
     if need.fits or request.yes:
         return
     if console.is_terminal and sys.stdin.isatty():
         question = f"{sized(need.total)} may not fit into {sized(need.free)}. Build anyway? [y/N] "
-        if console.input(question, markup=False).strip().lower() in ("y", "yes"):
+        console.print(question, markup=False, highlight=False, soft_wrap=True, end="")
+        if input().strip().lower() in ("y", "yes"):
             return
     raise space_error(root, need)
 
