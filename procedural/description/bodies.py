@@ -105,7 +105,7 @@ class Vessel(GlassBody):
 class PropPart(Model):
     """Faces of a prop's mesh that have a material of their own."""
 
-    faces: int = Field(ge=1, description="Number of faces; the parts follow each other in the list of the mesh's faces")
+    faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
     material: OpaqueMaterial
 
 

@@ -43,20 +43,20 @@ def cut(part: FilePart) -> FilePart:
     solid = part.look.cutout.opacity >= part.look.cutout.threshold
     faces, kept = part.faces, []
     for number in range(_MOST_PASSES):
-        share, texels = _share(solid, values[faces][..., 3:5])
+        fraction, texels = _solid_fraction(solid, values[faces][..., 3:5])
         last = number == _MOST_PASSES - 1 or 4 * len(faces) + sum(map(len, kept)) > MOST_CUT_FACES
-        settled = (share == 0.0) | (share == 1.0) | (texels <= _FINEST) | last
-        kept.append(faces[settled & (share >= 0.5)])
+        settled = (fraction == 0.0) | (fraction == 1.0) | (texels <= _FINEST) | last
+        kept.append(faces[settled & (fraction >= 0.5)])
         faces = faces[~settled]
         if not len(faces):
             break
-        values, faces = _quartered(values, faces)
+        values, faces = _divided(values, faces)
     faces = np.concatenate(kept)
     used, index = np.unique(faces, return_inverse=True)
     return _with_values(part, values[used], index.reshape(-1, 3))
 
 
-def _share(solid: np.ndarray, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _solid_fraction(solid: np.ndarray, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the fraction of solid texels in the bounding box of each face, and the box's longer side [texels]."""
     height, width = solid.shape
     sums = np.zeros((height + 1, width + 1))
@@ -76,7 +76,7 @@ def _share(solid: np.ndarray, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return count / ((right - left) * (top - bottom)), across.max(1)
 
 
-def _quartered(values: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _divided(values: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the vertices with the middles of all edges, and four faces for each."""
     a, b, c = faces.T
     ends = np.sort(np.concatenate([np.stack([a, b], 1), np.stack([b, c], 1), np.stack([c, a], 1)]), axis=1)

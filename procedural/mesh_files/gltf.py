@@ -41,7 +41,7 @@ def read_gltf_parts(source: Source) -> list[FilePart]:
     except BROKEN as error:
         raise InputError(source.path, f"a readable {kind} mesh", "one that cannot be read") from error
     if not parts:
-        raise InputError(source.path, "a mesh with faces", "none")
+        raise InputError(source.path, "a mesh with faces", " ".join(["none", *source.notes.remarks]))
     return parts
 
 

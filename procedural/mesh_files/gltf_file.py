@@ -73,11 +73,15 @@ def read_gltf(source: Source) -> Gltf:
     content = content_of(source)
     kind = source.path.suffix.lower()[1:].upper()
     try:
+        if content[:8] == b"glTF\1\0\0\0":
+            raise InputError(source.path, "glTF 2.0", "version 1")
         document, binary = _chunks(content) if content.startswith(b"glTF") else (json.loads(content), b"")
         if not isinstance(document, dict):
             raise ValueError("no object")
         version = str(document.get("asset", {}).get("version", "none"))
         required = [str(name) for name in document.get("extensionsRequired", [])]
+    except InputError:
+        raise
     except BROKEN as error:
         raise InputError(source.path, f"a readable {kind} mesh", "one that cannot be read") from error
     if not version.startswith("2"):

@@ -47,7 +47,7 @@ def read_obj(source: Source) -> list[FilePart]:
     check_counts(source.path, content.count(b"\nf "), content.count(b"\nv "))
     found = _statements(source, content)
     if not found.faces:
-        raise InputError(source.path, "a mesh with faces", "none")
+        raise InputError(source.path, "a mesh with faces", " ".join(["none", *source.notes.remarks]))
     places, colours = _places(source, found.v)
     uv = _numbers(source, found.vt, 2, "vt")
     normals = _numbers(source, found.vn, 3, "vn")
@@ -77,7 +77,8 @@ def _has_picture(look: Look) -> bool:
 
 
 def _statements(source: Source, content: bytes) -> _Statements:
-    text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    marked = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    text = content.decode("utf-16" if marked else "utf-8-sig", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
     found, left_out, material = _Statements(), set(), 0
     v, vt, vn, corners, faces = found.v, found.vt, found.vn, found.corners, found.faces
     tables = {"v": v, "vt": vt, "vn": vn}
@@ -97,7 +98,7 @@ def _statements(source: Source, content: bytes) -> _Statements:
                 found.libraries.append(line.split(maxsplit=1)[1].strip() if len(words) > 1 else "")
             case word if word in _NO_SURFACE:
                 left_out.add(_NO_SURFACE[word])
-    if left_out and faces:
+    if left_out:
         source.notes.say(f"its {' and '.join(sorted(left_out))} have no surface and are left out")
     return found
 

@@ -25,18 +25,18 @@ def triangulated(corners: np.ndarray, counts: np.ndarray, points: np.ndarray) ->
     (m, 3) int, (m,) int
         Triangles as places in `corners`, and the number of the polygon of each, ascending.
     """
-    starts = np.cumsum(counts) - counts
+    firsts = np.cumsum(counts) - counts
     triangles, owners = [np.zeros((0, 3), np.int64)], [np.zeros(0, np.int64)]
     for count in np.unique(counts[counts >= 3]).tolist():
         which = np.flatnonzero(counts == count)
-        places = starts[which, None] + np.arange(count)
+        places = firsts[which, None] + np.arange(count)
         fan = np.stack([np.zeros(count - 2, np.int64), np.arange(1, count - 1), np.arange(2, count)], 1)
         pieces = np.broadcast_to(fan, (len(which), *fan.shape)).copy()
         if 3 < count <= MOST_CORNERS:
             shapes = points[corners[places]]
             for number in np.flatnonzero(~_fan_fits(shapes)):
                 pieces[number] = _ears(shapes[number])
-        triangles.append((starts[which, None, None] + pieces).reshape(-1, 3))
+        triangles.append((firsts[which, None, None] + pieces).reshape(-1, 3))
         owners.append(np.repeat(which, count - 2))
     triangles, owners = np.concatenate(triangles), np.concatenate(owners)
     order = np.argsort(owners, kind="stable")

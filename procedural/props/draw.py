@@ -103,5 +103,5 @@ def draw_prop(
 
 def drawn_size(file: MeshFile, settings: PropSettings) -> float:
     """Return the longest side of a file without a size of its own [m]: the same in all scenes and data sets."""
-    share = int.from_bytes(hashlib.sha256(file.name.encode()).digest()[:4], "little") / 2**32
-    return settings.smallest + share * (settings.largest - settings.smallest)
+    fraction = int.from_bytes(hashlib.sha256(file.name.encode()).digest()[:4], "little") / 2**32
+    return settings.smallest + fraction * (settings.largest - settings.smallest)

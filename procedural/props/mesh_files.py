@@ -20,7 +20,7 @@ from ..mesh_files.embedded import picture_folder
 from ..mesh_files.layouts import Listing, Place, listing, place_of
 from ..mesh_files.model import FilePart, GlassLook, Look, Notes, Source
 from ..mesh_files.read import MESH_SUFFIXES, read_parts
-from .pieces import Piece, joined_pieces, sewn
+from .pieces import Piece, joined_pieces, sewn, without_ground
 
 #: Number of the check; what was remembered of another one is forgotten.
 CHECK_VERSION = 3
@@ -107,15 +107,13 @@ class FileMesh:
     longest: float
 
 
-def mesh_listing(folder: Path, pictures: Path | None = None, choice: MeshChoice | None = None) -> Listing:
+def mesh_listing(folder: Path, choice: MeshChoice | None = None) -> Listing:
     """Return the meshes under a folder, in the order of their paths, and further files of the same objects.
 
     Parameters
     ----------
     folder : Path
         Searched with its subfolders for `MESH_SUFFIXES`; or one mesh file.
-    pictures : Path, optional
-        Not used here.
     choice : MeshChoice, optional
         Which of them are used, and what is stated about them.
 
@@ -150,7 +148,7 @@ def mesh_files(folder: Path, pictures: Path | None = None, choice: MeshChoice | 
         Which of them are used, and what is stated about them.
     """
     kept, root = pictures or picture_folder(), root_of(folder)
-    return tuple(MeshFile(path, root, kept, place) for path, place in mesh_listing(folder, kept, choice).used)
+    return tuple(MeshFile(path, root, kept, place) for path, place in mesh_listing(folder, choice).used)
 
 
 def root_of(folder: Path) -> Path:
@@ -218,8 +216,8 @@ def checked_meshes(
         raise InputError(folder, "meshes that can be used", f"none in {counted(len(good), 'file')}; {refused[0]}")
     drawn = [file for file, outcome in kept if metres_per_unit(file, float(outcome.facts["longest"])) is None]
     if drawn:
-        several = "no" if len(drawn) == 1 else f"as {len(drawn) - 1} more, no"
-        reason = f"{several} known size; one is drawn, the same in all scenes (props.unit states the unit)"
+        more = f" (as {counted(len(drawn) - 1, 'more file')})" if len(drawn) > 1 else ""
+        reason = f"no known size{more}; one is drawn, the same in all scenes (props.unit states the unit)"
         refused.append(Finding(folder="mesh_dir", path=drawn[0].name, reason=reason, used=True))
     return tuple(kept), (*findings, *refused)
 
@@ -266,6 +264,7 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
     parts, glass = _without_glass(source, read_parts(source))
     if file.place.up == "y":
         parts = [part.moved(_Z_UP) for part in parts]
+    parts = without_ground(source.notes, parts)
     used = np.concatenate([part.vertices[np.unique(part.faces)] for part in parts])
     low, high = used.min(0), used.max(0)
     with np.errstate(over="ignore"):

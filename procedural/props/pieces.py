@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ..description.material import UniformTexture, VertexColours
-from ..mesh_files.model import FilePart, Look
+from ..mesh_files.model import FilePart, Look, Notes
 from .normals import creased
 
 #: Fraction of corners whose stored normal may point into their face, as at slivers; above it all normals are computed.
 STRAY_NORMALS = 0.01
+#: Thickness of a ground over its longest side, and its shorter side over the longest side of what stands on it [1].
+_GROUND_THICKNESS, _GROUND_EXTENT = 1e-3, 3.0
 #: Distance up to which positions are one, over the longest side [1]: float32 has 6e-8, and transforms lose a few bits.
 _SEAM = 2e-6
 #: Most pieces of a prop [1]: each is a shape of its own to the renderer. Of a file with more, those of one colour
@@ -66,6 +66,26 @@ def joined_pieces(path: Path, name: str, parts: Sequence[FilePart]) -> tuple[Mes
     return mesh, tuple(pieces)
 
 
+def without_ground(notes: Notes, parts: Sequence[FilePart]) -> list[FilePart]:
+    """Return parts, z up, without the ground that some exports have below an object: flat, lowest and far larger."""
+    boxes = [np.stack([used.min(0), used.max(0)]) for used in (part.vertices[np.unique(part.faces)] for part in parts)]
+    sides = [np.ptp(box, axis=0) for box in boxes]
+    flat = [side[2] <= _GROUND_THICKNESS * side.max() for side in sides]
+    body = [box for box, is_flat in zip(boxes, flat, strict=True) if not is_flat]
+    if not body or not any(flat):
+        return list(parts)
+    low, high = np.min([box[0] for box in body], axis=0), np.max([box[1] for box in body], axis=0)
+    extent = float((high - low).max())
+    kept = [
+        part
+        for part, box, side, is_flat in zip(parts, boxes, sides, flat, strict=True)
+        if not (is_flat and side[:2].min() >= _GROUND_EXTENT * extent and box[1, 2] <= low[2] + 0.02 * extent)
+    ]
+    if len(kept) < len(parts):
+        notes.say("the ground below it is left out")
+    return kept
+
+
 def sewn(parts: Sequence[FilePart]) -> list[FilePart]:
     """Return the parts with positions that are the same but for rounding made equal, so that seams close.
 
@@ -73,6 +93,9 @@ def sewn(parts: Sequence[FilePart]) -> list[FilePart]:
     """
     vertices = np.concatenate([part.vertices for part in parts])
     reach = _SEAM * float(np.ptp(vertices, axis=0).max())
+    import trimesh  # here, as they take half a second to load
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
     label = trimesh.graph.connected_component_labels(pairs, node_count=len(vertices))
     _, first = np.unique(label, return_index=True)

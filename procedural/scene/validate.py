@@ -121,6 +121,9 @@ def _check_pieces(prop: Prop) -> None:
     count = sum(piece.faces for piece in prop.pieces)
     if count != len(prop.mesh.faces):
         raise InputError(f"{prop.name}, parts", f"parts of {len(prop.mesh.faces)} faces together", count)
+    for piece in prop.parts:
+        if piece.faces == 0:
+            raise InputError(f"{prop.name}, parts", "faces in each of several parts", f"none of {piece.material.name}")
     for piece in prop.pieces:
         if piece.material.base_colour.kind == "vertices" and prop.mesh.colours is None:
             where = f"{prop.name}, {piece.material.name}"
