@@ -138,8 +138,8 @@ def check_disparity(left: Geometry, right: Geometry, camera: Camera) -> list[Vio
     on an edge: what is narrower than two pixels, such as a far glass's rim, may fall between the right view's rays.
     """
     height, width = left.Z.shape
-    d_left = disparity(left.Z, camera.focal, camera.baseline)
-    d_right = disparity(right.Z, camera.focal, camera.baseline)
+    d_left = disparity(left.Z, camera.fx, camera.baseline)
+    d_right = disparity(right.Z, camera.fx, camera.baseline)
     u = np.arange(width)[None, :] - d_left
     column = np.clip(np.floor(u).astype(int), 0, width - 2)
     row = np.arange(height)[:, None]

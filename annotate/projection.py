@@ -87,7 +87,7 @@ def disparity(Z: np.ndarray, focal: float, baseline: float) -> np.ndarray:
     Z : (...) float
         Planar depth [m]; +inf where the ray meets no surface.
     focal : float
-        Focal length [px].
+        Focal length along x, the direction of the baseline [px].
     baseline : float
         Distance between the cameras [m].
     """

@@ -17,9 +17,10 @@ from glassware.procedural.description.surroundings import PictureEnvironment
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.surroundings.camera_settings import CameraSettings
 from glassware.procedural.surroundings.environments import bake_environment
 from glassware.procedural.surroundings.metering import exposure, irradiance
-from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
+from glassware.procedural.surroundings.settings import EnvironmentSettings, LightSettings
 from glassware.procedural.vessels.settings import VesselSettings
 
 #: Real environment maps, beside the checkout and never committed.

@@ -13,7 +13,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import OpenEXR
 
 from .assets import check_content
 from .errors import InputError, cause_of
@@ -27,7 +26,6 @@ _LAYERS = ("", "combined", "rgba", "rgb", "beauty", "main", "color", "colour")
 _NAMES = {"r": "r", "red": "r", "g": "g", "green": "g", "b": "b", "blue": "b", "y": "y", "ry": "ry", "by": "by"}
 #: Luminance of Rec.709's primaries, which files without chromaticities have.
 _REC709_Y = (0.2126, 0.7152, 0.0722)
-_FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +61,8 @@ def read_exr_picture(path: Path, check_size: Callable[[int, int], None]) -> np.n
     InputError
         If the file cannot be read, is cut short, or has no such part.
     """
+    import OpenEXR  # here, as every module of settings imports this one
+
     _check_magic(path)
     try:
         with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
@@ -95,11 +95,13 @@ def _check_magic(path: Path) -> None:
 
 def _picture_part(path: Path, parts: list[Any]) -> _Part:
     """Return the part of a file, and the layer in it, that hold its picture."""
+    from OpenEXR import scanlineimage, tiledimage
+
     found, seen = [], []
     for number, part in enumerate(parts):
         names = [channel.name for channel in part.header["channels"]]
         seen += names
-        layers = _layers(names) if part.header.get("type", OpenEXR.scanlineimage) in _FLAT else {}
+        layers = _layers(names) if part.header.get("type", scanlineimage) in (scanlineimage, tiledimage) else {}
         for layer, channels in layers.items():
             rank = _rank(layer, str(part.header.get("name", "")), len(layers) * len(parts) == 1)
             found.append((rank, number, layer, channels))

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from .errors import InputError
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +125,8 @@ def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trime
     transform : (4, 4) float, optional
         ``a_T_b`` applied to the positions, e.g. ``world_T_object``.
     """
+    import trimesh  # here, as it takes half a second, and every module of settings imports this one
+
     welded, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
     solid = trimesh.Trimesh(welded.astype(np.float64), index.reshape(-1)[mesh.faces], process=False)
     return solid if transform is None else solid.apply_transform(transform)

@@ -6,8 +6,14 @@ import math
 
 import numpy as np
 
+from .arguments import point
+from .errors import InputError
+
 #: Horizontal offset below which the camera stands at the zenith [fraction of the distance]: it is rounding error.
 _AT_ZENITH = 1e-9
+#: Largest error of a rotation's entries, and of its rows' products [1]. Poses typed with seven digits pass; the error
+#: moves a point one metre away by a micrometre.
+RIGID_TOLERANCE = 1e-6
 
 
 def aimed_frame(position: np.ndarray, ahead: np.ndarray, sideways: np.ndarray, turn: float) -> np.ndarray:
@@ -48,7 +54,7 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     Parameters
     ----------
     eye, target : (3,) float
-        World frame [m], at different places.
+        World frame [m], at different places; InputError otherwise.
     roll : float
         Turn of the camera about its optical axis, clockwise as the camera sees it [rad].
 
@@ -57,11 +63,26 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     (4, 4) float64
         ``world_T_camera``, OpenCV axes: x right, y down, z forward.
     """
-    offset = np.asarray(target, float) - np.asarray(eye, float)
+    place, aim = point("look_at: eye", eye), point("look_at: target", target)
+    offset = aim - place
     distance = np.linalg.norm(offset)
     if not distance > 0.0:
-        raise ValueError("eye and target: expected two different points")
+        raise InputError("look_at: target", "a point away from the eye", aim.tolist())
     forward = offset / distance
     above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
     right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    return aimed_frame(np.asarray(eye, float), forward, right, roll)
+    return aimed_frame(place, forward, right, roll)
+
+
+def check_rigid(where: str, matrix: np.ndarray) -> None:
+    """Refuse a (4, 4) matrix that is not a rotation and a shift; InputError says how it fails."""
+    expected = "a rigid pose"
+    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > 0.0:
+        raise InputError(where, f"{expected}, last row 0 0 0 1", matrix[3].tolist())
+    rotation = matrix[:3, :3]
+    error = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    # Written so that NaN is refused as well.
+    if not error <= RIGID_TOLERANCE:
+        raise InputError(where, f"{expected}, axes at right angles and of length 1", f"them off by {error:.3g}")
+    if np.linalg.det(rotation) < 0.0:
+        raise InputError(where, f"{expected}, right-handed", "a mirrored one")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from reprlib import Repr
@@ -12,6 +13,8 @@ from pydantic import BaseModel, ValidationError
 from .errors import InputError
 from .model import Ordered
 
+#: A name among those that pydantic expects of a literal.
+_QUOTED = re.compile(r"'([^']*)'")
 #: What pydantic expects, in plain words, by its types of errors.
 _PLAIN = {
     "int_type": "a whole number",
@@ -37,7 +40,7 @@ def setting_error(
     group: Sequence[str] = (),
     noun: str = "settings",
 ) -> InputError:
-    """Return the first fault of a validation as one line.
+    """Return the first fault of a validation as one line, or all of them where names are not known.
 
     Parameters
     ----------
@@ -52,16 +55,35 @@ def setting_error(
     noun : str
         What the fields are.
     """
-    first = error.errors(include_url=False)[0]
-    loc = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
+    faults = error.errors(include_url=False)
+    first = faults[0]
+    loc = _place(first)
+    unknown = [[*group, *_place(one)] for one in faults if one["type"] == "extra_forbidden"]
+    if first["type"] == "extra_forbidden" and len(unknown) == 1:
+        return InputError(where, f"known {noun}{_suggestion(model, unknown[0])}", ".".join(unknown[0]))
     if first["type"] == "extra_forbidden":
-        place = [*group, *loc]
-        return InputError(where, f"known {noun}{_suggestion(model, place)}", ".".join(place))
+        return InputError(where, f"known {noun}", ", ".join(".".join(p) + _suggestion(model, p) for p in unknown))
     inner, expected, found = fault(first)
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
     place = [*group, *loc, *([inner] if inner else [])]
+    found += "".join(f"; {line}" for line in _more_unknown(faults[1:], group))
     return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
+
+
+def _place(one: Any) -> list[str]:
+    return [str(part) for part in one["loc"] if not str(part).startswith("function-")]
+
+
+def _more_unknown(faults: Sequence[Any], group: Sequence[str]) -> Iterator[str]:
+    """Yield a line for each further fault that is an unknown name, so that all of them are said at once."""
+    for one in faults:
+        inner, expected, found = fault(one)
+        place = ".".join([*group, *_place(one), *([inner] if inner else [])])
+        if one["type"] == "extra_forbidden":
+            yield f"{place}: expected a known name, found it"
+        elif one["type"] == "literal_error" or expected.startswith("one of "):
+            yield f"{place}: expected {expected}, found {found}"
 
 
 def fault(first: Any) -> tuple[str, str, str]:
@@ -79,6 +101,8 @@ def fault(first: Any) -> tuple[str, str, str]:
         expected, _, found = text.rpartition(", found ")
         return field.removesuffix(": "), expected, found
     found = shortened(first["input"])
+    if kind == "literal_error":
+        found += suggest(str(first["input"]), _QUOTED.findall(context.get("expected", "")))
     if kind == "missing":
         return "", "a value", "none"
     if kind in ("too_short", "too_long"):

@@ -18,6 +18,14 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
+def sized(count: float) -> str:
+    """Return a number of bytes in words: ``2.3 MB`` or ``1.25 GB``."""
+    for unit, scale in (("TB", 1e12), ("GB", 1e9)):
+        if count >= scale:
+            return f"{count / scale:.3g} {unit}"
+    return f"{count / 1e6:.3g} MB"
+
+
 def usable_text(text: str) -> str:
     """Return a text that is UTF-8 without NUL; ValueError otherwise."""
     if not text:

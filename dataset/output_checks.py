@@ -52,6 +52,8 @@ def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None
         raise InputError(f"{where} seed", str(head.seed), found.seed)
     for name, expected, value in differences(head.config, found.config):
         raise InputError(f"{where} setting {name}", str(expected), value)
+    if found.files != head.files:
+        raise InputError(f"{where} --write", ",".join(head.files) or "none", ",".join(found.files) or "none")
 
 
 def check_request(root: Path, seed: int, config: dict) -> None:
@@ -86,5 +88,7 @@ def differences(expected: Any, found: Any, name: str = "") -> Iterator[tuple[str
 def _changes(found: DatasetFile, head: DatasetFile) -> Iterator[tuple[str, object, object]]:
     for field in ("name", "seed", "config", "backend", "versions"):
         yield from differences(getattr(head, field), getattr(found, field), "" if field == "config" else field)
+    if found.files != head.files:
+        yield "write", ",".join(head.files) or "none", ",".join(found.files) or "none"
     if "assets" in found.hashes and found.hashes.get("assets") != head.hashes.get("assets"):
         yield "hash of the assets", head.hashes.get("assets"), found.hashes["assets"]

@@ -6,9 +6,10 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 from ..annotate.keypoints import scene_keypoints
 from ..annotate.labels import Labels, label
@@ -22,6 +23,7 @@ from ..render.frame import Frame, LightCheck
 from ..render.renderer import Renderer
 from .format import layout
 from .format.dataset_file import installed_versions, new_head
+from .format.file_kinds import KINDS, NONE, FileKinds, parse_kinds
 from .format.pictures import write_png
 from .format.views_table import ViewRow
 from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
@@ -47,6 +49,7 @@ def write_scene(
     stopwatch: Stopwatch,
     on_view: Callable[[int], None] = _ignore,
     previews: Collection[int] = (),
+    files: FileKinds = KINDS,
 ) -> WrittenScene:
     """Render, label and write a scene view by view; its folder appears after the last one.
 
@@ -62,12 +65,14 @@ def write_scene(
         Called with the number of each view after it was rendered and labelled; it may raise to stop the work.
     previews : collection of int
         Views of the contact sheet.
+    files : tuple of str
+        Files of each view beside those that every view has (`format.file_kinds`).
     """
     scene = renderer.scene
     stopwatch.add(renderer.seconds)
     points, shown = scene_keypoints(scene), []
     light = renderer.surface_light() if scene.picture.keep_light else None
-    with scene_writer(root, scene, points, renderer.light_check, light) as writer:
+    with scene_writer(root, scene, points, renderer.light_check, light, files) as writer:
         for view in range(len(scene.cameras)):
             frame = renderer.frame(view)
             stopwatch.add(frame.seconds)
@@ -87,6 +92,7 @@ def write(
     renderer: Renderer | None = None,
     name: str = "glassware",
     replace: bool = False,
+    files: str | Sequence[str] = NONE,
 ) -> None:
     """Write a scene as a data set of one, with its index and contact sheet: what ``render-scene`` writes.
 
@@ -106,6 +112,9 @@ def write(
         Name of the data set.
     replace : bool
         Whether to replace another scene of the same number in the data set.
+    files : str or sequence of str
+        Files of each view beside pictures, depth, normals, ids, camera and labels: some of ``"radiance"``, ``"noisy"``,
+        ``"layers"`` and ``"refraction"``, or ``"all"``, or ``"none"`` (`format.file_kinds` has what each takes).
 
     Raises
     ------
@@ -116,16 +125,25 @@ def write(
     check_type("write: scene", scene, Scene, "a Scene")
     check_type("write: renderer", renderer, (Renderer, type(None)), "a Renderer, or None for a new one")
     check_type("write: name", name, str, "a text")
+    kinds = _checked_kinds(files)
     if not replace:
         _check_not_another(root, scene)
     renderer = renderer or Renderer(scene)
     if scene is not renderer.scene:
         raise InputError("write", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
-    head = new_head(name, scene.seed, {}, installed_versions(), renderer.variant)
+    head = new_head(name, scene.seed, {}, installed_versions(), renderer.variant, files=kinds)
     start_dataset(root, head, [scene.scene_id])
-    written = write_scene(root, renderer, Stopwatch(), previews=chosen_views(len(scene.cameras)))
+    written = write_scene(root, renderer, Stopwatch(), previews=chosen_views(len(scene.cameras)), files=kinds)
     finish_dataset(root, head)
     write_png(root / layout.PREVIEW, contact_sheet(f"seed {scene.seed}, scene {scene.scene_id}", written.previews))
+
+
+def _checked_kinds(files: object) -> FileKinds:
+    try:
+        return cast(FileKinds, parse_kinds(files))
+    except ValueError as error:
+        expected, _, found = str(error).removeprefix("expected ").rpartition(", found ")
+        raise InputError("write: files", expected, found) from error
 
 
 def _check_not_another(root: Path, scene: Scene) -> None:

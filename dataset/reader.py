@@ -32,6 +32,7 @@ from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.dataset_file import DatasetFile, read_head
 from .format.exr import channel, read_exr, stacked
+from .format.file_kinds import FileKind
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
@@ -67,8 +68,11 @@ class StoredView:
 
     def radiance(self, eye: Eye = "left", noisy: bool = False) -> np.ndarray:
         """Return linear Rec.709 radiance, (H, W, 3) float32; ``noisy`` is before the denoiser."""
-        path = self.folder / f"{_checked_eye(eye)}.exr"
-        return stacked(read_exr(path), "noisy.RGB" if noisy else "RGB", path)
+        path, kind = self._of_kind(f"{_checked_eye(eye)}.exr", "noisy" if noisy else "radiance")
+        channels = read_exr(path)
+        if ("noisy.R" if noisy else "R") not in channels:
+            raise _absent(path, kind)
+        return stacked(channels, "noisy.RGB" if noisy else "RGB", path)
 
     def geometry(self) -> Geometry:
         """Return the left camera's geometry; the silhouettes come from the masks of the labels."""
@@ -91,11 +95,11 @@ class StoredView:
 
     def layers(self) -> Layers:
         """Return the surfaces along the left camera's straight rays, as many layers as the file has."""
-        return read_layers(self.folder / layout.LAYERS)
+        return read_layers(self._of_kind(layout.LAYERS, "layers")[0])
 
     def refraction(self) -> Refraction:
         """Return the end points of the left camera's refracted rays."""
-        return read_refraction(self.folder / layout.REFRACTION)
+        return read_refraction(self._of_kind(layout.REFRACTION, "refraction")[0])
 
     def points(self, frame: _Frame = "camera") -> np.ndarray:
         """Return the point cloud of the first surfaces that the left camera sees, glass included.
@@ -116,6 +120,13 @@ class StoredView:
         seen = unproject(channel(read_exr(path), "Z", path), camera.K)
         points = seen[np.isfinite(seen[..., 2])]
         return points if frame == "camera" else transformed(camera.world_T_camera, points)
+
+    def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
+        """Return a file that is written on request, with its kind; InputError where it was not."""
+        path = self.folder / name
+        if not path.is_file():
+            raise _absent(path, kind)
+        return path, kind
 
     def _masks(self, field: str, shape: tuple[int, ...]) -> np.ndarray:
         masks = np.zeros((0, *shape), bool)
@@ -232,6 +243,12 @@ class Dataset:
         existing = set(layout.scene_ids(self.root))
         scenes = getattr(read_splits(self.root), name)
         return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in existing)
+
+
+def _absent(path: Path, kind: FileKind) -> InputError:
+    """Return the error of a file that a view may lack, with how it is made."""
+    expected = f"a data set with {kind}, made with --write {kind} (from Python: files={kind!r})"
+    return InputError(path, expected, f"one without {kind}")
 
 
 def _checked_eye(eye: object) -> Eye:

@@ -28,6 +28,7 @@ from .format.camera_file import camera_file
 from .format.checksums import write_checksums
 from .format.dataset_file import DatasetFile, read_head, write_head
 from .format.exr import unstacked, write_exr
+from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
 from .format.objects_file import objects_file
 from .format.pictures import write_png
@@ -76,6 +77,7 @@ def scene_writer(
     points: SceneKeypoints,
     check: LightCheck | None = None,
     light: SurfaceLight | None = None,
+    files: FileKinds = KINDS,
 ) -> Iterator[SceneWriter]:
     """Open a scene's folder for writing; it appears whole at the end of the block, or not at all.
 
@@ -93,11 +95,13 @@ def scene_writer(
         How pictures from the irradiance cache compare with path-traced ones.
     light : SurfaceLight, optional
         The irradiance cache, where it is to be kept (`picture.keep_light`).
+    files : collection of str
+        Files of each view beside those that every view has (`format.file_kinds`).
     """
     with atomic_folder(layout.scene_folder(root, scene.scene_id)) as folder:
         save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
         write_json(folder / layout.OBJECTS, objects_file(scene, points))
-        writer = SceneWriter(folder, scene)
+        writer = SceneWriter(folder, scene, files)
         yield writer
         record = SceneViews(
             views=tuple(writer.rows),
@@ -114,14 +118,14 @@ def scene_writer(
 class SceneWriter:
     """Writes the views of one scene (`scene_writer`)."""
 
-    def __init__(self, folder: Path, scene: Scene) -> None:
-        self._folder, self._scene = folder, scene
+    def __init__(self, folder: Path, scene: Scene, files: FileKinds = KINDS) -> None:
+        self._folder, self._scene, self._files = folder, scene, files
         self.rows: list[ViewRow] = []  #: of the index, one per view written
 
     def add(self, frame: Frame, labels: Labels) -> None:
         """Write all files of a view."""
         view = frame.view
-        write_view(self._folder / layout.view_name(view), self._scene.cameras[view], frame, labels)
+        write_view(self._folder / layout.view_name(view), self._scene.cameras[view], frame, labels, self._files)
         self.rows.append(view_row(self._scene, view, frame, labels))
 
 
@@ -175,20 +179,22 @@ def write_json(path: Path, record: Model) -> None:
     path.write_text(json_text(record.model_dump(mode="json")), encoding="utf-8")
 
 
-def write_view(folder: Path, camera: Camera, frame: Frame, labels: Labels) -> None:
-    """Write all files of a view into a new folder."""
+def write_view(folder: Path, camera: Camera, frame: Frame, labels: Labels, files: FileKinds = KINDS) -> None:
+    """Write the files of a view into a new folder: those that every view has, and the kinds that are named."""
     folder.mkdir()
     write_json(folder / layout.CAMERA, camera_file(camera))
     write_json(folder / layout.LABELS, labels)
     for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
-        channels = unstacked(picture, "RGB") | ({} if noisy is None else unstacked(noisy, "noisy.RGB"))
-        write_exr(folder / f"{eye}.exr", channels)
+        channels = unstacked(picture, "RGB") if "radiance" in files else {}
+        channels |= unstacked(noisy, "noisy.RGB") if "noisy" in files and noisy is not None else {}
+        if channels:
+            write_exr(folder / f"{eye}.exr", channels)
         write_png(folder / f"{eye}.png", srgb8(picture, camera.exposure))
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)
-    if frame.layers is not None:
+    if frame.layers is not None and "layers" in files:
         write_layers(folder / layout.LAYERS, frame.layers)
-    if frame.refraction is not None:
+    if frame.refraction is not None and "refraction" in files:
         write_refraction(folder / layout.REFRACTION, frame.refraction)
 
 

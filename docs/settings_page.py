@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from glassware.dataset.commands.build_dataset import BuildDataset
-from glassware.dataset.commands.render_scene import RenderScene
+from glassware.dataset.commands.build_request import BuildDataset
+from glassware.dataset.commands.scene_request import RenderScene
 from glassware.dataset.settings.config import preset, preset_names
 from glassware.learn.training.settings import TrainSettings
 from glassware.procedural.scene.settings import SceneSettings
@@ -22,7 +22,10 @@ Made by `docs/settings_page.py` from the types that check the settings. Do not e
 Each setting is given by its dotted name. In a YAML file the dots are nesting: `cameras: {views: 3}`. On the command
 line underscores become hyphens: `--environment.hdri-dir`. A pair is two words there and a list in YAML:
 `--vessel-count 1 3`, `vessel_count: [1, 3]`. A switch is `--picture.denoise` or `--picture.no-denoise`.
-The [guide](guide.md#settings) has examples. Defaults are rounded to six digits here; angles are radians.
+The [guide](guide.md#settings) has examples. Defaults are rounded to six digits here.
+
+Lengths are metres and angles radians. Either may be given with a unit, in files, on the command line and from Python:
+`0.4m`, `12cm`, `55mm`, `30deg`, `0.5rad`.
 """
 _REQUEST = """
 ## The request
@@ -113,9 +116,13 @@ def _shown(value: object) -> str:
 
 
 def _range(field: dict) -> str:
-    """Return the limits in words; of a list, those of its entries."""
+    """Return the limits in words; of a list, those of its entries; what a field says of itself comes first."""
+    if "range" in field:
+        return field["range"]
     if "prefixItems" in field:
         items = field["prefixItems"]
+        if "prefixItems" in items[0]:
+            return f"{len(items)} rows of {len(items[0]['prefixItems'])} numbers"
         count = "a pair" if len(items) == 2 else f"{len(items)} numbers"
         return f"{count}, each " + " or ".join(sorted({_range(item) for item in items}))
     if "items" in field:
@@ -132,6 +139,8 @@ def _range(field: dict) -> str:
 
 def _kind(field: dict) -> str:
     kinds = [field, *field.get("anyOf", [])]
+    if any(kind.get("type") == "number" for kind in kinds):
+        return "a number"
     return "a path" if any(kind.get("format") == "path" for kind in kinds) else "text"
 
 

@@ -15,13 +15,19 @@ Each name loads its module when it is first used, so importing glassware is chea
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .annotate.arrays import masks as masks
+    from .annotate.arrays import points as points
     from .annotate.labels import label as label
     from .core.errors import InputError as InputError
+    from .core.pose import look_at as look_at
+    from .dataset.format.pictures import save_png as save_png
     from .dataset.pipeline import write as write
     from .dataset.reader import Dataset as Dataset
+    from .dataset.settings.contents import catalogue as catalogue
     from .dataset.settings.draw import draw as draw
     from .procedural.scene.scene_file import load_scene as load_scene
     from .procedural.scene.scene_file import save_scene as save_scene
@@ -29,19 +35,44 @@ if TYPE_CHECKING:
 
     __version__: str
 
+# A Python that is started in a checkout finds this folder before the installed package, and the others by their links.
+_LINKS = Path(__file__).parents[1] / ".ci" / "packages" / "glassware"
+if _LINKS.is_dir():
+    __path__.append(str(_LINKS))
+
 #: The module of each public name.
 _MODULES = {
     "Dataset": "dataset.reader",
     "InputError": "core.errors",
     "Renderer": "render.renderer",
+    "catalogue": "dataset.settings.contents",
     "draw": "dataset.settings.draw",
     "label": "annotate.labels",
     "load_scene": "procedural.scene.scene_file",
+    "look_at": "core.pose",
+    "masks": "annotate.arrays",
+    "points": "annotate.arrays",
+    "save_png": "dataset.format.pictures",
     "save_scene": "procedural.scene.scene_file",
     "write": "dataset.pipeline",
 }
 
-__all__ = ["Dataset", "InputError", "Renderer", "__version__", "draw", "label", "load_scene", "save_scene", "write"]
+__all__ = [
+    "Dataset",
+    "InputError",
+    "Renderer",
+    "__version__",
+    "catalogue",
+    "draw",
+    "label",
+    "load_scene",
+    "look_at",
+    "masks",
+    "points",
+    "save_png",
+    "save_scene",
+    "write",
+]
 
 
 def __getattr__(name: str) -> Any:

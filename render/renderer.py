@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -45,6 +45,9 @@ class Renderer:
     threads : int, optional
         Threads of the processor's kernels, 1 to `MOST_THREADS`; by default one per core. Pictures do not depend on it.
 
+    on_stage : callable, optional
+        Called with "loading" and, where the irradiance cache is filled, with "light", before each begins.
+
     Attributes
     ----------
     scene : Scene
@@ -63,7 +66,13 @@ class Renderer:
         backend; the message says what to install. Also in a process that was forked after a renderer was made.
     """
 
-    def __init__(self, scene: Scene, variant: str | None = None, threads: int | None = None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        variant: str | None = None,
+        threads: int | None = None,
+        on_stage: Callable[[str], None] | None = None,
+    ) -> None:
         # Checked before the lock, which a forked process may have inherited locked.
         check_process()
         if threads is not None:
@@ -73,6 +82,7 @@ class Renderer:
         check_type("Renderer: scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
         check_scene(scene)
         self.scene = scene
+        on_stage = on_stage or (lambda _stage: None)
         self.light_check: LightCheck | None = None
         self._process, stopwatch = os.getpid(), Stopwatch()
         with _process_lock:
@@ -83,11 +93,13 @@ class Renderer:
             from .pictures.picture import PATH_TRACER
             from .scene.loaded_scene import load
 
+            on_stage("loading")
             cached = uses_cache(scene)
             with stopwatch.stage("loading"):
                 self.loaded = load(scene, for_cache=cached)
             self._tracer, self._cache = PATH_TRACER, None
             if cached:
+                on_stage("light")
                 with stopwatch.stage("light"):
                     self._tracer, self.light_check, self._cache = make_tracer(self.loaded)
         self.seconds = stopwatch.seconds

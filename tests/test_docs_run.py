@@ -26,6 +26,7 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+import yaml
 
 import glassware as gw
 from glassware.dataset.commands import build_dataset, glassware, render_scene
@@ -44,6 +45,9 @@ SMALL = shlex.split(
     "--width 32 --height 24 --views 1 --spp 2 --vessel-count 1 1 --prop-count 1 1 --vessels.chord-error 1e-4"
     " --hdri-dir hdri"
 )
+#: What takes the place of the size where a camera has a lens of its own, which belongs to a size.
+SMALL_SIZE, SMALL_SCALE = SMALL[:4], ["--cameras.scale", "0.05"]
+LENSES = ("preset", "K", "fx")
 #: What makes a scene from Python fast to render; its objects stay the same.
 SMALL_PICTURES = {
     "vessels": {"chord_error": 1e-4},
@@ -62,10 +66,11 @@ NOT_RUN = {
     "apt-get ": "needs root, and changes the machine",
     "make ": "sets up an environment; the commands behind its targets are run here and by .ci/run",
     "pip ": "downloads packages",
+    "glassware completion ": "changes the files of a shell; its output is tested in test_help_page",
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
-    ".venv/bin/python examples/": "takes minutes and has no smaller size; its options are compared with its --help",
+    ".venv/bin/python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
@@ -114,12 +119,15 @@ def reason_not_run(words: list[str]) -> str | None:
 
 
 def named_files(page: Path) -> Iterator[tuple[str, str]]:
-    """Yield the name and the content of each YAML file of a page; its first line names it, or the text before it."""
+    """Yield name and content of each YAML or text file of a page; its first line names it, or the text before it."""
     text = page.read_text("utf-8")
     for match in FENCED.finditer(text):
+        first = match[2].splitlines()[0]
         if match[1] == "yaml":
-            names = re.findall(r"[\w-]+\.yaml", match[2].splitlines()[0])
+            names = re.findall(r"[\w-]+\.yaml", first)
             yield (names or re.findall(r"[\w-]+\.yaml", text[: match.start()]))[-1], match[2]
+        elif match[1] == "text" and (names := re.findall(r"^# ([\w-]+\.txt)", first)):
+            yield names[0], match[2]
 
 
 def scenes_of(words: list[str]) -> list[str]:
@@ -132,11 +140,20 @@ def smaller(words: list[str]) -> list[str]:
     """Return a command with its program's bare name and options behind its own that make it small."""
     program = Path(words[0]).name
     words = [program, *words[1:]]
+    small = SMALL_SCALE + SMALL[4:] if has_lens(words) else SMALL
     if program == "build-dataset":
-        return [*words, *SMALL, *scenes_of(words), "--workers", "1"]
+        return [*words, *small, *scenes_of(words), "--workers", "1"]
     if program == "render-scene":
-        return [*words, *SMALL]
+        return [*words, *small]
     return [*words, *SHORT_RUN] if words[:2] == ["glassware", "train"] else words
+
+
+def has_lens(words: list[str]) -> bool:
+    """Tell whether a command, or the YAML file that it names, gives the cameras a lens of their own."""
+    files = {name: text for path in PAGES.values() for name, text in named_files(path)}
+    text = files.get(words[words.index("--config") + 1], "") if "--config" in words else ""
+    cameras = (yaml.safe_load(text) or {}).get("cameras", {}) if text else {}
+    return any(name in cameras or f"--cameras.{name}" in words for name in LENSES)
 
 
 def run(words: list[str]) -> tuple[int, str]:
@@ -161,7 +178,7 @@ def runnable(page: str) -> list[Block]:
 def write_inputs(folder: Path) -> None:
     """Write the files of a user's own that pages speak of: environment maps, meshes and textures."""
     rng = np.random.default_rng(20230213)
-    for name in ("hdri/a.hdr", "hdri/b.hdr", "textures/wood.png"):
+    for name in ("hdri/a.hdr", "hdri/b.hdr", "textures/wood.png", "tops/oak.png"):
         (folder / name).parent.mkdir(exist_ok=True)
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
@@ -182,9 +199,10 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def out(inputs: Path, backend: str) -> Path:
-    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it."""
+    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` has all files."""
     with contextlib.chdir(inputs):
         assert run(smaller(["render-scene", "--seed", "7", "--out", "out"])) == (0, "")
+        assert run(smaller(["render-scene", "--seed", "7", "--out", "out-all", "--write", "all"])) == (0, "")
     return inputs / "out"
 
 
@@ -192,7 +210,7 @@ def out(inputs: Path, backend: str) -> Path:
 def out_shared(inputs: Path, backend: str) -> Path:
     """The same with an irradiance cache."""
     with contextlib.chdir(inputs):
-        words = ["render-scene", "--seed", "7", "--out", "out-shared", "--picture.light", "shared"]
+        words = ["render-scene", "--seed", "7", "--out", "out-shared", "--picture.light", "shared", "--write", "all"]
         assert run(smaller(words)) == (0, "")
     return inputs / "out-shared"
 
@@ -207,7 +225,10 @@ def data(inputs: Path, backend: str) -> Path:
 
 def draw_small_pictures(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:
     """Draw a scene as `glassware.draw` does, with `SMALL_PICTURES` on top of the settings."""
-    return draw(seed, scene, preset, **merged(settings, SMALL_PICTURES))
+    small = SMALL_PICTURES
+    if any(name in settings.get("cameras", {}) for name in LENSES):
+        small = SMALL_PICTURES | {"cameras": {"scale": 0.05}}
+    return draw(seed, scene, preset, **merged(settings, small))
 
 
 @pytest.fixture
@@ -336,7 +357,7 @@ def provide(page: str, *data_sets: tuple[Path, str]) -> None:
 @ignore_copy
 @pytest.mark.parametrize("page", [page for page in PYTHON_PAGES if page != "building.md"])
 def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Path, here: Path) -> None:
-    provide(page, (out, "out"))
+    provide(page, (out, "out"), (out.with_name("out-all"), "out-all"))
     assert list(failing(page, [*PYTHON_NOT_RUN, *PYTHON_SLOW])) == []
 
 
@@ -346,7 +367,7 @@ def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Pat
 def test_the_python_of_a_page_works_on_a_scene_with_an_irradiance_cache_as_well(
     page: str, out_shared: Path, data: Path, here: Path
 ) -> None:
-    provide(page, (out_shared, "out"), (data, "data"))
+    provide(page, (out_shared, "out"), (out_shared, "out-all"), (data, "data"))
     assert list(failing(page, PYTHON_NOT_RUN)) == []
 
 

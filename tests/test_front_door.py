@@ -78,7 +78,7 @@ def test_every_public_name_is_there_and_nothing_else_is_promised():
 def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_path):
     frame = renderer.frame(1)
     labels = gw.label(scene, frame, renderer)
-    gw.write(tmp_path / "out", scene, renderer)
+    gw.write(tmp_path / "out", scene, renderer, files="all")
     stored = gw.Dataset.open(str(tmp_path / "out"))
     assert repr(stored) == f"Dataset({str(tmp_path / 'out')!r}: glassware, seed 7, 1 scene)"
     assert repr(frame).startswith("Frame(view 1: 48x36, 2 samples per pixel")
@@ -108,10 +108,33 @@ def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_p
 
 
 @pytest.mark.slow
+def test_a_view_without_a_file_says_how_it_is_made(scene, renderer, tmp_path):
+    gw.write(tmp_path / "out", scene, renderer, files=["layers"])
+    view = gw.Dataset.open(tmp_path / "out").views()[0]
+    assert view.layers().count.shape == view.picture().shape[:2] == view.geometry().Z.shape
+    for read, kind in ((view.radiance, "radiance"), (view.refraction, "refraction")):
+        with pytest.raises(gw.InputError, match=rf"exr: expected a data set with {kind}, made with --write {kind} "):
+            read()
+    gw.write(tmp_path / "out", scene, renderer, files="radiance")
+    view = gw.Dataset.open(tmp_path / "out").views()[0]
+    assert view.radiance().dtype == np.float32
+    with pytest.raises(gw.InputError, match=r"left\.exr: expected a data set with noisy, made with --write noisy "):
+        view.radiance(noisy=True)
+    with pytest.raises(gw.InputError, match=r"^write: files: expected some of .*\(is it layers\?\), found 'layer'$"):
+        gw.write(tmp_path / "out", scene, renderer, files="layer")
+
+
+def test_a_python_started_in_a_checkout_finds_all_packages():
+    root = Path(__file__).resolve().parents[1]
+    command = [sys.executable, "-c", "import glassware; print(glassware.InputError.__module__)"]
+    ended = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert ended.stdout == "glassware.core.errors\n"
+
+
 def test_a_stored_scene_renders_the_same_bits_with_the_irradiance_cache_too(tmp_path):
     shared = SMALL | {"picture": {"spp": 2, "light": "shared"}}
     scene = gw.draw(seed=3, vessel_count=(1, 1), prop_count=(0, 0), **shared)
-    gw.write(tmp_path / "out", scene)
+    gw.write(tmp_path / "out", scene, files="radiance")
     again = gw.Renderer(gw.load_scene(tmp_path / "out" / "scenes" / "000000" / "scene.json"))
     assert again.light_check is not None
     np.testing.assert_array_equal(again.frame(0).left, gw.Dataset.open(tmp_path / "out").views()[0].radiance())

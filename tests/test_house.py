@@ -400,6 +400,7 @@ def test_the_packages_in_pyproject_are_the_folders_on_disk() -> None:
     # The links by which setuptools and pyright find the packages.
     links = {link.name: link.resolve() for link in (LINKS / FRONT).iterdir()}
     fronts = {path.name: path for path in FILES if path.parent == REPOSITORY / FRONT}
+    fronts["py.typed"] = REPOSITORY / FRONT / "py.typed"
     assert links == {name: REPOSITORY / name for name in PACKAGES} | fronts
 
 

@@ -26,6 +26,7 @@ from glassware.procedural.description.scene import Prop, Scene
 from glassware.procedural.description.surroundings import AreaLight, RoomEnvironment, Window
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.surroundings.camera_settings import CameraSettings
 from glassware.procedural.surroundings.room_geometry import (
     WALL_FACES,
     Boxes,
@@ -34,7 +35,7 @@ from glassware.procedural.surroundings.room_geometry import (
     face_frames,
     face_points,
 )
-from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings
+from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.render.backend.variant import activate
 
 #: Factor on the radiance of the map behind the geometry: rays do not leave the closed room.

@@ -30,15 +30,16 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir"]
+Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
+_SINGLE_FILES = ("cameras.poses", "vessels.media")
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
 
 class ManifestFile(Model):
-    """A file in one of the asset folders."""
+    """A file in one of the asset folders, or the file of camera poses or of own media."""
 
-    folder: Folder
+    folder: Folder = Field(description="The setting that names its folder, or the file itself")
     path: str = Field(description="Below the folder, with forward slashes")
     size: int = Field(ge=0, description="[bytes]")
     sha256: Sha256
@@ -52,19 +53,28 @@ class Manifest(Model):
 
 
 def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
-    """Return the files in the asset folders, with those that meshes may refer to; InputError for an unusable folder."""
+    """Return the files in the asset folders, those that meshes may refer to, and that of the poses.
+
+    Raises InputError for an unusable folder.
+    """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
         ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
+        ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
     )
-    return {
+    found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
         if path.exists()  # a link to nothing is passed over
     }
+    for name, path in _single_files(settings).items():
+        if not path.is_file():
+            raise InputError(path, f"the file of {name}", "none")
+        found[name, path.name] = path
+    return found
 
 
 def scan(settings: SceneSettings) -> Manifest:
@@ -123,9 +133,18 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
     write_atomically(root / MANIFEST, json_text(manifest.model_dump(mode="json")).encode())
 
 
+def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
+    """Return the files that settings name one by one, by the names of the settings."""
+    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
+    return {name: path for name, path in files.items() if path is not None}
+
+
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    holder = settings.environment if folder == "hdri_dir" else settings
-    return Path(getattr(holder, folder) or "", name)
+    single = {str(setting): path for setting, path in _single_files(settings).items()}
+    if folder in _SINGLE_FILES:
+        return single.get(folder, Path(name)).with_name(name)
+    places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
+    return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 
 
 class _DigestCache:

@@ -12,6 +12,7 @@ from ...core.errors import InputError
 from ...core.model import Model
 from ...procedural.scene.settings import SceneSettings
 from ...render.frame import LightCheck
+from ..format.file_kinds import KINDS, FileKinds
 from .manifest import Manifest
 
 #: Errors of the output's disk, quota or permissions: no other scene could be written either.
@@ -27,6 +28,7 @@ class WorkerConfig(Model):
     root: Path  #: the data set, absolute
     seed: int
     settings: SceneSettings
+    files: FileKinds = KINDS  #: of each view, beside those that every view has
     manifest: Manifest  #: the asset files, with their expected content
     threads: int = Field(ge=1)  #: of each library in the worker
     memory: float | None = None  #: limit on what a worker may allocate [GiB]; None is no limit

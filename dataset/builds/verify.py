@@ -16,6 +16,7 @@ from ...core.assets import checked_path
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error
 from ...core.user_text import counted
+from ...procedural.description.picture import Picture
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.scene.splits import Split, split_of
@@ -23,19 +24,20 @@ from ...render.frame import EYES
 from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
+from ..format.file_kinds import FileKinds
 from ..format.split_file import read_splits
 from ..format.views_table import SCHEMA, read_scene_views, scene_views
 from ..reader import StoredScene, StoredView
 from ..settings.scene_ranges import format_scenes, parse_scenes
 from .manifest import read_manifest
 
-#: Files that each view has.
+#: Files that each view has, whatever was requested.
 _VIEW_FILES = (
     layout.CAMERA,
     layout.LABELS,
     layout.INSTANCES,
     layout.GEOMETRY,
-    *(f"{eye}.{kind}" for eye in EYES for kind in ("png", "exr")),
+    *(f"{eye}.png" for eye in EYES),
 )
 
 
@@ -146,12 +148,11 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
         yield f"{stored.folder}: expected {expected}, found {[view.number for view in stored.views]}"
         return
     for view in stored.views:
-        yield from _view_faults(scene, view)
+        yield from _view_faults(scene, view, head.files)
 
 
-def _view_faults(scene: Scene, view: StoredView) -> Iterator[str]:
-    extra = ((layout.LAYERS, scene.picture.layers), (layout.REFRACTION, scene.picture.refraction))
-    for name in (*_VIEW_FILES, *(name for name, requested in extra if requested)):
+def _view_faults(scene: Scene, view: StoredView, files: FileKinds) -> Iterator[str]:
+    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files)):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
             return
@@ -159,6 +160,16 @@ def _view_faults(scene: Scene, view: StoredView) -> Iterator[str]:
         yield f"{view.folder / layout.CAMERA}: expected camera {view.number} of {layout.SCENE}, found another"
     if [label.id for label in view.labels().objects] != [item.id for item in scene.objects]:
         yield f"{view.folder / layout.LABELS}: expected labels of all objects, found others"
+
+
+def _extra_files(picture: Picture, files: FileKinds) -> Iterator[str]:
+    """Yield the files that a view has because they were requested."""
+    if "radiance" in files or ("noisy" in files and picture.denoise):
+        yield from (f"{eye}.exr" for eye in EYES)
+    if "layers" in files and picture.layers:
+        yield layout.LAYERS
+    if "refraction" in files and picture.refraction:
+        yield layout.REFRACTION
 
 
 def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:

@@ -116,7 +116,7 @@ class WorkerContext:
         with stopwatch.stage("description"):
             scene = draw_scene(self.config.settings, self.config.seed, scene_id, self.files)
         renderer = Renderer(scene, threads=self.config.threads)
-        return write_scene(self.config.root, renderer, stopwatch, on_view)
+        return write_scene(self.config.root, renderer, stopwatch, on_view, files=self.config.files)
 
 
 def main() -> int:

@@ -29,7 +29,7 @@ from ...render.renderer import Renderer
 from ..format.pictures import write_png
 from ..preview.asset_sheet import asset_sheet
 from ..settings.config import parse_request
-from .progress import Stages
+from .progress import SceneProgress
 
 _DESCRIPTION = """List the meshes of a folder as render-scene and build-dataset would use them: layout, categories,
 sizes, parts, materials and licences, what is left out and what is refused, with a contact sheet of renders."""
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _assets(arguments: Sequence[str]) -> None:
     request = parse_request(Assets, arguments, "glassware assets", _DESCRIPTION)
-    stages = Stages(Console())
+    stages = SceneProgress(Console())
     listed = mesh_listing(request.folder, request.props.choice)
     checked, findings = checked_meshes(request.folder, stages.checking, choice=request.props.choice)
     stages.say_all(_summary(request, checked, len(listed.left_out)))
@@ -102,7 +102,7 @@ def _size(request: Assets, file: MeshFile, longest: float) -> str:
     return f"~{1e3 * drawn_size(file, request.props):.0f}" if unit is None else f"{1e3 * unit * longest:.3g}"
 
 
-def _write_sheet(request: Assets, files: Sequence[MeshFile], stages: Stages) -> None:
+def _write_sheet(request: Assets, files: Sequence[MeshFile], stages: SceneProgress) -> None:
     activate()
     rng = stream(0, 0, "props/0")  # of what files do not state
     objects = [
@@ -112,7 +112,8 @@ def _write_sheet(request: Assets, files: Sequence[MeshFile], stages: Stages) -> 
     scene = display(objects)
     renderer = Renderer(scene)
     pictures = []
-    with stages.progress(len(objects)):
+    with stages.display():
+        stages.begin_views(len(objects))
         for view in range(len(objects)):
             pictures.append(srgb8(renderer.frame(view).left, scene.cameras[view].exposure))
             stages.advance(view)

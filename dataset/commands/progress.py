@@ -1,37 +1,47 @@
-"""Progress of a scene and of a build: a bar on a terminal, lines elsewhere."""
+"""Progress of a scene and of a build: a live line on a terminal, lines elsewhere; estimates are measured."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from ...core.stopping import check_stop
 from ...core.stopwatch import Stopwatch
-from ...render.frame import LightCheck
-from ..builds.messages import Attempt
+
+if TYPE_CHECKING:  # the first line is printed before the renderer's types are loaded
+    from ...render.frame import LightCheck
+    from ..builds.messages import Attempt
+
+#: Steps of a renderer (`Renderer.on_stage`) in words.
+STEPS = {
+    "loading": "compiling and loading the scene",
+    "light": "light: filling the irradiance cache and checking it",
+}
 
 #: Time between lines about the check of a folder's files [s]: a quick check says nothing.
 _CHECK_INTERVAL = 3.0
 
 
-class Stages:
-    """The progress of one scene: a bar or a line per view, and at the end a table of the time of each stage."""
+class SceneProgress:
+    """The progress of one scene: each step, then the views with the time that is left."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
         self.stopwatch = Stopwatch()  #: seconds by stage
         self._start = perf_counter()
         self._bar: Progress | None = None
-        self._done, self._total = 0, 0
+        self._total = 0
+        self._ends: list[float] = []  #: of the views, and of what was before the first [s]
         self._shown_at = self._start
 
     def say(self, line: str) -> None:
-        """Print a line."""
+        """Print a line that stays."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     def say_all(self, lines: Iterable[str]) -> None:
@@ -47,33 +57,65 @@ class Stages:
             self._shown_at = now
             self.say(f"checking {content}: {done} of {total}")
 
+    @property
+    def seconds(self) -> float:
+        """Time since the start [s]."""
+        return perf_counter() - self._start
+
     @contextmanager
-    def progress(self, total: int) -> Iterator[None]:
-        """Show the progress of `total` views inside the block."""
-        self._done, self._total = 0, total
+    def display(self) -> Iterator[None]:
+        """Show the current step inside the block, on a terminal as one line that changes."""
         if not self._console.is_terminal:
             yield
             return
-        columns = (TextColumn("views"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        with Progress(*columns, console=self._console, transient=True) as bar:
-            self._bar = bar
-            bar.add_task("views", total=total)
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[left]}"),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=self._console, transient=True) as self._bar:
+            self._bar.add_task("starting", total=None, left="")
             yield
         self._bar = None
+
+    def step(self, text: str) -> None:
+        """Begin a step; raise `KeyboardInterrupt` if a stop signal was received."""
+        check_stop()
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description=text, total=None)
+            self._bar.refresh()  # at once: the step may keep the interpreter busy
+        else:
+            self.say(f"{self.seconds:6.1f} s  {text}")
+
+    def on_stage(self, stage: str) -> None:
+        """Begin a step of the renderer."""
+        self.step(STEPS.get(stage, stage))
+
+    def begin_views(self, total: int) -> None:
+        """Begin with the views."""
+        self._total, self._ends = total, [self.seconds]
+        if self._bar is None:
+            self.step(f"rendering {total} views" if total > 1 else "rendering the view")
+        else:
+            self._bar.update(self._bar.task_ids[0], description=f"view 1/{total}", total=total, completed=0)
 
     def advance(self, _view: int) -> None:
         """Count one view as done; raise `KeyboardInterrupt` if a stop signal was received."""
         check_stop()
-        self._done += 1
+        self._ends.append(self.seconds)
+        done = len(self._ends) - 1
+        left = remaining(self._ends, self._total)
         if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], completed=self._done)
+            text = f"view {min(done + 1, self._total)}/{self._total}"
+            self._bar.update(self._bar.task_ids[0], description=text, completed=done, left=left)
         else:
-            seconds = perf_counter() - self._start
-            self._console.print(f"view {self._done}/{self._total} after {seconds:.1f} s", highlight=False)
+            self.say(f"view {done}/{self._total} after {self.seconds:.1f} s{left and ', '}{left}")
 
-    def report(self, title: str, views: int) -> None:
+    def table(self, title: str, views: int) -> None:
         """Print the seconds of each stage, in total and per view."""
-        total = perf_counter() - self._start
+        total = self.seconds
         table = Table(title=title)
         for column in ("stage", "seconds", "per view", "fraction"):
             table.add_column(column, justify="left" if column == "stage" else "right")
@@ -84,13 +126,46 @@ class Stages:
         self._console.print(table)
 
 
+def remaining(ends: list[float], total: int) -> str:
+    """Return the time that is left in words, from the times at which views ended; "" where there are none to come.
+
+    The first view compiles kernels, so it alone gives an upper bound; from the second on, the others' mean counts.
+
+    Parameters
+    ----------
+    ends : list of float
+        When the first view began, and when each one ended [s].
+    total : int
+        Number of views.
+    """
+    done = len(ends) - 1
+    if done == 0 or done >= total:
+        return ""
+    if done == 1:
+        return f"at most {clock((ends[1] - ends[0]) * (total - 1))} left"
+    return f"about {clock((ends[-1] - ends[1]) / (done - 1) * (total - done))} left"
+
+
+def clock(seconds: float) -> str:
+    """Return a time in words: ``24 s``, ``3:05 min`` or ``2:30 h``."""
+    whole = round(seconds)
+    if whole < 100:
+        return f"{whole} s"
+    return f"{whole // 60}:{whole % 60:02d} min" if whole < 6000 else f"{whole // 3600}:{whole % 3600 // 60:02d} h"
+
+
 def light_line(check: LightCheck) -> str:
-    """Return lines about the irradiance cache of a scene and its check against path tracing."""
+    """Return a line about the irradiance cache of a scene and its check against path tracing."""
     largest = max((abs(region.difference) for region in check.regions), default=0.0)
-    lines = [
+    return (
         f"irradiance cache filled at {check.nodes} points; pictures from it differ from path-traced ones by "
         f"{check.difference:+.2%} in the mean of {len(check.regions)} regions, at most {largest:.1%}"
-    ]
+    )
+
+
+def failed_lines(check: LightCheck) -> list[str]:
+    """Return a line for each region where the irradiance cache differs too much, with what is done instead."""
+    lines = []
     for region in check.failed:
         where = f"object {region.id}" + ("" if region.part == "all" else f", {region.part} part")
         if check.mode == "path":
@@ -101,14 +176,17 @@ def light_line(check: LightCheck) -> str:
             f"{where}: {region.difference:+.1%} (standard error {region.standard_error:.1%}), more than "
             f"{check.bound:.0%}: {done}"
         )
-    return "\n".join(lines)
+    return lines
 
 
 class BuildProgress:
-    """The progress of a build: scenes done, views per second, failures and remaining time."""
+    """The progress of a build: scenes and views done, failures, and the time that is left."""
 
-    def __init__(self, console: Console, total: int) -> None:
-        self._console, self._total = console, total
+    def __init__(
+        self, console: Console, total: int, views: int, on_first: Callable[[Attempt], None] | None = None
+    ) -> None:
+        self._console, self._total, self._all_views = console, total, total * views
+        self._on_first = on_first  #: called with the first attempt that made a scene
         self._start = perf_counter()
         self._views = self._scenes = self._failures = 0
         self._bar: Progress | None = None
@@ -120,18 +198,14 @@ class BuildProgress:
             yield
             return
         columns = (
-            TextColumn("scenes"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TextColumn("failed {task.fields[failures]}"),
+            SpinnerColumn(),
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[left]}"),
             TimeElapsedColumn(),
-            TextColumn("remaining"),
-            TimeRemainingColumn(),
         )
-        # Scenes differ, so the estimate of the remaining time averages over many.
-        with Progress(*columns, console=self._console, speed_estimate_period=3600.0) as self._bar:
-            self._bar.add_task("scenes", total=self._total, rate="", failures=0)
+        with Progress(*columns, console=self._console, transient=True) as self._bar:
+            self._bar.add_task(self._text(), total=self._all_views, left="")
             yield
         self._bar = None
 
@@ -148,30 +222,41 @@ class BuildProgress:
         self._failures += final and attempt.state != "made"
         self._update()
         if attempt.state != "made":
-            self._say(f"scene {attempt.scene} failed{'' if final else ', trying again'}: {attempt.reason}")
+            self.say(f"scene {attempt.scene} failed{'' if final else ', trying again'}: {attempt.reason}")
         elif self._bar is None:
-            self._say(f"scene {attempt.scene} in {attempt.total:.1f} s: {self._scenes}/{self._total}, {self._state()}")
+            self.say(f"scene {attempt.scene} in {attempt.total:.1f} s: {self._text()}, {self._left() or 'done'}")
+        if attempt.state == "made" and self._on_first is not None and self._total > 1:
+            call, self._on_first = self._on_first, None
+            call(attempt)
 
-    def _state(self) -> str:
-        seconds = perf_counter() - self._start
-        remaining = seconds / max(1, self._scenes) * (self._total - self._scenes)
-        return f"{self._rate()}, failed {self._failures}, remaining {_clock(remaining)}"
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Leave the terminal alone inside the block, so that a question can be asked."""
+        if self._bar is None:
+            yield
+            return
+        self._bar.stop()
+        yield
+        self._bar.start()
 
-    def _rate(self) -> str:
-        return f"{self._views / max(1e-3, perf_counter() - self._start):.2f} views/s"
-
-    def _update(self) -> None:
-        if self._bar is not None:
-            task = self._bar.task_ids[0]
-            self._bar.update(task, completed=self._scenes, rate=self._rate(), failures=self._failures)
-
-    def _say(self, line: str) -> None:
+    def say(self, line: str) -> None:
+        """Print a line that stays."""
         (self._bar.console if self._bar is not None else self._console).print(
             line, markup=False, highlight=False, soft_wrap=True
         )
 
+    def _text(self) -> str:
+        failed = f", {self._failures} failed" if self._failures else ""
+        return f"scenes {self._scenes}/{self._total}, views {self._views}/{self._all_views}{failed}"
 
-def _clock(seconds: float) -> str:
-    minutes, whole = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{whole:02d}"
+    def _left(self) -> str:
+        """Return the time that is left by the views so far; the start of the workers counts, as it comes again."""
+        left = self._all_views - self._views
+        if not self._views or left <= 0 or self._scenes >= self._total:
+            return ""
+        return f"about {clock((perf_counter() - self._start) / self._views * left)} left"
+
+    def _update(self) -> None:
+        if self._bar is not None:
+            task = self._bar.task_ids[0]
+            self._bar.update(task, completed=self._views, description=self._text(), left=self._left())

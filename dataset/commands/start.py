@@ -1,6 +1,6 @@
 """Entry points of the commands: they handle stop signals before any library is imported.
 
-The imports take a second or two. A Ctrl-C during that time would end in a traceback from inside a library. Nothing has
+The imports take up to a second. A Ctrl-C during that time would end in a traceback from inside a library. Nothing has
 been written by then, so the process can exit at once.
 """
 
@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from importlib import import_module
+from importlib.metadata import version
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -33,6 +35,9 @@ def _run(name: str) -> int:
     for number in _SIGNALS:
         if signal.getsignal(number) != signal.SIG_IGN:  # ignored for background jobs of a script
             signal.signal(number, _exit)
+    if "--version" in sys.argv[1:]:
+        sys.stdout.write(f"glassware {version('glassware')}\n")
+        return 0
     return import_module(f"{__package__}.{name}").main()
 
 

@@ -36,7 +36,9 @@ class CameraFile(Model):
     baseline: float = Field(gt=0.0, description="[m]")
     distortion: Literal["none"] = Field(default="none", description="The lens is a pinhole")
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
-    grid_index: int = Field(description="Position in the 57-view grid: 0 zenith, then 4 rings of 14")
+    grid_index: int | None = Field(
+        description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"
+    )
     conventions: dict[str, str] = Field(description="What the numbers mean")
 
 
@@ -44,7 +46,7 @@ def camera_file(camera: Camera) -> CameraFile:
     """Return the record of a camera."""
     cx, cy = camera.centre
     return CameraFile(
-        K=((camera.focal, 0.0, cx), (0.0, camera.focal, cy), (0.0, 0.0, 1.0)),
+        K=((camera.fx, 0.0, cx), (0.0, camera.fy, cy), (0.0, 0.0, 1.0)),
         width=camera.width,
         height=camera.height,
         world_T_camera=camera.world_T_camera,
@@ -58,11 +60,12 @@ def camera_file(camera: Camera) -> CameraFile:
 
 def camera_of(record: CameraFile) -> Camera:
     """Return the camera that a record describes."""
-    (focal, _, cx), (_, _, cy), _ = record.K
+    (fx, _, cx), (_, fy, cy), _ = record.K
     return Camera(
         width=record.width,
         height=record.height,
-        focal=focal,
+        focal=fx,
+        focal_y=None if fy == fx else fy,
         centre=(cx, cy),
         world_T_camera=record.world_T_camera,
         baseline=record.baseline,

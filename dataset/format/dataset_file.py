@@ -16,6 +16,7 @@ from ...core.model import Model
 from ...core.passed_over import Finding
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
+from .file_kinds import KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -54,6 +55,9 @@ class DatasetFile(Model):
     hashes: dict[str, str] = Field(
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
+    files: FileKinds = Field(
+        default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
+    )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
     meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
     findings: tuple[Finding, ...] = Field(
@@ -73,12 +77,25 @@ def installed_versions() -> dict[str, str]:
 
 
 def new_head(
-    name: str, seed: int, config: dict[str, Any], versions: dict[str, str], backend: str, scenes: str = ""
+    name: str,
+    seed: int,
+    config: dict[str, Any],
+    versions: dict[str, str],
+    backend: str,
+    scenes: str = "",
+    files: FileKinds = KINDS,
 ) -> DatasetFile:
     """Return the head of a new data set, with the hashes of its settings and of the software."""
     hashes = {"config": digest_of(config), "backend": digest_of({"backend": backend, "versions": versions})}
     return DatasetFile(
-        name=name, seed=seed, config=config, versions=versions, backend=backend, scenes=scenes, hashes=hashes
+        name=name,
+        seed=seed,
+        config=config,
+        versions=versions,
+        backend=backend,
+        scenes=scenes,
+        hashes=hashes,
+        files=files,
     )
 
 

@@ -1,4 +1,4 @@
-"""PNG files: 8-bit sRGB pictures and 16-bit instance ids."""
+"""PNG files: 8-bit sRGB pictures, also of radiance, and 16-bit instance ids."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ...core.arguments import as_path, check_type, described, number
 from ...core.errors import InputError, cause_of
+from ...core.images import srgb8
 from ...core.silence import quiet
+from ...render.frame import Frame
 
 
 def write_png(path: Path, picture: np.ndarray) -> None:
@@ -20,6 +23,39 @@ def write_png(path: Path, picture: np.ndarray) -> None:
     if not done:
         raise ValueError(f"{path}: the picture could not be encoded")
     path.write_bytes(data.tobytes())
+
+
+def save_png(path: Path | str, picture: Frame | np.ndarray, exposure: float = 1.0) -> None:
+    """Write a picture as an 8-bit sRGB file, with the exposure of its camera.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file to write; one that is there is replaced.
+    picture : Frame or ndarray
+        A rendered view (its left picture), radiance (H, W, 3) float, linear Rec.709, or a finished picture (H, W, 3)
+        uint8.
+    exposure : float
+        Factor on radiance, such as `Camera.exposure`; a frame has its own.
+
+    Raises
+    ------
+    InputError
+        For anything else than a picture, an exposure that is not positive, or a file that cannot be written.
+    """
+    path = as_path("save_png: path", path)
+    if isinstance(picture, Frame):
+        picture, exposure = picture.left, picture.exposure * exposure
+    check_type("save_png: picture", picture, np.ndarray, "a Frame, or an array of shape (H, W, 3)")
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype.kind not in "fu" or picture.size == 0:
+        raise InputError("save_png: picture", "radiance or 8-bit colours of shape (H, W, 3)", described(picture))
+    if picture.dtype != np.uint8:
+        number("save_png: exposure", exposure, np.finfo(float).tiny, np.finfo(float).max)
+        picture = srgb8(picture.astype(np.float32), exposure)
+    try:
+        write_png(path, picture)
+    except OSError as error:
+        raise InputError(path, "a file that can be written", cause_of(error)) from error
 
 
 def read_png(path: Path) -> np.ndarray:

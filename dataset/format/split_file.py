@@ -11,6 +11,7 @@ from pydantic import Field
 from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
+from ...core.weighted import weights_of
 from ...procedural.scene.asset_files import AssetFiles, files_for
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.scene.splits import Split, families_of, split_of
@@ -41,7 +42,7 @@ def splits_file(settings: SceneSettings, files: AssetFiles, seed: int, scenes: I
         train=tuple(by_split["train"]),
         val=tuple(by_split["val"]),
         test=tuple(by_split["test"]),
-        unseen_families=held_families,
+        unseen_families=tuple(weights_of(held_families)),
         unseen_assets=_unseen(settings, files, seed) if settings.splits.unseen_assets else {},
     )
 
@@ -55,6 +56,8 @@ def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, 
         "shipped": tuple(path.name for path in held.shipped),
         "texture_dir": tuple(item.name for item in held.textures),
     }
+    if settings.table.texture_dir is not None:
+        names["table.texture_dir"] = tuple(item.name for item in held.table_textures)
     return {folder: found for folder, found in names.items() if found}
 
 

@@ -67,7 +67,7 @@ class ViewRow(Model):
     right: str
     width: int
     height: int
-    grid_index: int
+    grid_index: int | None  #: null off the grid
     vessels: int
     props: int
     objects_in_view: int  #: objects with a pixel of silhouette in the frame

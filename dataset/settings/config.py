@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -17,22 +17,14 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
-from .settings_file import yaml_settings
+from ...core.yaml_file import yaml_settings
+from .camera_layer import with_cameras
+from .help_page import asks_for_help, print_help
+from .option_units import without_units
+from .options import FLAT as FLAT
+from .options import LISTS, SHORT, flat_groups, option_names
 
 T = TypeVar("T", bound=BaseModel)
-
-#: Annotates a field of settings whose name is left out, in options (``--cameras.views``) as in YAML files.
-FLAT = tyro.conf.arg(name="")
-
-#: Short options.
-_SHORT = {
-    "--views": "--cameras.views",
-    "--width": "--cameras.width",
-    "--height": "--cameras.height",
-    "--spp": "--picture.spp",
-    "--noise": "--picture.noise",
-    "--hdri-dir": "--environment.hdri-dir",
-}
 
 #: Presets are YAML files in the package.
 _PRESETS = files("glassware.dataset").joinpath("presets")
@@ -46,7 +38,8 @@ def preset_names() -> list[str]:
 def preset(name: str, where: str = "--preset") -> dict[str, Any]:
     """Return a preset's settings; InputError where no preset has this name."""
     if name not in preset_names():
-        raise InputError(where, f"one of {', '.join(preset_names())}", shortened(name))
+        known = preset_names()
+        raise InputError(where, f"one of {', '.join(known)}", shortened(name) + suggest(str(name), known))
     return yaml.safe_load(_PRESETS.joinpath(f"{name}.yaml").read_text("utf-8")) or {}
 
 
@@ -61,8 +54,8 @@ def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 def validated(model: type[T], settings: dict[str, Any], where: object) -> T:
     """Return settings as a model; InputError that names the first invalid field and what is allowed."""
-    data, own = dict(settings), set(model.model_fields) - set(_flat_groups(model))
-    for name, kind in _flat_groups(model).items():
+    data, own = dict(settings), set(model.model_fields) - set(flat_groups(model))
+    for name, kind in flat_groups(model).items():
         data = {key: value for key, value in settings.items() if key in own}
         data[name] = validated(kind, {key: value for key, value in settings.items() if key not in own}, where)
     try:
@@ -90,11 +83,14 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
     """
     _check_not_empty(arguments)
     default: dict[str, Any] = {"default": _layers(model, arguments)} if "config" in model.model_fields else {}
+    if asks_for_help(arguments):
+        print_help(model, default.get("default"), arguments, prog, description)
+        raise SystemExit(0)
 
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
         raise _argument_error(prog, event, model, full)
 
-    full = _with_full_names(arguments)
+    full = without_units(prog, model, _with_full_names(arguments), FLAT)
     try:
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
@@ -106,6 +102,7 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
     """Return the settings below the options: the preset, and on top of it the YAML file."""
     name, path = _value(arguments, "--preset"), _value(arguments, "--config")
     settings, where = {}, "preset"
+    loaded: dict[str, Any] = {}
     if "preset" in model.model_fields:
         settings = preset(name or model.model_fields["preset"].default)
     if path is not None:
@@ -114,17 +111,9 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
             if name in loaded:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
         check_booleans(model, loaded, path)
-        settings, where = merged(settings, loaded), path
+        where = path
+    settings = merged(settings, loaded) | with_cameras(settings, loaded, _with_full_names(arguments))
     return validated(model, settings, where)
-
-
-def _flat_groups(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
-    """Return the models of the fields that are annotated as `FLAT`, by field."""
-    return {
-        name: field.annotation
-        for name, field in model.model_fields.items()
-        if FLAT in field.metadata and isinstance(field.annotation, type)
-    }
 
 
 def check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str, prefix: str = "") -> None:
@@ -134,7 +123,7 @@ def check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str,
     reads as a text.
     """
     kinds = {name: field.annotation for name, field in model.model_fields.items()}
-    for group in _flat_groups(model).values():
+    for group in flat_groups(model).values():
         kinds |= {name: field.annotation for name, field in group.model_fields.items()}
     for name, value in settings.items():
         kind, place = kinds.get(name), f"{prefix}{name}"
@@ -174,18 +163,16 @@ def _check_not_empty(arguments: Sequence[str]) -> None:
 def _with_full_names(arguments: Sequence[str]) -> list[str]:
     """Return the arguments with the full names of short options."""
     parts = [argument.partition("=") for argument in arguments]
-    return [_SHORT.get(name, name) + equals + value for name, equals, value in parts]
+    full = [SHORT.get(name, name) + equals + value for name, equals, value in parts]
+    return [word for before, one in zip(["", *full], full, strict=False) for word in _listed(before, one)]
 
 
-def _options(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
-    """Yield the options of all settings, without the leading hyphens."""
-    flat = _flat_groups(model)
-    for name, field in model.model_fields.items():
-        kind, option = field.annotation, prefix + name.replace("_", "-")
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            yield from _options(kind, prefix if name in flat else f"{option}.")
-        else:
-            yield option
+def _listed(before: str, argument: str) -> list[str]:
+    """Return the values of an option that takes a list with commas, as arguments of their own."""
+    name, equals, value = argument.partition("=")
+    if equals and name in LISTS:
+        return [name, *value.split(",")]
+    return argument.split(",") if before in LISTS and not argument.startswith("--") else [argument]
 
 
 def _argument_error(
@@ -198,15 +185,25 @@ def _argument_error(
         case tyro_errors.InstantiationFailure(argument=argument):
             return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
-            return InputError(_place(prog, argument), f"one of {', '.join(choices)}", repr(value))
+            return InputError(
+                _place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices)
+            )
         case tyro_errors.BadValue(argument=argument, offending_value=value):
             return InputError(_place(prog, argument), _form(argument), value or "fewer values")
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
-            hint = _option_hint(tokens[0].partition("=")[0], model)
-            return InputError(prog, f"known options with valid values (see --help){hint}", " ".join(tokens))
+            return _unknown_options(prog, tokens, model)
     return InputError(prog, "options as --help lists them", event)
+
+
+def _unknown_options(prog: str, tokens: Sequence[str], model: type[BaseModel]) -> InputError:
+    """Return the error for words that no option takes: all unknown options, each with the nearest known one."""
+    expected, found = "known options with valid values (see --help)", " ".join(tokens)
+    options = [word.partition("=")[0] for word in tokens if word.startswith("--")]
+    if len(options) < 2:
+        return InputError(prog, expected + _option_hint(tokens[0].partition("=")[0], model), found)
+    return InputError(prog, expected, ", ".join(option + _option_hint(option, model) for option in options))
 
 
 def _option_hint(option: str, model: type[BaseModel]) -> str:
@@ -214,8 +211,9 @@ def _option_hint(option: str, model: type[BaseModel]) -> str:
     if not option.startswith("--"):
         return ""
     name = option.removeprefix("--").replace("_", "-")
-    short = [known.removeprefix("--") for known in _SHORT if _SHORT[known].removeprefix("--") in set(_options(model))]
-    hint = suggest(name, short) or suggest_setting(name, list(_options(model)))
+    known = option_names(model)
+    short = [alias.removeprefix("--") for alias, full in SHORT.items() if full in known]
+    hint = suggest(name, short) or suggest_setting(name, [full.removeprefix("--") for full in known])
     return hint.replace("(is it ", "(is it --")
 
 
@@ -239,13 +237,13 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
         error = error.__cause__ or error.__context__
     if error is None:
         return InputError(prog, "valid settings", message)
-    flat = _flat_groups(model)
+    flat = flat_groups(model)
     return setting_error(prog, error, group=[part for part in group.split(".") if part and part not in flat])
 
 
 def _form(argument: Any) -> str:
-    """Return the form of an argument's value as the help text has it, such as INT."""
-    return argument.lowered.metavar or "no value"
+    """Return the form of an argument's value as the help text has it, such as INT; without the word for none."""
+    return (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
 
 
 def _place(prog: str, argument: Any) -> str:

@@ -8,6 +8,7 @@ from ...core.arguments import whole_number
 from ...procedural.description.scene import Scene
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
+from .camera_layer import with_cameras
 from .config import check_booleans, merged, validated
 from .config import preset as preset_named
 
@@ -37,6 +38,7 @@ def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Sc
     """
     seed = whole_number("draw: seed", seed, 0, MOST_SEED)
     scene = whole_number("draw: scene", scene, 0, MOST_SCENE)
-    requested = merged(preset_named(preset, "draw: preset"), settings)
+    below = preset_named(preset, "draw: preset")
+    requested = merged(below, settings) | with_cameras(below, settings)
     check_booleans(SceneSettings, settings, "draw")
     return draw_scene(validated(SceneSettings, requested, "draw"), seed, scene)

@@ -33,6 +33,29 @@ def parse_scenes(text: str, where: str = "--scenes") -> list[int]:
     return list(found)
 
 
+def requested_scenes(scenes: str, count: int | None) -> list[int]:
+    """Return the scenes of a request, of ``--scenes`` or of ``--count``.
+
+    A number alone is refused: it names one scene, and most who write it want so many.
+
+    Raises
+    ------
+    InputError
+        Where neither or both are given, or `scenes` is a number alone or no list of scenes.
+    """
+    if scenes and count is not None:
+        raise InputError("--count", "it without --scenes, or --scenes without it", "both")
+    if count is not None:
+        return parse_scenes(f"0:{count}", "--count")
+    if scenes.strip().isdecimal():
+        number = int(scenes)
+        many = f"--count {number} or --scenes 0:{number} for {number} scenes" if number else "--count 1 for one scene"
+        raise InputError("--scenes", f"{many}, {number}:{number + 1} for scene {number} alone", repr(scenes))
+    if not scenes:
+        raise InputError("--scenes", "scenes such as 0:2000, or --count 2000", "none")
+    return parse_scenes(scenes)
+
+
 def format_scenes(scenes: Iterable[int]) -> str:
     """Return the shortest text of ranges for a set of scenes, ascending."""
     parts: list[list[int]] = []

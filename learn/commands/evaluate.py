@@ -20,10 +20,13 @@ from ..evaluation.report import tables
 from ..evaluation.run import evaluate
 from ..networks.build import select_device
 
-_DESCRIPTION = """Evaluate a network: glassware evaluate CKPT DATA --split val
+_DESCRIPTION = """Measure how well a network finds glass: its predictions against the labels of a data set.
 
-Metrics are printed as tables and written to OUT/report.json, beside images of the samples with the greatest depth
-error, predictions above ground truth. The network does not change."""
+  glassware evaluate out-train/best.safetensors data --split val
+
+CHECKPOINT is a file of weights that train wrote, DATA a data set with that split. Depth error, precision of boxes,
+masks and poses are printed as tables and written to OUT/report.json, beside images of the samples with the greatest
+depth error (predictions above, ground truth below). The network does not change."""
 
 #: Columns of output that goes to a file or a pipe.
 _WIDTH = 160
@@ -41,6 +44,10 @@ class Evaluate(Model):
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
     threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
+
+
+#: For the completion of shells.
+REQUEST = Evaluate
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -18,10 +18,13 @@ from ...dataset.settings.config import parse_request
 from ..evaluation.predict import predict
 from ..networks.build import select_device
 
-_DESCRIPTION = """Predict objects and depth: glassware predict CKPT IMAGE IMAGE ...
+_DESCRIPTION = """Find objects in pictures of your own, glass included: box, mask and pose of each, and depth.
 
-The images are two or more views of one scene; boxes, masks and depth are those of the first. The camera of a.png is in
-a.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder."""
+  glassware predict out-train/best.safetensors left.png right.png --out out-predict
+
+IMAGES are two or more views of one scene; what is predicted is that of the first. The camera of left.png is in
+left.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder. OUT gets prediction.json (the
+objects, with masks as run lengths), prediction.png (what was found, drawn), and depth.exr [m]."""
 
 
 class Predict(Model):
@@ -35,6 +38,10 @@ class Predict(Model):
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
     threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
+
+
+#: For the completion of shells.
+REQUEST = Predict
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -17,10 +17,14 @@ from ...dataset.settings.config import parse_request
 from ..training.run import train
 from ..training.settings import TrainSettings
 
-_DESCRIPTION = """Train a network on a data set: glassware train DATA --config FILE --out RUN
+_DESCRIPTION = """Train a network that finds glass in pictures: its boxes, masks, poses and depth.
 
-Settings come from the YAML file, overridden by the command line. A run that was stopped resumes with
---resume RUN/last.safetensors and gives the weights of an uninterrupted run."""
+  glassware train data --config network.yaml --out out-train
+  glassware train data --config network.yaml --out out-train --resume out-train/last.safetensors
+
+DATA is a data set of several scenes (build-dataset), split into train, val and test. OUT gets the last weights, those
+of the least validation loss (best.safetensors), and a log. Settings come from the YAML file, then from these options. A
+run that was stopped goes on with --resume and ends with the weights of a run without a stop."""
 
 
 class Train(TrainSettings):
@@ -30,6 +34,10 @@ class Train(TrainSettings):
     out: UserPath = Field(default=Path("out-train"), description="Output folder")
     resume: UserPath | None = Field(default=None, description="Checkpoint to resume from")
     config: UserPath | None = Field(default=None, description="YAML file of settings")
+
+
+#: For the completion of shells.
+REQUEST = Train
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -135,7 +135,7 @@ class SampleDataset(TorchDataset):
         return min(near for near, _ in limits), max(far for _, far in limits)
 
     def _can_be_reference(self, view: StoredView) -> bool:
-        return self._views.rule != "grid" or read_camera(view).grid_index <= LAST_REFERENCE
+        return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE
 
     def _view(self, view: StoredView, eye: Eye) -> CameraView:
         scaled = scaled_view(read_view(view, eye), self._views.size)
@@ -167,7 +167,7 @@ class SampleDataset(TorchDataset):
         cameras = self._cameras(scene)
         number = views.index(reference)
         if self._views.rule == "grid":
-            near = grid_neighbours(cameras[number].grid_index)
+            near = grid_neighbours(_grid_index(reference, cameras[number]))
             return [view for view, camera in zip(views, cameras, strict=True) if camera.grid_index in near]
         positions = np.stack([camera.world_T_camera[:3, 3] for camera in cameras])
         pool = max(self._views.pool, self._views.count - 1)
@@ -213,6 +213,13 @@ class Batch:
         moved = {name: value.to(device, non_blocking=True) for name, value in self.targets.items()}
         images, poses, K = (x.to(device, non_blocking=True) for x in (self.images, self.world_T_camera, self.K))
         return Batch(self.names, images, poses, K, moved, self.ground_truths)
+
+
+def _grid_index(view: StoredView, camera: CameraFile) -> int:
+    if camera.grid_index is None:
+        where = f"{view.folder}: views.rule"
+        raise InputError(where, "distance or stereo, as this camera stands off the 57-view grid", "grid")
+    return camera.grid_index
 
 
 def collate(samples: Sequence[Sample]) -> Batch:

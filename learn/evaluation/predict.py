@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import torch
 
+from ...annotate.masks import encode_mask
 from ...core.atomic_io import write_atomically
 from ...core.errors import InputError, cause_of
 from ...core.json_file import check_schema, json_text, parsed, read_json
@@ -30,6 +31,9 @@ from ..training.checkpoint import load_network
 from ..training.out_folder import make_out_folder
 from .score import check_finite, eval_mode
 
+#: What a network finds: it does not tell families of vessels apart, nor vessels from opaque props.
+CATEGORY = "object"
+
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
@@ -42,8 +46,8 @@ class Prediction:
 def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "cpu") -> Prediction:
     """Predict objects and depth of the first of several images of one scene, and write them.
 
-    ``prediction.png`` is the image with boxes and masks, beside its depth; ``prediction.json`` has the objects, and
-    ``depth.exr`` the depth as channel Z [m].
+    ``prediction.png`` is the image with boxes and masks, beside its depth; ``prediction.json`` has the objects,
+    with masks as run lengths, and ``depth.exr`` the depth as channel Z [m].
 
     Parameters
     ----------
@@ -152,13 +156,17 @@ def _write(found: Prediction, picture: np.ndarray, K: np.ndarray, images: Sequen
 
 
 def _object_records(found: Detections) -> list[dict[str, Any]]:
+    masks = [found.mask[index].cpu().numpy() for index in range(len(found))]
     return [
         {
+            "category": CATEGORY,
             "score": float(found.score[index]),
             "peak": found.peak[index].tolist(),
             "camera_T_object": found.camera_T_object[index].tolist(),
             "size": found.size[index].tolist(),
-            "pixels": int(found.mask[index].sum()),
+            "pixels": int(mask.sum()),
+            # As in labels.json; pycocotools.mask.decode takes it as it is.
+            "mask": {"size": list(mask.shape), "counts": encode_mask(mask)},
         }
-        for index in range(len(found))
+        for index, mask in enumerate(masks)
     ]

@@ -20,18 +20,33 @@ class Camera(Model):
 
     width: int = Field(ge=1, description="[px]")
     height: int = Field(ge=1, description="[px]")
-    focal: float = Field(gt=0.0, description="Focal length, both directions [px]")
+    focal: float = Field(gt=0.0, description="Focal length along x, and along y as well without `focal_y` [px]")
+    focal_y: float | None = Field(
+        default=None, gt=0.0, exclude_if=lambda y: y is None, description="Focal length along y where it differs [px]"
+    )
     centre: tuple[float, float] = Field(description="Principal point (cx, cy) [px]")
     world_T_camera: Matrix4 = Field(description="Pose of the left camera")
     baseline: float = Field(gt=0.0, description="Distance between the two cameras [m]")
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
-    grid_index: int = Field(ge=0, le=56, description="Position in the 57-view grid: 0 zenith, then 4 rings of 14")
+    grid_index: int | None = Field(
+        ge=0, le=56, description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; None off the grid"
+    )
+
+    @property
+    def fx(self) -> float:
+        """Focal length along x [px]."""
+        return self.focal
+
+    @property
+    def fy(self) -> float:
+        """Focal length along y [px]."""
+        return self.focal if self.focal_y is None else self.focal_y
 
     @property
     def K(self) -> np.ndarray:
         """Intrinsic matrix, (3, 3) float64 [px]."""
         cx, cy = self.centre
-        return np.array([[self.focal, 0.0, cx], [0.0, self.focal, cy], [0.0, 0.0, 1.0]])
+        return np.array([[self.fx, 0.0, cx], [0.0, self.fy, cy], [0.0, 0.0, 1.0]])
 
     @property
     def world_T_right(self) -> np.ndarray:

@@ -84,6 +84,9 @@ class OpaqueMaterial(Model):
     name: str = Field(description="Name, such as 'oak' or 'glazed ceramic'")
     base_colour: Texture
     repeats: float = Field(default=1.0, gt=0.0, description="Repeats of the texture per unit of texture coordinate")
+    repeats_v: float | None = Field(
+        default=None, gt=0.0, exclude_if=lambda v: v is None, description="Repeats along v where they differ"
+    )
     roughness: float = Field(
         ge=0.0, le=1.0, description="Principled roughness; GGX alpha is its square. With a map, a factor on it"
     )

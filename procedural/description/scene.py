@@ -6,8 +6,9 @@ in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
@@ -16,169 +17,30 @@ from ...core.arguments import check_type, number, point, whole_number
 from ...core.errors import InputError
 from ...core.html import convex_outline, html_table, svg_plan
 from ...core.images import id_colour
-from ...core.mesh import Mesh, joined, turned
-from ...core.model import Matrix4, MeshField, Model, Profile, Vector3
+from ...core.model import Model, Vector3
 from ...core.pose import look_at
 from ...core.setting_errors import suggest
 from ...core.user_text import counted
 from ..optics.catalogue import dyed, glass_named
+from ..optics.draw import liquid_named
 from ..optics.medium import AIR, Medium
+from .bodies import FIRST_OBJECT_ID as FIRST_OBJECT_ID
+from .bodies import TABLE_ID as TABLE_ID
+from .bodies import GlassBody, Prop, SceneObject, Vessel
+from .bodies import Interface as Interface
+from .bodies import Liquid as Liquid
+from .bodies import Origin as Origin
+from .bodies import PropPart as PropPart
+from .bodies import glass_solid as glass_solid
+from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
+from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
 from .picture import Picture
 from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"
-#: Instance ids: 0 is nothing, 1 the table, objects from 2 (a vessel and its liquid are one instance).
-TABLE_ID, FIRST_OBJECT_ID = 1, 2
-
-
-class Interface(Model):
-    """A surface between two media. Its normals point from `back` to `front`."""
-
-    part: Literal["outside", "wet_wall", "liquid_surface"] = Field(
-        description="air|glass, glass|liquid, liquid|air: the two media that it separates"
-    )
-    mesh: MeshField
-    front: Medium = Field(description="The medium that the normals point into")
-    back: Medium = Field(description="The medium behind")
-    roughness: float = Field(default=0.0, ge=0.0, le=1.0, description="GGX alpha; 0 is smooth")
-
-
-class Liquid(Model):
-    """What a vessel holds."""
-
-    medium: Medium
-    level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
-    centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
-    contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
-    contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
-    fill: float = Field(gt=0.0, le=1.0, description="Fraction of the vessel's brimful volume")
-    volume: float = Field(gt=0.0, description="Volume [m^3]")
-
-
-class GlassBody(Model):
-    """A transparent solid, with or without a liquid in it; the frame's origin is the centre of its bounding box."""
-
-    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
-    name: str = Field(description="Unique in the scene")
-    category: str = Field(description="Such as 'tumbler', 'bottle', 'prism'")
-    glass: Medium = Field(description="The medium that the body is made of")
-    roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
-    liquid: Liquid | None = None
-    interfaces: tuple[Interface, ...] = Field(
-        description="The surfaces that light meets, each once; normals of outside and wet_wall point out of the glass, "
-        "those of liquid_surface into the air"
-    )
-    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
-    symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
-    world_T_object: Matrix4
-
-    def __repr__(self) -> str:
-        """Return one line: id, name, media and size."""
-        media = self.glass.name + (f" with {self.liquid.medium.name}" if self.liquid else "")
-        return f"{type(self).__name__}({self.id} {self.name!r}: {self.category} of {media}, {_millimetres(self.size)})"
-
-    __str__ = __repr__
-
-    def with_media(
-        self, glass: Medium | None = None, liquid: Medium | None = None, roughness: float | None = None
-    ) -> Self:
-        """Return a copy with another glass, liquid or roughness (GGX alpha) in all its fields; shapes stay the same.
-
-        Also the liquid's surface keeps its shape, whatever the capillary constants of the new liquid.
-        """
-        glass = glass or self.glass
-        roughness = self.roughness if roughness is None else roughness
-        content = self.liquid
-        if liquid is not None:
-            if content is None:
-                raise InputError(f"{self.name}, liquid", "a body that holds one", "an empty one")
-            content = content.model_copy(update={"medium": liquid})
-        media = {"outside": (AIR, glass, roughness)}
-        if content is not None:
-            media |= {
-                "wet_wall": (content.medium, glass, roughness),
-                "liquid_surface": (AIR, content.medium, 0.0),
-            }
-        fields = ("front", "back", "roughness")
-        interfaces = tuple(
-            part.model_copy(update=dict(zip(fields, media[part.part], strict=True))) for part in self.interfaces
-        )
-        changes = {"glass": glass, "liquid": content, "roughness": roughness, "interfaces": interfaces}
-        return self.model_copy(update=changes)
-
-
-class Vessel(GlassBody):
-    """A glass solid of revolution about its z axis, which its wall's profile describes."""
-
-    wall: float = Field(gt=0.0, description="Smallest thickness of the glass, across the wall [m]")
-    outer: Profile = Field(description="Outside, from the axis at the base up to the rim's crown [m]")
-    inner: Profile = Field(description="Inside, from the axis at the floor up to the rim's crown [m]")
-    # Every vessel is one, so scene files do not say it.
-    symmetric: bool = Field(default=True, exclude=True)
-
-
-class PropPart(Model):
-    """Faces of a prop's mesh that have a material of their own."""
-
-    faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
-    material: OpaqueMaterial
-
-
-class Origin(Model):
-    """Where a mesh comes from."""
-
-    file: str = Field(description="The mesh file, below the folder that the user gave")
-    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
-    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
-    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
-    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
-    up: Literal["y", "z"] = Field(default="z", description="The file's axis that is z here; y is turned about x")
-
-
-class Prop(Model):
-    """An opaque object; the frame's origin is the centre of its bounding box."""
-
-    id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
-    name: str = Field(description="Unique in the scene")
-    category: str = Field(description="Shape, or the file that the mesh came from")
-    mesh: MeshField
-    material: OpaqueMaterial = Field(description="Of the whole mesh; of its part with most area where it has parts")
-    # Left out of files where there are none: scenes of one material stay what they were.
-    parts: tuple[PropPart, ...] = Field(
-        default=(), exclude_if=lambda parts: not parts, description="Parts with materials of their own, or none"
-    )
-    origin: Origin | None = Field(
-        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a file"
-    )
-    size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
-    symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
-    symmetries: tuple[Matrix4, ...] = Field(
-        default=(),
-        exclude_if=lambda symmetries: not symmetries,
-        description="Motions that leave it unchanged, as the mesh's collection states them, without the identity [m]; "
-        "where there are none they are found from the shape",
-    )
-    world_T_object: Matrix4
-
-    @property
-    def pieces(self) -> tuple[PropPart, ...]:
-        """The parts; where there are none, one of all faces."""
-        return self.parts or (PropPart(faces=len(self.mesh.faces), material=self.material),)
-
-    def __repr__(self) -> str:
-        """Return one line: id, name, material and size."""
-        what = f"{self.category} of {self.material.name}"
-        return f"Prop({self.id} {self.name!r}: {what}, {_millimetres(self.size)})"
-
-    __str__ = __repr__
-
-
-def _millimetres(size: Vector3) -> str:
-    """Return an extent as text, such as ``80x80x120 mm``."""
-    return "x".join(f"{1e3 * side:.0f}" for side in size) + " mm"
 
 
 def _kind_of_body(body: object) -> str:
@@ -213,6 +75,8 @@ class Scene(Model):
     def with_glass(self, name: str, glass: Medium | str, roughness: float | None = None) -> Scene:
         """Return a copy in which a vessel is of another glass.
 
+        Where the vessel's liquid wets the new glass at another angle, its surface follows.
+
         Parameters
         ----------
         name : str
@@ -231,7 +95,41 @@ class Scene(Model):
         if roughness is not None:
             roughness = number("roughness", roughness, 0.0, 1.0)
         medium = glass_named(glass) if isinstance(glass, str) else glass
-        return self._with_body(self._body(name).with_media(glass=medium, roughness=roughness))
+        body = self._body(name)
+        if isinstance(body, Vessel):
+            from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
+
+            return self._with_body(with_wall(body, medium, roughness))
+        return self._with_body(body.with_media(glass=medium, roughness=roughness))
+
+    def with_liquid(self, name: str, liquid: Medium | str | None, fill: float | str | None = None) -> Scene:
+        """Return a copy in which a vessel holds another liquid, or nothing.
+
+        The liquid's body, its capillary surface and the media of all interfaces follow.
+
+        Parameters
+        ----------
+        name : str
+            Name of the vessel.
+        liquid : Medium, str or None
+            A medium, or its name in the catalogue (`optics.catalogue.liquids`), such as ``"olive oil"``; None empties
+            the vessel.
+        fill : float or str, optional
+            Fraction of the brimful volume, or a volume such as ``"150ml"``; by default as much as the vessel holds, or
+            half of an empty one.
+
+        Raises
+        ------
+        InputError
+            Where there is no such vessel or liquid, the body has no inside, or the liquid does not fit in.
+        """
+        body = self._body(name)
+        if not isinstance(body, Vessel):
+            raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
+        check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
+        from .refill import refilled  # here, as it loads SciPy, and the settings import this module
+
+        return self._with_body(refilled(body, liquid_named(liquid) if isinstance(liquid, str) else liquid, fill))
 
     def with_dye(self, name: str, dye: str, concentration: float) -> Scene:
         """Return a copy in which a dye is dissolved in a vessel's liquid (`optics.catalogue.dyed`).
@@ -277,6 +175,60 @@ class Scene(Model):
         moved = self.cameras[view].model_copy(update={"world_T_camera": look_at(place, aim)})
         return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
 
+    def with_pose(self, name: str, world_T_object: np.ndarray) -> Scene:
+        """Return a copy in which a vessel or a prop is in another place.
+
+        Parameters
+        ----------
+        name : str
+            Name of the object.
+        world_T_object : (4, 4) float
+            Its pose: a rotation and a shift [m].
+
+        Raises
+        ------
+        InputError
+            Where there is no such object, the pose is not rigid, or the object would be in the table or in another one.
+        """
+        item = moved(self._object(name), world_T_object)
+        check_place(item, [other for other in self.objects if other.name != name])
+        return self._with_objects([item if other.name == name else other for other in self.objects])
+
+    def without(self, *names: str) -> Scene:
+        """Return a copy without some vessels or props; InputError where there are no such ones."""
+        gone = {self._object(name).name for name in names}
+        return self._with_objects([item for item in self.objects if item.name not in gone])
+
+    def add(self, *bodies: SceneObject) -> Scene:
+        """Return a copy with more bodies (`procedural.primitives.bodies` makes them).
+
+        A body whose id, or the names of whose meshes, another one has gets free ones.
+
+        Raises
+        ------
+        InputError
+            For what is no body, a name that another one has, or a body in the table or in another one.
+        """
+        objects = [*self.objects]
+        for body in bodies:
+            check_type("add", body, (GlassBody, Prop), "bodies: vessels, other glass bodies, or props")
+            check_place(body, objects)
+            objects.append(made_unique(body, objects))
+        return self._with_objects(objects)
+
+    def _object(self, name: str) -> SceneObject:
+        check_type("object", name, str, "the name of a vessel or a prop")
+        names = [item.name for item in self.objects]
+        if name not in names:
+            known = ", ".join(names) or "nothing, as the scene has no object"
+            raise InputError("object", f"one of {known}", repr(name) + suggest(name, names))
+        return self.objects[names.index(name)]
+
+    def _with_objects(self, objects: Sequence[SceneObject]) -> Scene:
+        kinds = {"vessels": GlassBody, "props": Prop}
+        chosen = {field: tuple(item for item in objects if isinstance(item, kind)) for field, kind in kinds.items()}
+        return self.model_copy(update=chosen)
+
     def _body(self, name: str) -> GlassBody:
         check_type("vessel", name, str, "the name of a vessel")
         names = [body.name for body in self.vessels]
@@ -312,30 +264,6 @@ class Scene(Model):
         rows = [(item.id, item.name, repr(item).partition(": ")[2].rstrip(")")) for item in self.objects]
         text = f"<p>{escape(repr(self))}</p>"
         return text + svg_plan(outlines) + html_table(("id", "name", "what"), rows)
-
-
-#: Everything with an instance id of its own.
-SceneObject = GlassBody | Prop
-
-
-def glass_solid(body: GlassBody) -> Mesh:
-    """Return the closed surface of the glass alone, object frame, normals out of the glass."""
-    parts = {interface.part: interface.mesh for interface in body.interfaces}
-    return joined([mesh for part, mesh in parts.items() if part != "liquid_surface"], f"{body.name}-glass")
-
-
-def liquid_solid(body: GlassBody) -> Mesh:
-    """Return the closed surface of the liquid's body, object frame, normals out of the liquid.
-
-    Raises
-    ------
-    ValueError
-        Where the body holds no liquid.
-    """
-    parts = {interface.part: interface.mesh for interface in body.interfaces}
-    if "wet_wall" not in parts:
-        raise ValueError(f"{body.name}: expected a liquid in it, found none")
-    return joined([turned(parts["wet_wall"]), parts["liquid_surface"]], f"{body.name}-liquid")
 
 
 def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:

@@ -28,7 +28,7 @@ from ..description.material import (
     Texture,
     UniformTexture,
 )
-from .picture_files import srgb_to_linear
+from .picture_files import read_picture, srgb_to_linear
 from .surface_files import MapFile, SurfaceFiles
 
 #: Darkest and brightest reflectance of a dielectric, linear: sRGB 30 and 240 (McDermott 2018).
@@ -162,10 +162,17 @@ def draw_material(rng: np.random.Generator, texture_files: Sequence[SurfaceFiles
     return _family_material(rng, PROP_FAMILIES[rng.integers(len(PROP_FAMILIES))])
 
 
-def draw_table_material(rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = ()) -> OpaqueMaterial:
-    """Draw the material of a table, with a picture if there are any; `repeats` are per metre."""
+def draw_table_material(
+    rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = (), side: float | None = None
+) -> OpaqueMaterial:
+    """Draw the material of a table, with a picture if there are any; `repeats` are per metre.
+
+    Where the width of one repeat of the picture is given [m], its height has the picture's shape, and no other draw
+    changes.
+    """
     if texture_files:
-        return _picture_material(rng, texture_files)
+        drawn = _picture_material(rng, texture_files, side)
+        return drawn if side is None else _of_width(drawn, side)
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
 
 
@@ -182,16 +189,19 @@ def whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
     return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})
 
 
-def _picture_material(rng: np.random.Generator, files: Sequence[SurfaceFiles]) -> OpaqueMaterial:
+def _picture_material(
+    rng: np.random.Generator, files: Sequence[SurfaceFiles], side: float | None = None
+) -> OpaqueMaterial:
     item = files[int(rng.integers(len(files)))]
     drawn, roughness = rng.uniform(*item.drawn_side), rng.uniform(*PICTURE_ROUGHNESS)
+    width = side or item.side or drawn
     material = OpaqueMaterial(
         name=f"material {item.base}" if item.maps else f"picture {item.colour.stem}",
         base_colour=PictureTexture(asset=asset(item.colour)),
-        repeats=1.0 / (item.side or drawn),
+        repeats=1.0 / width,
         roughness=roughness,
     )
-    return material.model_copy(update=_maps(item, item.side or drawn)) if item.maps else material
+    return material.model_copy(update=_maps(item, width)) if item.maps else material
 
 
 def _maps(item: SurfaceFiles, side: float) -> dict[str, object]:
@@ -210,6 +220,14 @@ def _maps(item: SurfaceFiles, side: float) -> dict[str, object]:
 
 def _channel(file: MapFile) -> ChannelMap:
     return ChannelMap(asset=asset(file.path), channel=file.channel, inverted=file.inverted)
+
+
+def _of_width(material: OpaqueMaterial, width: float) -> OpaqueMaterial:
+    """Return a picture's material whose repeats are that wide [m] and have the picture's shape."""
+    assert isinstance(material.base_colour, PictureTexture)
+    rows, columns = read_picture(material.base_colour.asset.path).shape[:2]
+    other = None if rows == columns else columns / (rows * width)
+    return material.model_copy(update={"repeats": 1.0 / width, "repeats_v": other})
 
 
 def _family_material(rng: np.random.Generator, family: Family) -> OpaqueMaterial:

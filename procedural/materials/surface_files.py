@@ -115,7 +115,10 @@ def surface_files(folder: Path) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding
 
 
 def usable_surfaces(
-    folder: Path | None, side: tuple[float, float] = PICTURE_SIDE, progress: Progress | None = None
+    folder: Path | None,
+    side: tuple[float, float] = PICTURE_SIDE,
+    progress: Progress | None = None,
+    setting: str = "texture_dir",
 ) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding, ...]]:
     """Return the surfaces in a folder whose pictures can all be read, and what was found about the other files.
 
@@ -127,6 +130,8 @@ def usable_surfaces(
         Range of the side of what the pictures show [m], where no file states it.
     progress : callable, optional
         Is told how far the check is.
+    setting : str
+        Name of the setting that names the folder.
 
     Raises
     ------
@@ -136,11 +141,12 @@ def usable_surfaces(
     if folder is None:
         return (), ()
     surfaces, lost = surface_files(folder)
+    lost = tuple(item.model_copy(update={"folder": setting}) for item in lost)
     good, findings = checked_files(
         surfaces,
         lambda item: item.colour,
         _check,
-        folder="texture_dir",
+        folder=setting,
         root=folder,
         content="pictures",
         version=_CHECK,

@@ -7,7 +7,6 @@ import struct
 from dataclasses import replace
 
 import numpy as np
-import trimesh
 
 from ...core.errors import InputError
 from .cutouts import cut
@@ -57,6 +56,8 @@ def _read_stl(source: Source) -> list[FilePart]:
     check_counts(source.path, count if binary else content.count(b"facet normal"))
     try:
         # From memory and without a resolver: no other file is opened here.
+        import trimesh  # here, as it takes half a second to load
+
         mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl", process=False)
         vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # the reader raises exceptions of many types for malformed files

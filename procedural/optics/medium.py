@@ -17,10 +17,16 @@ ETA_DIGITS = 6
 
 
 class Absorber(Model):
-    """One part of a medium's absorption: a spectrum of `spectra.SPECTRA` times a factor."""
+    """One part of a medium's absorption: a spectrum of `spectra.SPECTRA`, or one of its own, times a factor."""
 
-    spectrum: str = Field(description="Name of the spectrum in `spectra.SPECTRA`")
+    spectrum: str = Field(description="Name of the spectrum in `spectra.SPECTRA`; a label where it has samples")
     amount: float = Field(ge=0.0, description="Fraction of a substance [1], or concentration of a dye [kg/m^3]")
+    #: Left out of files where there are none, as those of earlier versions do.
+    samples: tuple[tuple[float, Annotated[float, Field(ge=0.0)]], ...] = Field(
+        default=(),
+        exclude_if=lambda samples: not samples,
+        description="A spectrum of its own: rising wavelength [nm] and absorption coefficient [1/m]",
+    )
 
 
 class Medium(Model):

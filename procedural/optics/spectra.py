@@ -105,6 +105,9 @@ def coefficient(spectrum: Sampled | Dye, wavelength_nm: ArrayLike) -> np.ndarray
 
 
 def _spectrum(absorber: Absorber) -> Sampled | Dye:
+    if absorber.samples:
+        wavelengths, values = zip(*absorber.samples, strict=True)
+        return Sampled(wavelengths=wavelengths, values=values, source=absorber.spectrum)
     if absorber.spectrum not in SPECTRA:
         raise InputError("absorber", f"one of {', '.join(SPECTRA)}", absorber.spectrum)
     return SPECTRA[absorber.spectrum]

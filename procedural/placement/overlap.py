@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 
 #: How deep two bodies may be in each other and still count as touching [m]: the coarsest meshes (0.2 mm of chord error
 #: each) and files of scanned objects that rest on each other are off by as much.
@@ -97,6 +96,8 @@ def _reaches_into(a: Solid, b: Solid) -> bool:
 
 def _inner_samples(body: Solid) -> np.ndarray:
     """Return the middles of the surface's triangles, moved inwards by the allowance."""
+    import trimesh  # here, as it takes half a second to load
+
     points, faces, *_ = trimesh.remesh.subdivide_to_size(body.points, body.faces, SAMPLE_EDGE, max_iter=12)
     a, b, c = np.moveaxis(points[faces], 1, 0)
     normals = np.cross(b - a, c - a)

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from pydantic import Field
-from scipy.spatial import ConvexHull
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.model import Model
+from ...core.units import Length
 
 #: Height of every object over the table [m]. Dry glass on wood is separated by roughness and dust: air, not optical
 #: contact, lies between them. A tenth of a millimetre is far above the renderer's ray offset (1e-6 m) and far below
@@ -25,20 +25,22 @@ _RESTARTS = 20
 class PlacementSettings(Model):
     """How objects are distributed over the table."""
 
-    radius: float = Field(
+    radius: Length = Field(
         default=0.16,
         gt=0.0,
         le=2.0,
         description="Objects are centred in a disc of this radius [m]; it grows if they do not fit",
     )
-    gap: float = Field(
+    gap: Length = Field(
         default=0.005, ge=0.001, le=0.2, description="Smallest distance between two objects, seen from above [m]"
     )
-    edge: float = Field(default=0.03, ge=0.0, le=0.5, description="Smallest distance to the edge of the table [m]")
+    edge: Length = Field(default=0.03, ge=0.0, le=0.5, description="Smallest distance to the edge of the table [m]")
 
 
 def footprint(mesh: Mesh, pose: np.ndarray) -> np.ndarray:
     """Return the convex outline seen from above, (k, 2) float64, counter-clockwise [m]."""
+    from scipy.spatial import ConvexHull  # here, as it takes a third of a second to load
+
     points = mesh.vertices.astype(np.float64) @ pose[:2, :3].T + pose[:2, 3]
     return points[ConvexHull(points).vertices]
 

@@ -13,8 +13,8 @@ from ...core.mesh import Mesh, check_closed
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Interface, Vessel
 from ..optics.medium import AIR, Medium
 from ..placement.placement import CONTACT_GAP
+from ..profiles.liquid import brimful_volume
 from ..vessels.build import Filling, build_vessel, vessel_shape
-from ..vessels.liquid import brimful_volume
 from ..vessels.outline import Outline, linear
 from ..vessels.wall import WallShape, glass_section
 

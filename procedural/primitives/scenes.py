@@ -59,10 +59,10 @@ def camera(
     *,
     width: int = 640,
     height: int = 480,
-    focal: float | None = None,
+    focal: float | tuple[float, float] | None = None,
     baseline: float = BASELINE,
     exposure: float = 1.0,
-    grid_index: int = 0,
+    grid_index: int | None = 0,
     roll: float = 0.0,
 ) -> Camera:
     """Return a stereo camera whose left eye looks at a point, +z up in the picture.
@@ -73,14 +73,15 @@ def camera(
         World frame [m].
     width, height : int
         Of the picture [px].
-    focal : float, optional
-        Focal length [px]; by default the picture's width, a horizontal field of view of 53 degrees.
+    focal : float or (float, float), optional
+        Focal length, or those along x and y [px]; by default the picture's width, a horizontal field of view of 53
+        degrees.
     baseline : float
         Distance of the two eyes [m].
     exposure : float
         Factor from radiance to the linear value that sRGB encodes.
-    grid_index : int
-        Number of the view.
+    grid_index : int, optional
+        Place in the grid of 57 views; None off it.
     roll : float
         Turn about the optical axis, clockwise as the camera sees it [rad].
 
@@ -95,10 +96,13 @@ def camera(
     width, height = (
         whole_number(f"camera, {name}", side, 1, LONGEST_SIDE) for name, side in (("width", width), ("height", height))
     )
+    focal = float(width) if focal is None else focal
+    fx, fy = focal if isinstance(focal, tuple) else (focal, focal)
     return Camera(
         width=width,
         height=height,
-        focal=float(width) if focal is None else focal,
+        focal=fx,
+        focal_y=None if fy == fx else fy,
         centre=((width - 1) / 2, (height - 1) / 2),
         world_T_camera=look_at(place, aim, roll),
         baseline=baseline,

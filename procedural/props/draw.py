@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ...core.model import Model
+from ...core.units import Length
 from ..description.scene import GlassBody, Prop
 from ..materials.draw import draw_material, whole_repeats
 from ..materials.surface_files import SurfaceFiles
@@ -21,8 +22,8 @@ from .shapes import draw_shape
 class PropSettings(Model):
     """How opaque props are drawn."""
 
-    smallest: float = Field(default=0.05, ge=0.03, le=0.3, description="Least longest side of a drawn shape [m]")
-    largest: float = Field(default=0.16, ge=0.03, le=0.3, description="Greatest longest side of a drawn shape [m]")
+    smallest: Length = Field(default=0.05, ge=0.03, le=0.3, description="Least longest side of a drawn shape [m]")
+    largest: Length = Field(default=0.16, ge=0.03, le=0.3, description="Greatest longest side of a drawn shape [m]")
     file_share: float = Field(
         default=0.6, ge=0.0, le=1.0, description="Probability that a prop comes from the mesh folder, if one is given"
     )

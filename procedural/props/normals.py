@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 
 #: Faces that meet at a larger angle keep an edge between them [rad]. 40 degrees lies between the 30 degrees of a
 #: coarse (12-sided) cylinder and the 45 degrees of a bevel.
@@ -34,6 +33,8 @@ def creased(
     (k, 3) float, (m, 3) int, (k, 3) float, (k, 2) float or None
         Vertices, faces in the same order, unit normals, texture coordinates.
     """
+    import trimesh  # here, as it takes half a second to load
+
     welded, position = np.unique(vertices, axis=0, return_inverse=True)
     position = position.reshape(-1)[faces]
     cross = np.cross(welded[position[:, 1]] - welded[position[:, 0]], welded[position[:, 2]] - welded[position[:, 0]])

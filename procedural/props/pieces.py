@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
@@ -95,6 +93,9 @@ def sewn(parts: Sequence[FilePart]) -> list[FilePart]:
     """
     vertices = np.concatenate([part.vertices for part in parts])
     reach = _SEAM * float(np.ptp(vertices, axis=0).max())
+    import trimesh  # here, as they take half a second to load
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
     label = trimesh.graph.connected_component_labels(pairs, node_count=len(vertices))
     _, first = np.unique(label, return_index=True)

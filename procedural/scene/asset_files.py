@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
 from ...core.passed_over import Finding, Progress, check_strict
 from ..materials.surface_files import SurfaceFiles, usable_surfaces
+from ..optics.draw import NO_MEDIA
+from ..optics.medium import Medium
 from ..props.mesh_files import MeshFile, usable_meshes
+from ..surroundings.camera_poses import poses_of
 from ..surroundings.hdri import usable_hdris
+from ..surroundings.pose_files import FilePose
 from ..surroundings.shipped_light import shipped_maps
+from ..vessels.media import own_media
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -20,11 +25,14 @@ F = TypeVar("F")
 
 @dataclass(frozen=True)
 class AssetFiles:
-    """The files in the folders of the settings; none for a folder that is None."""
+    """The files in the folders of the settings, none for a folder that is None; and own media by name."""
 
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[SurfaceFiles, ...] = ()
+    table_textures: tuple[SurfaceFiles, ...] = ()  #: those of the props, unless the table has a folder of its own
+    poses: tuple[FilePose, ...] = ()
+    media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
     shipped: tuple[Path, ...] = ()  #: environment maps of the package
     findings: tuple[Finding, ...] = ()  #: what was passed over, and remarks
 
@@ -46,11 +54,24 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     """
     environments, of_light = usable_hdris(settings.environment.hdri_dir, progress)
     meshes, of_meshes = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
-    textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_side, progress)
-    findings = (*of_light, *of_meshes, *of_textures)
+    textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_size, progress)
+    tables, of_tables = textures, ()
+    if settings.table.texture_dir is not None:
+        name = "table.texture_dir"
+        tables, of_tables = usable_surfaces(settings.table.texture_dir, settings.texture_size, progress, name)
+    findings = (*of_light, *of_meshes, *of_textures, *of_tables)
     if settings.strict:
         check_strict(findings)
-    return AssetFiles(environments, meshes, textures, shipped_maps(), findings)
+    return AssetFiles(
+        environments=environments,
+        meshes=meshes,
+        textures=textures,
+        table_textures=tables,
+        poses=poses_of(settings.cameras),
+        media=own_media(settings.vessels),
+        shipped=shipped_maps(),
+        findings=findings,
+    )
 
 
 def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Split) -> AssetFiles:
@@ -60,10 +81,11 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         return files_of(settings.splits, seed, split, some, name)
 
     hdri = settings.environment.hdri_dir
-    return AssetFiles(
+    return replace(
+        files,
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda item: item.name),
+        table_textures=kept(files.table_textures, lambda item: item.name),
         shipped=kept(files.shipped, lambda path: path.name),
-        findings=files.findings,
     )

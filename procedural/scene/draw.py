@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel, glass_solid
-from ..optics.draw import draw_liquid
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel
+from ..optics.medium import Medium
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
@@ -18,11 +19,12 @@ from ..surroundings.metering import exposure, irradiance
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
-from ..vessels.families import draw_size
+from ..vessels.media import draw_media
 from ..vessels.settings import VesselSettings
-from ..vessels.wall_materials import draw_wall_material
+from ..vessels.sizes import draw_size
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
+from .solids import body_mesh, workspace
 from .splits import families_of, split_of
 
 
@@ -51,21 +53,22 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     vessel_count = int(counts.integers(settings.vessel_count[0], settings.vessel_count[1] + 1))
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
-    vessels = _vessels(settings.vessels.model_copy(update={"categories": families}), seed, scene_id, vessel_count)
+    kinds = settings.vessels.model_copy(update={"categories": families})
+    vessels = _vessels(kinds, seed, scene_id, vessel_count, files.media)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.textures)
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
 
-    centre, radius = _workspace(objects)
+    space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
     environment = with_shipped_light(
         stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
     )
     pixels = bake_environment(environment)
-    far = reach(settings.cameras, centre, radius)
+    far = reach(settings.cameras, space, files.poses)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
     exposed = exposure(irradiance(pixels, environment.strength, lights))
-    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, centre, radius, exposed)
+    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, space, exposed, files.poses)
     return Scene(
         seed=seed,
         scene_id=scene_id,
@@ -79,13 +82,12 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int) -> list[Vessel]:
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, own: Mapping[str, Medium]) -> list[Vessel]:
     vessels = []
     for i in range(count):
         # The family is the first that a vessel's stream gives; the wall's material follows it.
         category, *_ = draw_size(stream(seed, scene_id, f"vessels/{i}"), settings)
-        media = stream(seed, scene_id, f"media/{i}")
-        glass, liquid = draw_wall_material(media, category), draw_liquid(media)
+        glass, liquid = draw_media(stream(seed, scene_id, f"media/{i}"), settings, category, own)
         rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
         vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
     return vessels
@@ -112,7 +114,7 @@ def _placed(
 ) -> list[SceneObject]:
     """Return the objects in their places: vessels upright, props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(_body(item), pose) for item, pose in zip(objects, poses, strict=True)]
+    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
     shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     placed = []
     for item, pose, shift in zip(objects, poses, shifts, strict=True):
@@ -124,19 +126,5 @@ def _placed(
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
     if not isinstance(item, Vessel):
-        return resting_pose(_body(item), rng)
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), _body(item))
-
-
-def _body(item: SceneObject) -> Mesh:
-    return item.mesh if isinstance(item, Prop) else glass_solid(item)
-
-
-def _workspace(objects: list[SceneObject]) -> tuple[np.ndarray, float]:
-    """Return centre (3,) and radius [m] of a ball around all objects, or around the middle of an empty table."""
-    if not objects:
-        return np.zeros(3), 0.1
-    clouds = [_body(item).vertices @ item.world_T_object[:3, :3].T + item.world_T_object[:3, 3] for item in objects]
-    points = np.concatenate(clouds)
-    centre = 0.5 * (points.min(0) + points.max(0))
-    return centre, float(np.linalg.norm(points - centre, axis=1).max())
+        return resting_pose(body_mesh(item), rng)
+    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

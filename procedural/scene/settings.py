@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
+from ...core.units import Length
 from ...core.user_text import UserPath
 from ..description.picture import Picture
 from ..materials.surface_files import PICTURE_SIDE
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
-from ..surroundings.settings import CameraSettings, EnvironmentSettings, LightSettings
+from ..surroundings.camera_settings import CameraSettings
+from ..surroundings.settings import EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
 from ..vessels.settings import VesselSettings
+from ..vessels.sizes import check_volumes
 from .splits import SplitSettings
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]
-_Side = Annotated[float, Field(ge=0.01, le=100.0)]
+_Side = Annotated[Length, Field(ge=0.01, le=100.0)]
 _Props = Annotated[int, Field(ge=0, le=24)]
 
 
@@ -33,11 +36,13 @@ class SceneSettings(Model):
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
     texture_dir: UserPath | None = Field(
-        default=None, description="Folder of pictures and materials with maps for the table and plain props"
+        default=None,
+        description="Folder of pictures and of materials with maps for plain props, and for the table without "
+        "`table.texture_dir`",
     )
-    texture_side: Annotated[tuple[_Side, _Side], Ordered] = Field(
+    texture_size: Annotated[tuple[_Side, _Side], Ordered] = Field(
         default=PICTURE_SIDE,
-        description="Range of the side of what a picture or material shows [m], where no file beside it states it; "
+        description="Range of the width of what a picture or a material shows [m], where no file beside it states it; "
         "the same number twice states it",
     )
     strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
@@ -50,3 +55,8 @@ class SceneSettings(Model):
     placement: PlacementSettings = PlacementSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
+
+    @model_validator(mode="after")
+    def _volumes_fit(self) -> SceneSettings:
+        check_volumes(self.vessels)
+        return self

@@ -9,21 +9,25 @@ import numpy as np
 
 from ...core.arguments import check_type
 from ...core.errors import InputError
-from ...core.mesh import Mesh, check_closed, joined, volume_of
+from ...core.mesh import Mesh, check_closed, volume_of
+from ...core.pose import check_rigid
 from ..description.camera import LONGEST_SIDE, Camera
+from ..description.edits import check_above_table, check_apart, in_world, solid_of
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
+    Liquid,
     Prop,
     Scene,
-    SceneObject,
     Vessel,
     glass_solid,
     liquid_solid,
 )
 from ..optics.medium import AIR
-from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
+from ..placement.overlap import Solid, contains
+from ..profiles.liquid import brimful_volume, level_of_volume
 from .fields import check_fields
+from .solids import body_mesh
 from .validate_light import check_lamp, check_sun
 
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
@@ -31,9 +35,6 @@ from .validate_light import check_lamp, check_sun
 VOLUME_TOLERANCE = 0.01
 #: Largest instance id: `instances.png` holds 16 bits a pixel.
 LARGEST_ID = (1 << 16) - 1
-#: Largest error of a rotation's entries, and of its rows' products [1]. Poses typed with seven digits pass; the error
-#: moves a point one metre away by a micrometre.
-RIGID_TOLERANCE = 1e-6
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
@@ -75,8 +76,7 @@ def check_scene(scene: Scene) -> None:
             _check_profiles(item)
         if isinstance(item, Prop):
             _check_pieces(item)
-        mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
-        _check_size(f"{item.name}, size", mesh, np.array(item.size))
+        _check_size(f"{item.name}, size", body_mesh(item), np.array(item.size))
     for number, camera in enumerate(scene.cameras):
         _check_camera(f"camera {number}", camera)
     for body in scene.vessels:
@@ -85,20 +85,6 @@ def check_scene(scene: Scene) -> None:
         _check_liquid(body)
     check_sun(scene)
     _check_places(scene)
-
-
-def check_rigid(where: str, matrix: np.ndarray) -> None:
-    """Refuse a (4, 4) matrix that is not a rotation and a shift; InputError says how it fails."""
-    expected = "a rigid pose"
-    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > 0.0:
-        raise InputError(where, f"{expected}, last row 0 0 0 1", matrix[3].tolist())
-    rotation = matrix[:3, :3]
-    error = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
-    # Written so that NaN is refused as well.
-    if not error <= RIGID_TOLERANCE:
-        raise InputError(where, f"{expected}, axes at right angles and of length 1", f"them off by {error:.3g}")
-    if np.linalg.det(rotation) < 0.0:
-        raise InputError(where, f"{expected}, right-handed", "a mirrored one")
 
 
 def _check_identities(scene: Scene) -> None:
@@ -213,18 +199,36 @@ def _check_liquid(body: GlassBody) -> None:
     stated, volume = body.liquid.volume, volume_of(liquid_solid(body))
     if not abs(stated - volume) <= VOLUME_TOLERANCE * volume:
         raise InputError(f"{body.name}, liquid, volume", f"that of its body, {volume:.4g} m^3", f"{stated:.4g} m^3")
+    _check_heights(body, body.liquid, surface.mesh)
+
+
+def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
+    """Refuse a record of a liquid that differs from its surface, or from what the vessel's profile holds."""
+    radii = np.hypot(*surface.vertices[:, :2].T)
+    stated = {"contact": liquid.contact, "centre": liquid.centre}
+    found = {"contact": surface.vertices[radii.argmax(), 2], "centre": surface.vertices[radii.argmin(), 2]}
+    if isinstance(body, Vessel):
+        inner = np.array(body.inner)
+        stated |= {"level": liquid.level}
+        found |= {"level": level_of_volume(inner, liquid.volume)}
+        fill = liquid.volume / brimful_volume(inner)
+        if not abs(liquid.fill - fill) <= VOLUME_TOLERANCE:
+            raise InputError(f"{body.name}, liquid, fill", f"that of its volume, {fill:.3f}", f"{liquid.fill:.3f}")
+    elif not body.symmetric:
+        return
+    for field, height in found.items():
+        if not abs(stated[field] - height) <= SIZE_TOLERANCE:
+            expected = f"that of its surface, {height:.4f} m"
+            raise InputError(f"{body.name}, liquid, {field}", expected, f"{stated[field]:.4f} m")
 
 
 def _check_places(scene: Scene) -> None:
-    solids = {item.name: _solid(item) for item in scene.objects}
+    solids = {item.name: solid_of(item) for item in scene.objects}
     for name, solid in solids.items():
-        lowest = float(solid.points[:, 2].min())
-        if lowest < -ALLOWANCE:
-            raise InputError(name, "an object above the table's top (z = 0)", f"{-1e3 * lowest:.1f} mm below it")
+        check_above_table(name, solid)
     for (name, solid), (other, another) in combinations(solids.items(), 2):
-        if overlap(solid, another):
-            raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
-    solids |= {"the table": _world(scene.table.mesh, np.eye(4))}
+        check_apart(name, solid, other, another)
+    solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):
         check_lamp(scene, number, solids)
@@ -234,23 +238,9 @@ def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:
     """Refuse a camera of which an eye is inside an object: light paths begin in air."""
     poses = [pose for camera in scene.cameras for pose in (camera.world_T_camera, camera.world_T_right)]
     eyes = np.array([pose[:3, 3] for pose in poses])
-    for name, solid in solids.items():
-        near = ((eyes >= solid.points.min(0)) & (eyes <= solid.points.max(0))).all(1).nonzero()[0]
-        for index in near[contains(solid, eyes[near])] if len(near) else near:
+    for name, body in solids.items():
+        near = ((eyes >= body.points.min(0)) & (eyes <= body.points.max(0))).all(1).nonzero()[0]
+        for index in near[contains(body, eyes[near])] if len(near) else near:
             view, eye = divmod(int(index), 2)
             where = f"camera {view}, {('left', 'right')[eye]} eye"
             raise InputError(where, "a place in the air", f"({', '.join(f'{x:.3f}' for x in eyes[index])}), in {name}")
-
-
-def _solid(item: SceneObject) -> Solid:
-    """Return the body as others meet it: glass with its liquid, or a prop."""
-    if isinstance(item, Prop):
-        mesh = item.mesh
-    else:
-        outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
-        mesh = joined(outer, f"{item.name}-body")
-    return _world(mesh, item.world_T_object)
-
-
-def _world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
-    return Solid(mesh.vertices.astype(np.float64) @ world_T_mesh[:3, :3].T + world_T_mesh[:3, 3], mesh.faces)

@@ -1,4 +1,4 @@
-"""The paper's grid of stereo cameras on the upper half sphere.
+"""The stereo cameras of a scene: on the paper's grid, in ranges (`camera_ranges`), or at poses from a file.
 
 Syn-TODD has 57 views: the zenith and 4 rings of 14 azimuths (Wang et al., "MVTrans", 2023). The elevations of the
 rings are not published; the lowest is called parallel to the table. Here the rings follow in equal steps from the
@@ -9,32 +9,40 @@ the table's edge, and the camera stays above it. Rings are aligned in azimuth, a
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.pose import look_at
 from ..description.camera import Camera
-from .settings import CameraSettings
+from .camera_ranges import (
+    Workspace,
+    aimed_camera,
+    directions,
+    draw_in_ranges,
+    farthest_distance,
+    lowest_elevation,
+    shortest_distance,
+)
+from .camera_settings import GRID_VIEWS, CameraSettings
+from .pose_files import FilePose, read_poses
 
 RINGS, RING_VIEWS = 4, 14
-GRID_VIEWS = 1 + RINGS * RING_VIEWS
-#: Picture width that `CameraSettings.focal` is given for [px].
-FOCAL_WIDTH = 640
+assert GRID_VIEWS == 1 + RINGS * RING_VIEWS
 
 
 def draw_cameras(
     rng: np.random.Generator,
     settings: CameraSettings,
-    workspace_centre: np.ndarray,
-    workspace_radius: float,
+    workspace: Workspace,
     exposure: float,
+    poses: Sequence[FilePose] = (),
 ) -> tuple[Camera, ...]:
     """Draw the stereo views of a scene.
 
-    All views of a scene have one distance, drawn so that the workspace sphere lies inside every picture, left and
-    right. With 57 views they come in the grid's order; fewer come in the order of `spread_order`, so that the first
-    five of ten are the five of five.
+    On the grid all views of a scene have one distance, drawn so that the workspace sphere lies inside every picture,
+    left and right. With 57 views they come in the grid's order; fewer come in the order of `spread_order`, so that the
+    first five of ten are the five of five.
 
     Parameters
     ----------
@@ -42,12 +50,12 @@ def draw_cameras(
         Source of all draws; their number does not depend on the number of views.
     settings : CameraSettings
         Ranges of the draws.
-    workspace_centre : (3,) float
-        Centre of the objects' bounding sphere, world frame [m].
-    workspace_radius : float
-        Its radius [m].
+    workspace : Workspace
+        What the cameras look at.
     exposure : float
         Factor from radiance to the linear value that sRGB encodes.
+    poses : sequence of FilePose
+        Those of ``settings.poses``; each scene takes ``settings.views`` of them at random, all in their order.
 
     Returns
     -------
@@ -57,32 +65,78 @@ def draw_cameras(
     Raises
     ------
     InputError
-        If ``min_height`` is out of reach at the drawn distance.
+        If ``min_height`` is out of reach at the drawn distance, no camera in the ranges has an object in its pictures,
+        or a pose of the file is inside a body.
     """
-    distance = rng.uniform(*settings.slack) * _fit_distance(settings, workspace_radius)
+    if settings.poses is not None:
+        return _at_poses(rng, settings, workspace, exposure, poses)
+    if settings.in_ranges:
+        return draw_in_ranges(rng, settings, workspace, exposure)
+    distance = rng.uniform(*settings.slack) * shortest_distance(settings, workspace.radius)
     order = spread_order(settings, int(rng.integers(GRID_VIEWS)))
     jitter = rng.uniform(-1.0, 1.0, size=(GRID_VIEWS, 6))
+    look = rng.random((GRID_VIEWS, 2))
     chosen = range(GRID_VIEWS) if settings.views == GRID_VIEWS else order[: settings.views]
     return tuple(
-        _camera(settings, index, jitter[index], np.asarray(workspace_centre, float), distance, exposure)
+        _on_grid(settings, index, jitter[index], look[index], workspace.centre, distance, exposure)
         for index in map(int, chosen)
     )
 
 
-def reach(settings: CameraSettings, workspace_centre: np.ndarray, workspace_radius: float) -> float:
+def reach(settings: CameraSettings, workspace: Workspace, poses: Sequence[FilePose] = ()) -> float:
     """Return an upper bound of the distance of all cameras, left and right, from the world's origin [m].
 
     It holds for every draw with these settings, so lights can be placed before the cameras are.
     """
-    distance = settings.slack[1] * _fit_distance(settings, workspace_radius)
-    target = float(np.linalg.norm(workspace_centre)) + math.sqrt(3.0) * settings.target_jitter
+    if settings.poses is not None:
+        return max(float(np.linalg.norm(pose.world_T_camera[:3, 3])) for pose in poses) + settings.baseline
+    distance = farthest_distance(settings, workspace.radius)
+    target = float(np.linalg.norm(workspace.centre)) + math.sqrt(3.0) * settings.target_jitter
     return target + math.hypot(distance, settings.baseline)
+
+
+def poses_of(settings: CameraSettings) -> tuple[FilePose, ...]:
+    """Return the poses of the settings' file, at least as many as views; none without a file.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be used (`pose_files.read_poses`), or has fewer poses than there are to be views.
+    """
+    if settings.poses is None:
+        return ()
+    poses = read_poses(settings.poses, settings.world_T_poses)
+    if settings.views > len(poses):
+        raise InputError("cameras.views", f"at most {len(poses)}, the poses in {settings.poses}", settings.views)
+    return poses
+
+
+def _at_poses(
+    rng: np.random.Generator,
+    settings: CameraSettings,
+    workspace: Workspace,
+    exposure: float,
+    poses: Sequence[FilePose],
+) -> tuple[Camera, ...]:
+    order = rng.permutation(len(poses))[: settings.views] if settings.views < len(poses) else range(len(poses))
+    lens, cameras = settings.intrinsics(), []
+    for pose in (poses[index] for index in map(int, order)):
+        camera = lens.camera(pose.world_T_camera, settings.baseline, exposure)
+        blocked = workspace.blocked(camera)
+        if blocked is not None:
+            raise InputError(pose.where, f"a place in the air, such as z above {blocked.top:.3f} m", blocked.found)
+        cameras.append(camera)
+    if not any(workspace.shown(camera) for camera in cameras):
+        where = f"{settings.poses} (cameras.poses)"
+        expected = "poses with an object in the picture (world_T_camera, OpenCV axes, metres from the table's middle)"
+        raise InputError(where, expected, f"none of {len(cameras)}")
+    return tuple(cameras)
 
 
 def grid_directions(lowest_elevation: float) -> np.ndarray:
     """Return the directions from the target to the 57 eyes, (57, 3) float64, zenith first, then ring by ring."""
     elevation, azimuth = _grid_angles(lowest_elevation)
-    return _directions(elevation, azimuth)
+    return directions(elevation, azimuth)
 
 
 def spread_order(settings: CameraSettings, start: int) -> np.ndarray:
@@ -101,37 +155,11 @@ def spread_order(settings: CameraSettings, start: int) -> np.ndarray:
     return np.array(order)
 
 
-def fit_distance(width: int, height: int, focal: float, baseline: float, radius: float) -> float:
-    """Return the shortest distance at which a sphere lies inside both pictures of a stereo pair.
-
-    The left camera looks at the sphere's centre. The sphere is inside where its centre is at least ``radius`` away
-    from each side plane of the view. For the left camera this is d sin(a) >= r with the half angles a of view; the
-    right camera sees the centre ``baseline`` to the left of its axis: d sin(a) - b cos(a) >= r.
-
-    Parameters
-    ----------
-    width, height : int
-        Size of the picture [px]; the principal point is its middle.
-    focal : float
-        Focal length [px].
-    baseline : float
-        Distance between the cameras [m].
-    radius : float
-        Radius of the sphere [m].
-
-    Returns
-    -------
-    float
-        Distance from the left eye to the sphere's centre [m].
-    """
-    across, up = math.atan(0.5 * width / focal), math.atan(0.5 * height / focal)
-    return max((radius + baseline * math.cos(across)) / math.sin(across), radius / math.sin(up))
-
-
-def _camera(
+def _on_grid(
     settings: CameraSettings,
     index: int,
     jitter: np.ndarray,
+    look: np.ndarray,
     centre: np.ndarray,
     distance: float,
     exposure: float,
@@ -139,39 +167,13 @@ def _camera(
     elevations, azimuths = _grid_angles(settings.lowest_elevation)
     target = centre + jitter[:3] * settings.target_jitter
     elevation = elevations[index] + jitter[3] * settings.angle_jitter
-    elevation = max(elevation, _lowest(settings, target[2], distance))
-    azimuth = azimuths[index] + jitter[4] * settings.angle_jitter
-    eye = target + distance * _directions(elevation, azimuth)
-    return Camera(
-        width=settings.width,
-        height=settings.height,
-        focal=_focal(settings),
-        centre=((settings.width - 1) / 2, (settings.height - 1) / 2),
-        world_T_camera=look_at(eye, target, jitter[5] * settings.roll),
-        baseline=settings.baseline,
-        exposure=exposure,
-        grid_index=index,
-    )
-
-
-def _lowest(settings: CameraSettings, target_height: float, distance: float) -> float:
-    """Return the lowest elevation that keeps the eye `min_height` over the table [rad]."""
-    sine = (settings.min_height - target_height) / distance
-    if sine > 1.0:
-        highest = target_height + distance
+    lowest = lowest_elevation(settings, target[2], distance)
+    if lowest is None:
+        highest = target[2] + distance
         raise InputError("cameras.min_height", f"at most {highest:.3f} m at this distance", settings.min_height)
-    return math.asin(max(sine, -1.0))
-
-
-def _fit_distance(settings: CameraSettings, radius: float) -> float:
-    # A sphere around a jittered target that contains the workspace: larger by the diagonal of the jitter.
-    radius = radius + math.sqrt(3.0) * settings.target_jitter
-    fit = fit_distance(settings.width, settings.height, _focal(settings), settings.baseline, radius)
-    return max(fit, settings.min_distance)
-
-
-def _focal(settings: CameraSettings) -> float:
-    return settings.focal * settings.width / FOCAL_WIDTH
+    azimuth = azimuths[index] + jitter[4] * settings.angle_jitter
+    eye = target + distance * directions(max(elevation, lowest), azimuth)
+    return aimed_camera(settings, eye, target, jitter[5] * settings.roll, look, exposure, index)
 
 
 def _grid_angles(lowest_elevation: float) -> tuple[np.ndarray, np.ndarray]:
@@ -179,8 +181,3 @@ def _grid_angles(lowest_elevation: float) -> tuple[np.ndarray, np.ndarray]:
     turns = 2.0 * math.pi * np.arange(RING_VIEWS) / RING_VIEWS
     elevation = np.concatenate([[math.pi / 2], np.repeat(rings, RING_VIEWS)])
     return elevation, np.concatenate([[0.0], np.tile(turns, RINGS)])
-
-
-def _directions(elevation: np.ndarray | float, azimuth: np.ndarray | float) -> np.ndarray:
-    flat = np.cos(elevation)
-    return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=-1)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from scipy.ndimage import maximum_filter
 
 from ...core.assets import Asset, checked_path
 from ...core.errors import InputError
@@ -158,6 +157,8 @@ def _limit_dark(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
     """Replace values below zero, in place; shallow dips beside brighter pixels need no remark."""
     if pixels.min() >= 0.0:
         return
+    from scipy.ndimage import maximum_filter  # here, as it takes a third of a second to load
+
     side = 2 * _DIP_RANGE + 1
     excess = pixels + _DIP * np.maximum(maximum_filter(pixels, size=(side, side, 1), mode="nearest"), 0.0)
     deep = int(np.count_nonzero((excess < 0.0).any(axis=2)))

@@ -1,4 +1,4 @@
-"""Settings of the environment, the area lights and the cameras."""
+"""Settings of the environment and the area lights."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...core.model import Model, Ordered, Unit
+from ...core.units import ANGLE, Angle, Length
 from ...core.user_text import UserPath
 from .sun import LARGEST_SUN, SMALLEST_SUN, SUN_RADIUS
 
-# Ranges of uniform draws: smallest and largest value, with the limits of both.
-_Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2)]
-# Ten times as far away, the objects are a hundredth of the picture.
-_Factor = Annotated[float, Field(ge=1.0, le=10.0)]
+# A range of a uniform draw: smallest and largest value, with the limits of both.
+_Elevation = Annotated[float, Field(ge=0.1, le=math.pi / 2), ANGLE]
 ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
-FactorRange = Annotated[tuple[_Factor, _Factor], Ordered]
 
 
 #: Kinds of lamps that are drawn (`lamps.LAMPS`).
@@ -44,7 +42,7 @@ class EnvironmentSettings(Model):
     room_share: Unit = Field(
         default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"
     )
-    sun_radius: float = Field(
+    sun_radius: Angle = Field(
         default=SUN_RADIUS,
         ge=SMALLEST_SUN,
         le=LARGEST_SUN,
@@ -72,55 +70,15 @@ class LightSettings(Model):
         default=(math.radians(25.0), math.radians(80.0)),
         description="Range of the elevation seen from the table's centre [rad], 0.1 to pi/2",
     )
-    margin: float = Field(
+    margin: Length = Field(
         default=0.1, ge=0.0, le=20.0, description="Gap between the farthest camera and any lamp [m], 0 to 20"
     )
-    spread: float = Field(
+    spread: Length = Field(
         default=1.0, ge=0.0, le=20.0, description="Largest extra distance beyond the gap [m], 0 to 20 (a hall)"
     )
-    aim: float = Field(
+    aim: Length = Field(
         default=0.2,
         ge=0.0,
         le=2.0,
         description="Largest distance of the aimed-at point from the centre [m], 0 to 2; at most half the light's own",
     )
-
-
-class CameraSettings(Model):
-    """The stereo cameras."""
-
-    views: int = Field(default=10, ge=1, le=57, description="Stereo views, 1 to 57; 57 is the paper's whole grid")
-    width: int = Field(default=640, ge=1, le=16384, description="Picture width [px], 1 to 16384")
-    height: int = Field(default=480, ge=1, le=16384, description="Picture height [px], 1 to 16384")
-    focal: float = Field(
-        default=613.9624633789062,
-        ge=50.0,
-        le=20000.0,
-        description="Focal length of a picture 640 px wide [px], 50 to 20000 (162 to 1.8 degrees across); scales with "
-        "the width (Syn-TODD)",
-    )
-    baseline: float = Field(
-        default=0.06499999761581421, gt=0.0, le=1.0, description="Left to right camera [m], 0 to 1 (Syn-TODD)"
-    )
-    slack: FactorRange = Field(
-        default=(1.0, 1.35), description="Range of the distance over the shortest that shows all objects, 1 to 10"
-    )
-    min_distance: float = Field(
-        default=0.3, gt=0.0, le=20.0, description="Shortest distance to the point looked at [m], 0 to 20"
-    )
-    lowest_elevation: float = Field(
-        default=math.radians(10.0),
-        ge=0.0,
-        le=math.radians(80.0),
-        description="Elevation of the lowest ring [rad], 0 to 80 degrees; the other rings follow in equal steps",
-    )
-    min_height: float = Field(
-        default=0.05, ge=0.0, le=20.0, description="Lowest height of a camera over the table [m], 0 to 20"
-    )
-    angle_jitter: float = Field(
-        default=0.0, ge=0.0, le=0.5, description="Largest change of elevation and azimuth of a view [rad], 0 to 0.5"
-    )
-    target_jitter: float = Field(
-        default=0.0, ge=0.0, le=1.0, description="Largest change of the point looked at, per axis [m], 0 to 1"
-    )
-    roll: float = Field(default=0.0, ge=0.0, le=math.pi, description="Largest turn about the optical axis [rad]")

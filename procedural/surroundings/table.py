@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field, model_validator
-from scipy.spatial import ConvexHull
 
 from ...core.mesh import Mesh
 from ...core.model import Model
+from ...core.units import LENGTH, Length
+from ...core.user_text import UserPath
 from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
 from ..materials.surface_files import SurfaceFiles
@@ -25,8 +27,16 @@ EDGE_RADIUS = (0.002, 0.010)
 class TableSettings(Model):
     """Sizes and shape of the table."""
 
-    smallest: float = Field(default=0.9, ge=0.3, le=5.0, description="Least side or diameter of the table [m]")
-    largest: float = Field(default=1.8, ge=0.3, le=5.0, description="Greatest side or diameter of the table [m]")
+    smallest: Length = Field(default=0.9, ge=0.3, le=5.0, description="Least side or diameter of the table [m]")
+    largest: Length = Field(default=1.8, ge=0.3, le=5.0, description="Greatest side or diameter of the table [m]")
+    texture_dir: UserPath | None = Field(
+        default=None, description="Folder of pictures for the table's top alone, apart from those of the props"
+    )
+    texture_size: Annotated[float, Field(ge=0.01, le=10.0), LENGTH] | None = Field(
+        default=None,
+        description="Width of one repeat of the picture on the table, 0.01 to 10 [m], its height in the "
+        "picture's shape; by default a square of 0.3 to 1 m",
+    )
     round_share: float = Field(default=0.25, ge=0.0, le=1.0, description="Probability that the table is round")
 
     @model_validator(mode="after")
@@ -63,11 +73,13 @@ def draw_table(
     round_table = rng.random() < settings.round_share
     size = (long_side, long_side if round_table else short_side, thickness)
     mesh = _round_board(long_side, thickness, radius) if round_table else _board(size, radius)
-    return Table(mesh=mesh, material=draw_table_material(rng, texture_files), size=size)
+    return Table(mesh=mesh, material=draw_table_material(rng, texture_files, settings.texture_size), size=size)
 
 
 def outline(table: Table) -> np.ndarray:
     """Return the convex outline of the flat part of the top, (k, 2) float64, counter-clockwise [m]."""
+    from scipy.spatial import ConvexHull  # here, as it takes a third of a second to load
+
     flat = table.mesh.vertices[table.mesh.vertices[:, 2] == 0.0, :2].astype(np.float64)
     return flat[ConvexHull(flat).vertices]
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.model import Profile
-from ..description.scene import Liquid, Vessel
+from ..description.interfaces import dry_interfaces, wet_interfaces
+from ..description.refill import liquid_of
+from ..description.scene import Vessel
 from ..optics.medium import Medium
-from .curve import Curve
-from .interfaces import dry_interfaces, wet_interfaces
-from .liquid import brimful_volume, level_of_volume
-from .liquid_surface import Surface, surface_of_volume
-from .revolve import segments_for
+from ..profiles.curve import Curve
+from ..profiles.liquid_surface import surface_of_volume
+from ..profiles.revolve import segments_for
 from .wall import Section
 
 
@@ -89,7 +89,7 @@ def build_vessel(
         liquid, interfaces = None, dry_interfaces(outer, inner, **common)
     else:
         surface = surface_of_volume(inner, filling.volume, filling.medium, chord_error, glass)
-        liquid = _liquid(inner, surface, filling.medium)
+        liquid = liquid_of(inner, surface, filling.medium)
         interfaces = wet_interfaces(outer, inner, surface.top, liquid=filling.medium, **common)
     return Vessel(
         id=id,
@@ -104,18 +104,6 @@ def build_vessel(
         interfaces=interfaces,
         size=(2.0 * reach, 2.0 * reach, 2.0 * top),
         world_T_object=np.eye(4),
-    )
-
-
-def _liquid(inner: Curve, surface: Surface, medium: Medium) -> Liquid:
-    return Liquid(
-        medium=medium,
-        level=level_of_volume(inner.points, surface.volume),
-        centre=surface.centre,
-        contact=surface.contact,
-        contact_angle=surface.contact_angle,
-        fill=surface.volume / brimful_volume(inner.points),
-        volume=surface.volume,
     )
 
 

@@ -6,13 +6,16 @@ import numpy as np
 
 from ..description.scene import Vessel
 from ..optics.medium import Medium
-from .build import Filling, build_vessel, vessel_shape
-from .curve import Curve
-from .families import FAMILIES, Family, Size, draw_size
-from .liquid import brimful_volume, volume_below
-from .liquid_surface import most_volume
+from ..profiles.curve import Curve
+from ..profiles.liquid import brimful_volume, volume_below
+from ..profiles.liquid_surface import most_volume
+from .amounts import fill_fractions
+from .build import Filling, VesselShape, build_vessel, vessel_shape
+from .families import FAMILIES, Family, Size
 from .outline import Outline
+from .scaling import draw_wanted, shape_that_holds
 from .settings import VesselSettings
+from .sizes import draw_size
 from .wall import WallShape, glass_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
@@ -62,18 +65,37 @@ def draw_vessel(
     Raises
     ------
     InputError
-        Where no category of the settings can have the sizes of the settings.
+        Where no category of the settings can have the sizes of the settings, or no vessel that was drawn can have the
+        volume of the settings, or hold that of its liquid.
     """
-    category, height, radius = draw_size(rng, settings)
-    wall = _draw_wall(rng, settings, FAMILIES[category])
-    # The rounded rim adds up to half a wall.
-    size = Size(height - 0.5 * wall, radius, room=min(wall + MOST_TAPER + LEAST_CORNER + LEAST_BORE, radius))
-    outline = FAMILIES[category].outline(rng, size)
-    shape = _draw_shape(rng, settings, FAMILIES[category], outline, wall)
-    built = vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
-    filling = _draw_filling(rng, settings, built.inner, glass, liquid_medium)
+    category, *size = draw_size(rng, settings)
+    wanted = draw_wanted(rng, settings, category)
+
+    def build(stream: np.random.Generator, height: float, radius: float) -> VesselShape:
+        return _built(stream, settings, FAMILIES[category], height, radius)
+
+    def takes(shape: VesselShape) -> bool:
+        if wanted.filled is None or liquid_medium is None:
+            return True
+        least, most = _volume_limits(shape.inner, liquid_medium, glass)
+        return least <= wanted.filled <= most
+
+    built = shape_that_holds(rng, settings, category, (size[0], size[1]), wanted, build, takes)
+    filling = _draw_filling(rng, settings, built.inner, glass, liquid_medium, wanted.filled)
     roughness = _draw_roughness(rng, settings)
     return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
+
+
+def _built(
+    rng: np.random.Generator, settings: VesselSettings, family: Family, height: float, radius: float
+) -> VesselShape:
+    """Draw a wall, an outline and its roundings for a height and a largest radius [m]."""
+    wall = _draw_wall(rng, settings, family)
+    # The rounded rim adds up to half a wall.
+    size = Size(height - 0.5 * wall, radius, room=min(wall + MOST_TAPER + LEAST_CORNER + LEAST_BORE, radius))
+    outline = family.outline(rng, size)
+    shape = _draw_shape(rng, settings, family, outline, wall)
+    return vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
 
 
 def _draw_within(rng: np.random.Generator, family: tuple[float, float], limits: tuple[float, float]) -> float:
@@ -104,14 +126,26 @@ def _draw_shape(
 
 
 def _draw_filling(
-    rng: np.random.Generator, settings: VesselSettings, inner: Curve, glass: Medium, medium: Medium | None
+    rng: np.random.Generator,
+    settings: VesselSettings,
+    inner: Curve,
+    glass: Medium,
+    medium: Medium | None,
+    volume: float | None,
 ) -> Filling | None:
-    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*settings.fill)
+    """Draw whether a vessel is filled, and how far; with a given volume [m^3] only whether."""
+    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*fill_fractions(settings.fill))
     if medium is None or not filled:
         return None
-    brimful = brimful_volume(inner.points)
+    if volume is not None:
+        return Filling(medium, volume)
+    return Filling(medium, float(np.clip(fill * brimful_volume(inner.points), *_volume_limits(inner, medium, glass))))
+
+
+def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, float]:
+    """Return the volumes of a liquid of `LEAST_DEPTH` and up to the rim [m^3]."""
     least = volume_below(inner.points, float(inner.points[0, 1]) + LEAST_DEPTH)
-    return Filling(medium, float(np.clip(fill * brimful, least, most_volume(inner, medium, glass))))
+    return least, most_volume(inner, medium, glass)
 
 
 def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:

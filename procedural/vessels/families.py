@@ -8,9 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...core.errors import InputError
 from .outline import Outline, Piece, bulging, easing, levelling, linear, waved
-from .settings import Category, VesselSettings
+from .settings import Category
 
 Limits = tuple[float, float]
 
@@ -46,46 +45,6 @@ class Family:
     wall: Limits
     base: Limits
     outline: Callable[[np.random.Generator, Size], Outline]
-
-
-def draw_size(rng: np.random.Generator, settings: VesselSettings) -> tuple[Category, float, float]:
-    """Draw a category, a height [m] and a largest outer radius [m] that fit it and the settings.
-
-    Raises
-    ------
-    InputError
-        Where no category of the settings has heights and radii within the settings.
-    """
-    fitting: list[Category] = [c for c in settings.categories if _fits(FAMILIES[c], settings)]
-    if not fitting:
-        raise InputError(
-            "vessels.categories",
-            f"one that can be {settings.height} m high with a radius of {settings.radius} m",
-            ", ".join(settings.categories),
-        )
-    category = fitting[int(rng.integers(len(fitting)))]
-    family = FAMILIES[category]
-    height_limits, radius_limits = _common(family, settings)
-    height = rng.uniform(*height_limits)
-    slender = (family.slenderness[0] * height, family.slenderness[1] * height)
-    low, high = np.clip(slender, *radius_limits)
-    return category, float(height), float(rng.uniform(low, high))
-
-
-def _common(family: Family, settings: VesselSettings) -> tuple[Limits, Limits]:
-    """Heights and radii that both the family and the settings allow, and that have a partner in each other."""
-    radius = _overlap(family.radius, settings.radius)
-    slenderness = family.slenderness
-    height = _overlap(family.height, settings.height, (radius[0] / slenderness[1], radius[1] / slenderness[0]))
-    return height, radius
-
-
-def _overlap(*limits: Limits) -> Limits:
-    return max(low for low, _ in limits), min(high for _, high in limits)
-
-
-def _fits(family: Family, settings: VesselSettings) -> bool:
-    return all(low <= high for low, high in _common(family, settings))
 
 
 def free_piece(rng: np.random.Generator, piece: Piece, limits: Limits, strength: float) -> Piece:

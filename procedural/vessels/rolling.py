@@ -11,11 +11,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curve import ARC_STEP, Curve, arc, chained, directions
+from ..profiles.curve import ARC_STEP, Curve, arc, chained, directions
 
 #: How much nearer than touching another point of the wall may be [m]: absorbs the discretisation of the wall
 #: (points 0.1 mm apart see their own disc's envelope wrong by less), and is far below every length that matters.
 TOUCH_TOLERANCE = 1e-7
+
+
+class NoRoomError(ValueError):
+    """The wall leaves no room inside: a shape that no vessel has."""
 
 
 def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tuple[Curve, int]:
@@ -31,7 +35,7 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
     ball : float
         Radius of the ball [m].
     floor : float
-        Height below which the ball does not reach [m].
+        Height below which the ball does not reach [m]; over a tight corner of the wall it may not come down to it.
 
     Returns
     -------
@@ -39,6 +43,11 @@ def rolled(wall: Curve, clearance: np.ndarray, ball: float, floor: float) -> tup
         From the axis at the floor (or where the wall leaves no more room) up; normals point towards the wall.
     int
         Index of the wall's point that the end of the curve faces, at exactly ``clearance``.
+
+    Raises
+    ------
+    NoRoomError
+        Where the wall leaves the ball no room above the floor.
     """
     centres, towards, index = _free_centres(wall, clearance + ball)
     centres, towards = _above(centres, towards, floor + ball)
@@ -70,6 +79,8 @@ def _free_centres(wall: Curve, reach: np.ndarray) -> tuple[np.ndarray, np.ndarra
     # Along the boundary of a graph over z, heights rise; points that do not rise are due to the tolerance.
     highest = np.maximum.accumulate(np.where(free, centres[:, 1], -np.inf))
     free &= np.concatenate([[True], centres[1:, 1] > highest[:-1]])
+    if not free.any():
+        raise NoRoomError(f"the wall leaves no room for a ball and a clearance of {reach.min():.4f} m anywhere")
     return centres[free], towards[free], int(np.flatnonzero(free)[-1])
 
 
@@ -84,11 +95,17 @@ def _gap(centres: np.ndarray, wall: np.ndarray, reach: np.ndarray) -> np.ndarray
 
 
 def _above(centres: np.ndarray, towards: np.ndarray, lowest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Keep the part connected to the top end that is off the axis and not below `lowest`."""
+    """Keep the part connected to the top end that is off the axis and not below `lowest`.
+
+    Where the ball touches the wall twice before it comes down to `lowest`, as over a tight corner at the base, all of
+    it is kept: the floor then lies as low as the ball goes.
+    """
     room = np.minimum(centres[:, 0], centres[:, 1] - lowest)
     blocked = np.flatnonzero(room <= 0.0)
-    if len(blocked) == 0 or blocked[-1] + 1 >= len(room):
-        raise ValueError(f"the wall leaves no room for the ball above {lowest:.4f} m, or does not reach down to it")
+    if len(blocked) == 0:
+        return centres, towards
+    if blocked[-1] + 1 >= len(room):
+        raise NoRoomError(f"the wall leaves no room for the ball above {lowest:.4f} m")
     i = int(blocked[-1])
     at_axis, at_floor = (
         0.0 if low > 0.0 else -low / (high - low)

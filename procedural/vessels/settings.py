@@ -4,29 +4,73 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ...core.model import Model, Ordered
+from ...core.units import LENGTH, Length, volume_text
+from ...core.user_text import UserPath
+from ...core.weighted import Weighted, check_names, unknown_names, weights_of
+from ..optics.catalogue import MOST_DYE
+from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
+from ..optics.dyes import DYES
+from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
 
 
-_Height = Annotated[float, Field(ge=0.04, le=0.30)]
-_Radius = Annotated[float, Field(ge=0.015, le=0.08)]
-_Wall = Annotated[float, Field(ge=0.001, le=0.004)]
-_Base = Annotated[float, Field(ge=0.002, le=0.010)]
-_Fill = Annotated[float, Field(gt=0.0, le=1.0)]
+_Height = Annotated[float, Field(ge=0.04, le=0.30), LENGTH]
+_Radius = Annotated[float, Field(ge=0.015, le=0.08), LENGTH]
+_Wall = Annotated[float, Field(ge=0.001, le=0.004), LENGTH]
+_Base = Annotated[float, Field(ge=0.002, le=0.010), LENGTH]
+_Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
+#: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
+#: below the rim, whatever the vessel's shape.
+LEAST_FILL, MOST_FILL = 0.05, 0.9
+#: Factor that absorbs the rounding of products of volumes.
+ROUNDING = 1.0 + 1e-9
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
 class VesselSettings(Model):
     """Vessels to draw. Ranges are (smallest, largest), both included."""
 
-    categories: tuple[Category, ...] = Field(
+    categories: Weighted = Field(
         default=CATEGORIES,
         min_length=1,
-        description="Families to draw from, equally likely; those that cannot have the given sizes are skipped",
+        description="Families to draw from, equally likely or by weights (beaker=2); those that cannot have the given "
+        "sizes are skipped",
+        json_schema_extra={"range": f"one or more of {', '.join(CATEGORIES)}"},
+    )
+    media: UserPath | None = Field(
+        default=None, description="YAML file of own media: index, absorption or colour, capillary constants"
+    )
+    glasses: Weighted | None = Field(
+        default=None,
+        description="Glasses and plastics to draw from, by weights: names of the catalogue or of own media, such as "
+        "'lead crystal=2'; by default what each family is made of",
+        json_schema_extra={"range": "one or more names"},
+    )
+    liquids: Weighted | None = Field(
+        default=None,
+        description="Liquids to draw from, by weights: names of the catalogue or of own media, such as 'olive oil=2'; "
+        "by default mostly water, clear or dyed",
+        json_schema_extra={"range": "one or more names"},
+    )
+    dyes: Weighted | None = Field(
+        default=None,
+        description="Food dyes of which each drawn liquid but oil gets one, by weights; 'none' is one of them; by "
+        "default those of dyed water and dyed sugar solution",
+        json_schema_extra={"range": f"one or more of {', '.join([*DYES, NO_DYE])}"},
+    )
+    dye_concentration: Annotated[tuple[_Concentration, _Concentration], Ordered] | None = Field(
+        default=None,
+        description="Concentration of `dyes`, within 1e-5 and 1000; by default that of drinks [kg/m^3]",
+    )
+    volume: Volumes | None = Field(
+        default=None,
+        description="Nominal volume of the vessel, such as 250ml or 200ml 300ml: its size is scaled to it",
+        json_schema_extra={"range": "one or two volumes, each 10ml to 4l"},
     )
     height: Annotated[tuple[_Height, _Height], Ordered] = Field(
         default=(0.04, 0.30), description="Height of the vessel, within 0.04 and 0.30 [m]"
@@ -42,18 +86,93 @@ class VesselSettings(Model):
         default=(0.002, 0.010), description="Thickness of the base, within 0.002 and 0.010; never below the wall's [m]"
     )
     fill_probability: float = Field(default=0.6, ge=0.0, le=1.0, description="Probability that a vessel holds a liquid")
-    fill: Annotated[tuple[_Fill, _Fill], Ordered] = Field(
+    fill: Filled = Field(
         default=(0.1, 0.9),
-        description="Fraction of the brimful volume that is filled, within 0 and 1; the level stays below the rim",
+        description="Fraction of the brimful volume that is filled, within 0 and 1, or a volume such as 150ml or 100ml "
+        "200ml, for which vessels are scaled where they are too small or too large; the level stays below the rim",
+        json_schema_extra={"range": "a pair, each > 0, <= 1, or one or two volumes"},
     )
     rough_probability: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that the glass is rough")
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
-    chord_error: float = Field(
+    chord_error: Length = Field(
         default=15e-6,
         ge=2e-6,
         le=200e-6,
         description="Largest distance of the mesh from the true surface, along rings and along the profile [m]; "
         "it sets the number of segments",
     )
+
+    @field_validator("categories")
+    @classmethod
+    def _known_families(cls, categories: tuple[str, ...]) -> tuple[str, ...]:
+        check_names(weights_of(categories), CATEGORIES)
+        return categories
+
+    @field_validator("glasses", "liquids")
+    @classmethod
+    def _known_media(cls, names: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        if info.data.get("media") is None:  # with own media, `media.own_media` knows the names
+            check_names(_plain_names(names), media_names(str(info.field_name)))
+        return names
+
+    @field_validator("dyes")
+    @classmethod
+    def _known_dyes(cls, dyes: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        check_names(weights_of(dyes or ()), [*DYES, NO_DYE])
+        return dyes
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> VesselSettings:
+        if self.media is None:
+            check_dissolving(self)
+        if self.dye_concentration is not None and self.dyes is None:
+            raise ValueError("dye_concentration: expected dyes with it, found none")
+        volumes = fill_volumes(self.fill)
+        if volumes is not None and self.volume is not None:
+            _check_filling(volumes, volume_limits(self.volume), self)
+        return self
+
+
+def _check_filling(filled: Limits, nominal: Limits, settings: VesselSettings) -> None:
+    """Raise ValueError where a liquid's volumes do not fit into vessels of all nominal volumes [m^3]."""
+    most, least = MOST_FILL * nominal[0], LEAST_FILL * nominal[1]
+    smallest, largest = (settings.volume or ("", ""))[:2]
+    if filled[1] > most * ROUNDING:
+        limit = f"at most {volume_text(most)} ({100 * MOST_FILL:.0f} % of vessels.volume {smallest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[1]}")
+    if filled[0] * ROUNDING < least:
+        limit = f"at least {volume_text(least)} ({100 * LEAST_FILL:.0f} % of vessels.volume {largest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[0]}")
+
+
+def media_names(field: str, own: tuple[str, ...] = ()) -> list[str]:
+    """Return the names that the setting `glasses` or `liquids` may have, those of own media first."""
+    return [*own, *(glass_names() if field == "glasses" else liquid_names())]
+
+
+def unknown_media(settings: VesselSettings, own: tuple[str, ...]) -> dict[str, tuple[str, str]]:
+    """Return what was expected and what was found in each of `glasses` and `liquids` that has unknown names."""
+    found = {
+        field: unknown_names(_plain_names(getattr(settings, field)), media_names(field, own))
+        for field in ("glasses", "liquids")
+    }
+    return {field: wrong for field, wrong in found.items() if wrong is not None}
+
+
+def check_dissolving(settings: VesselSettings) -> None:
+    """Raise ValueError where there are dyes, and no liquid that dissolves them."""
+    liquids = weights_of(settings.liquids or ())
+    if settings.dyes and liquids and not any(dissolves_dyes(name) for name in liquids):
+        raise ValueError(f"dyes: expected a liquid that dissolves them, found {', '.join(liquids)}")
+
+
+def _plain_names(entries: tuple[str, ...] | None) -> list[str]:
+    """Return the names of entries without their weights, and without sugar solutions, which any number names."""
+    return [name for name in weights_of(entries or ()) if not is_sugar_solution(name)]
+
+
+def family_weights(settings: VesselSettings) -> dict[Category, float]:
+    """Return the weight of each family, in the order of the settings."""
+    return {category: weight for category, weight in weights_of(settings.categories).items() if category in CATEGORIES}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .curve import Curve, arc, chained, simplified
+from ..profiles.curve import Curve, arc, chained, simplified
 from .outline import Outline
 from .rolling import rolled
 

@@ -179,7 +179,7 @@ def _axis(low: float, fine_low: float, fine_high: float, high: float, step: floa
 
 def pixel_on_table(scene: Scene) -> float:
     """Return the side of a pixel of the nearest camera at the centre of the table [m]."""
-    return min(float(np.linalg.norm(c.world_T_camera[:3, 3])) / c.focal for c in scene.cameras)
+    return min(float(np.linalg.norm(c.world_T_camera[:3, 3])) / max(c.fx, c.fy) for c in scene.cameras)
 
 
 def _around_objects(scene: Scene, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

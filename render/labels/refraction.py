@@ -221,10 +221,11 @@ def flow_of(view: Pinhole, end: Refracted, pixel: mi.UInt32) -> tuple[mi.Vector3
     towards = dr.select(end.state == SURROUNDINGS, end.direction, mi.Vector3f(end.point - view.origin))
     local = view.world_R_camera.T @ mi.Vector3f(towards)
     projects = (local.z > 0.0) & (end.state != LOST)
-    scale = dr.rcp(dr.select(projects, local.z, 1.0) * view.inverse_focal)
+    depth = dr.select(projects, local.z, 1.0)
+    x, y = local.x * dr.rcp(depth * view.inverse_focal.x), local.y * dr.rcp(depth * view.inverse_focal.y)
     row = pixel // view.width
     centre = mi.Vector2f(mi.Float(pixel - row * view.width), mi.Float(row))
-    flow = mi.Vector2f(local.x * scale, local.y * scale) + mi.Vector2f(view.centre) - centre
+    flow = mi.Vector2f(x, y) + mi.Vector2f(view.centre) - centre
     return local, dr.select(projects, flow, dr.nan)
 
 

@@ -130,7 +130,10 @@ def with_repeats(mesh: Mesh, material: OpaqueMaterial) -> Mesh:
 
     Mitsuba's own transform of texture coordinates would be compiled into the kernel as a literal.
     """
-    return mesh if mesh.uv is None or material.repeats == 1.0 else replace(mesh, uv=mesh.uv * material.repeats)
+    across, up = material.repeats, material.repeats if material.repeats_v is None else material.repeats_v
+    if mesh.uv is None or across == up == 1.0:
+        return mesh
+    return replace(mesh, uv=mesh.uv * (across if across == up else np.array([across, up], mesh.uv.dtype)))
 
 
 def mitsuba_mesh(body: Body) -> mi.Mesh:

@@ -21,7 +21,7 @@ class Pinhole:
     """One eye of a stereo camera as opaque Dr.Jit values, so that all cameras share one compiled kernel."""
 
     width: mi.UInt32
-    inverse_focal: mi.Float
+    inverse_focal: mi.Vector2f
     centre: mi.Point2f
     world_R_camera: mi.Matrix3f
     origin: mi.Point3f
@@ -40,7 +40,7 @@ def pinhole(camera: Camera, eye: Eye = "left") -> Pinhole:
     world_T_eye = camera.world_T_camera if eye == "left" else camera.world_T_right
     view = Pinhole(
         width=mi.UInt32(camera.width),
-        inverse_focal=mi.Float(1.0 / camera.focal),
+        inverse_focal=mi.Vector2f(1.0 / camera.fx, 1.0 / camera.fy),
         centre=mi.Point2f(*map(float, camera.centre)),
         world_R_camera=mi.Matrix3f(world_T_eye[:3, :3].astype(np.float32)),
         origin=mi.Point3f(world_T_eye[:3, 3].astype(np.float32)),
@@ -72,7 +72,8 @@ def pixel_rays(view: Pinhole, pixel: mi.UInt32, jitter: mi.Point2f) -> tuple[mi.
     row = pixel // view.width
     u = mi.Float(pixel - row * view.width) + jitter.x
     v = mi.Float(row) + jitter.y
-    local = mi.Vector3f((u - view.centre.x) * view.inverse_focal, (v - view.centre.y) * view.inverse_focal, 1.0)
+    x, y = (u - view.centre.x) * view.inverse_focal.x, (v - view.centre.y) * view.inverse_focal.y
+    local = mi.Vector3f(x, y, 1.0)
     local = dr.normalize(local)
     return mi.Ray3f(mi.Point3f(view.origin), view.world_R_camera @ local), local.z
 

@@ -32,6 +32,16 @@ def test_a_step_to_the_right_and_down_moves_the_pixel_by_similar_triangles(analy
     np.testing.assert_allclose(pixels[0], expected, atol=1e-9)
 
 
+def test_focal_lengths_differ_along_x_and_y(analytic):
+    camera = analytic.camera(1).model_copy(update={"focal_y": 210.0})
+    points = transformed(camera.world_T_camera, np.array([[0.1, 0.05, 0.5]]))
+    pixels, Z = project(points, camera.K, camera.world_T_camera)
+    expected = np.array(camera.centre) + np.array([camera.focal, 210.0]) * np.array([0.1, 0.05]) / 0.5
+    np.testing.assert_allclose(pixels[0], expected, atol=1e-9)
+    right, _ = project(points, camera.K, camera.world_T_right)
+    np.testing.assert_allclose(pixels[0] - right[0], [disparity(Z, camera.fx, camera.baseline)[0], 0.0], atol=1e-9)
+
+
 def test_a_point_behind_the_camera_has_no_pixel(analytic):
     camera = analytic.camera(0)
     behind = transformed(camera.world_T_camera, np.array([[0.0, 0.0, -0.1], [0.0, 0.0, 0.0]]))

@@ -75,6 +75,8 @@ def _vessel_bodies(vessel: GlassBody, arrays: dict[str, np.ndarray]) -> list[dic
 def _opaque_body(
     mesh: Mesh, world_T_mesh: np.ndarray, material: OpaqueMaterial, lambertian: bool, arrays: dict[str, np.ndarray]
 ) -> dict:
+    if material.repeats_v is not None:
+        raise ValueError(f"{material.name}: expected a square texture, got one of another shape")
     texture = f"{mesh.name}.texture"
     arrays[texture] = bake(material.base_colour)
     written = {
@@ -107,6 +109,8 @@ def _camera(camera: Camera) -> dict:
     middle = ((camera.width - 1) / 2, (camera.height - 1) / 2)
     if camera.centre != middle:
         raise ValueError(f"camera: expected the principal point {middle}, got {camera.centre}")
+    if camera.fy != camera.fx:
+        raise ValueError(f"camera: expected equal focal lengths, got {camera.fx} and {camera.fy}")
     return {
         "width": camera.width,
         "height": camera.height,

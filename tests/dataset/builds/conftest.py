@@ -77,6 +77,7 @@ def _write_settings(folder: Path) -> None:
         f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 16, height: 12, views: 1}\n"
         "picture: {spp: 2, denoise: false}\n"
+        "write: all\n"
     )
 
 

@@ -79,7 +79,7 @@ def test_a_build_that_is_killed_before_it_has_a_head_begins_anew(builds, tmp_pat
     child.communicate()
     gone(child.pid)
     assert not (out / "dataset.json").exists()  # it was early enough
-    ended = builds.run(out, scenes="0")
+    ended = builds.run(out, scenes="0:1")
     assert ended.returncode == 0, ended.stderr
     assert not (out / ".build.lock").exists()
 

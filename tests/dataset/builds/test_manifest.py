@@ -91,3 +91,43 @@ def test_a_manifest_reads_back_and_none_is_none(assets, tmp_path):
     found = manifest.scan(assets)
     manifest.write_manifest(tmp_path, found)
     assert manifest.read_manifest(tmp_path) == found
+
+
+def test_the_poses_of_cameras_and_the_tables_own_pictures_are_in_it_as_well(assets, tmp_path):
+    poses = tmp_path / "robot" / "poses.txt"
+    poses.parent.mkdir()
+    poses.write_text("1 0 0 0\n")
+    (tmp_path / "tops").mkdir()
+    (tmp_path / "tops" / "oak.png").write_bytes(b"oak")
+    groups = {"cameras": {"poses": poses}, "table": {"texture_dir": tmp_path / "tops"}}
+    settings = SceneSettings.model_validate(groups)
+    kept = manifest.scan(settings)
+    assert [(item.folder, item.path) for item in kept.files] == [
+        ("cameras.poses", "poses.txt"),
+        ("table.texture_dir", "oak.png"),
+    ]
+    for path in (poses, tmp_path / "tops" / "oak.png"):
+        before = path.read_bytes()
+        path.write_bytes(b"other")
+        with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the asset as manifest.json has it"):
+            manifest.check_manifest(kept, manifest.scan(settings), settings)
+        path.write_bytes(before)
+    stamps = manifest.stamps(settings)
+    poses.unlink()
+    with pytest.raises(InputError, match=re.escape(str(poses))):
+        manifest.check_unchanged(stamps)
+
+
+def test_the_file_of_own_media_is_pinned(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    path = tmp_path / "media.yaml"
+    path.write_text("syrup: {index: 1.43}\n", "utf-8")
+    settings = SceneSettings.model_validate({"vessels": {"media": path, "liquids": "syrup"}})
+    kept = manifest.scan(settings)
+    assert [(item.folder, item.path) for item in kept.files] == [("vessels.media", "media.yaml")]
+    path.write_text("syrup: {index: 1.44}\n", "utf-8")
+    with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the asset as manifest.json has it"):
+        manifest.check_manifest(kept, manifest.scan(settings), settings)
+    path.unlink()
+    with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the file of vessels.media, found none"):
+        manifest.scan(settings)

@@ -38,6 +38,7 @@ def small(tmp_path_factory) -> Path:
         f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 32, height: 24, views: 2}\n"
         "picture: {spp: 2}\n"
+        "write: all\n"
     )
     return path
 

@@ -73,18 +73,26 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
     [
         (("--cameras.roll", "nan"), "cameras.roll: expected a finite number, found nan"),
         (("--cameras.slack", "1", "inf"), "cameras.slack.1: expected a finite number, found inf"),
-        (("--lights.elevation", "0", "1"), "lights.elevation.0: expected greater than or equal to 0.1, found 0.0"),
+        (
+            ("--lights.elevation", "0", "1"),
+            "lights.elevation.0: expected greater than or equal to 0.1 rad (5.73deg), found 0 rad",
+        ),
         (
             ("--environment.sun-radius", "0.001"),
-            "environment.sun_radius: expected greater than or equal to 0.00465, found 0.001",
+            "environment.sun_radius: expected greater than or equal to 0.00465 rad (0.266deg), found 0.001 rad "
+            "(0.057deg)",
         ),
-        (("--lights.margin", "1e9"), "lights.margin: expected less than or equal to 20, found 1000000000.0"),
-        (("--lights.spread", "1e9"), "lights.spread: expected less than or equal to 20, found 1000000000.0"),
-        (("--lights.aim", "3"), "lights.aim: expected less than or equal to 2, found 3.0"),
+        (("--lights.margin", "1e9"), "lights.margin: expected less than or equal to 20 m, found 1e+09 m"),
+        (("--lights.spread", "1e9"), "lights.spread: expected less than or equal to 20 m, found 1e+09 m"),
+        (("--lights.aim", "3"), "lights.aim: expected less than or equal to 2 m, found 3 m"),
+        (
+            ("--cameras.roll", "45"),
+            "cameras.roll: expected less than or equal to 3.14159 rad (180deg), found 45 rad (2578.31deg)",
+        ),
         (("--cameras.focal", "1e9"), "cameras.focal: expected less than or equal to 20000, found 1000000000.0"),
-        (("--cameras.min-distance", "21"), "cameras.min_distance: expected less than or equal to 20, found 21.0"),
+        (("--cameras.min-distance", "21"), "cameras.min_distance: expected less than or equal to 20 m, found 21 m"),
         (("--cameras.slack", "1", "11"), "cameras.slack.1: expected less than or equal to 10, found 11.0"),
-        (("--cameras.target-jitter", "2"), "cameras.target_jitter: expected less than or equal to 1, found 2.0"),
+        (("--cameras.target-jitter", "2"), "cameras.target_jitter: expected less than or equal to 1 m, found 2 m"),
         (("--picture.rr-depth", "5000"), "picture.rr_depth: expected less than or equal to 4096, found 5000"),
         (("--seed", 2**63), f"seed: expected less than or equal to {2**63 - 1}, found {2**63}"),
         (("--name", "a\0b"), "name: expected text without NUL, found 'a\\x00b'"),

@@ -7,7 +7,7 @@ from glassware.dataset.commands.glassware import main
 
 def test_render_is_render_scene(capsys):
     with pytest.raises(SystemExit) as stop:
-        main(["render", "--help"])
+        main(["render", "--help-all"])
     assert stop.value.code == 0
     assert "--cameras.views" in capsys.readouterr().out
 

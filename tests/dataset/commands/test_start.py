@@ -23,7 +23,10 @@ def test_a_signal_while_libraries_load_ends_a_command_in_one_line(tmp_path, numb
     # A parent in a script's background ignores SIGINT, and its children would inherit that.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     # The first line of the child's program says that it runs; what follows is what the installed script does.
-    program = "print('on', flush=True); from glassware.dataset.commands.start import build_dataset; build_dataset()"
+    program = (
+        "import sys; print('on', flush=True); from glassware.dataset.commands.start import build_dataset; "
+        "sys.exit(build_dataset())"
+    )
     arguments = ["--scenes", "0:1", "--out", str(tmp_path / "data")]
     try:
         child = subprocess.Popen(

@@ -7,6 +7,7 @@ import pytest
 import torch
 import yaml
 
+from glassware.annotate.masks import decode_mask
 from glassware.dataset.commands.glassware import main
 from glassware.dataset.format.exr import read_exr
 from glassware.dataset.format.pictures import read_png
@@ -52,6 +53,9 @@ def test_train_evaluate_and_predict_follow_one_another(run, rendered, tmp_path, 
     assert np.isfinite(depth).all()
     record = json.loads((tmp_path / "prediction.json").read_text())
     assert len(record["images"]) == 2
+    for found in record["objects"]:
+        assert found["category"] == "object"
+        assert decode_mask(found["mask"]["counts"], tuple(found["mask"]["size"])).sum() == found["pixels"]
 
 
 def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_path):

@@ -271,6 +271,14 @@ def _lowered(root) -> bool:
     return True
 
 
+def test_cameras_off_the_grid_are_no_neighbours_by_its_rule(copied):
+    for path in copied.glob("scenes/*/*/camera.json"):
+        edited(path, lambda d: d.update(grid_index=None))
+    with pytest.raises(InputError, match=r"views\.rule: expected distance or stereo, as this camera .*, found grid"):
+        samples(copied, views={"rule": "grid"})
+    assert len(samples(copied, views={"rule": "distance"}))
+
+
 def test_on_the_grid_other_views_are_next_to_the_reference(copied, split):
     """Views at the places 1, 2, 15, 30 and 50 of the grid: 2 and 15 are next to 1, 30 to neither, 50 looks along."""
     places = (1, 2, 15, 30, 50)

@@ -5,6 +5,7 @@ import pytest
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh, turned
+from glassware.core.pose import check_rigid
 from glassware.procedural.description.camera import LONGEST_SIDE
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.description.surroundings import AreaLight
@@ -12,8 +13,9 @@ from glassware.procedural.placement import overlap
 from glassware.procedural.primitives.bodies import ball
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
-from glassware.procedural.scene.validate import LARGEST_ID, check_rigid, check_scene
-from glassware.procedural.surroundings.settings import CameraSettings, EnvironmentSettings
+from glassware.procedural.scene.validate import LARGEST_ID, check_scene
+from glassware.procedural.surroundings.camera_settings import CameraSettings
+from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.procedural.vessels.settings import VesselSettings
 
 SETTINGS = SceneSettings(

@@ -11,14 +11,10 @@ from pydantic import ValidationError
 
 from glassware.core.errors import InputError
 from glassware.core.pose import look_at
-from glassware.procedural.surroundings.camera_poses import (
-    draw_cameras,
-    fit_distance,
-    grid_directions,
-    reach,
-    spread_order,
-)
-from glassware.procedural.surroundings.settings import CameraSettings
+from glassware.procedural.surroundings.camera_poses import draw_cameras, grid_directions, reach, spread_order
+from glassware.procedural.surroundings.camera_ranges import Workspace
+from glassware.procedural.surroundings.camera_settings import CameraSettings
+from glassware.procedural.surroundings.intrinsics import Intrinsics, fit_distance
 
 # Rounding of a few float64 operations on numbers of order 1.
 EXACT = 1e-12
@@ -28,7 +24,8 @@ JITTERED: dict[str, Any] = {"angle_jitter": 0.1, "target_jitter": 0.03, "roll": 
 
 
 def drawn(seed: int, centre=(0.05, -0.03, 0.08), radius: float = 0.2, **settings):
-    return draw_cameras(np.random.default_rng(seed), CameraSettings(**settings), np.array(centre), radius, 1.5)
+    space = Workspace(np.array(centre), radius)
+    return draw_cameras(np.random.default_rng(seed), CameraSettings(**settings), space, 1.5)
 
 
 def sphere_points(centre, radius: float, count: int = 400) -> np.ndarray:
@@ -74,7 +71,7 @@ def test_the_zenith_is_the_limit_of_a_climb_at_azimuth_zero():
 
 
 def test_a_camera_at_its_target_is_refused():
-    with pytest.raises(ValueError, match="different points"):
+    with pytest.raises(InputError, match="a point away from the eye"):
         look_at(np.ones(3), np.ones(3))
 
 
@@ -94,7 +91,8 @@ def test_the_workspace_lies_inside_both_pictures_of_all_views(jitter):
 @pytest.mark.parametrize(("width", "height"), [(640, 480), (320, 640)])
 def test_the_fitting_distance_is_the_shortest(width, height):
     radius, focal, baseline = 0.2, 600.0, 0.065
-    distance = fit_distance(width, height, focal, baseline, radius)
+    lens = Intrinsics(width, height, focal, focal, (width - 1) / 2, (height - 1) / 2)
+    distance = fit_distance(lens, baseline, radius)
     across, up = math.atan(0.5 * width / focal), math.atan(0.5 * height / focal)
     # The right camera sees the sphere's left side under this angle from its axis; the left camera its top.
     left = math.atan2(baseline, distance) + math.asin(radius / math.hypot(distance, baseline))
@@ -159,7 +157,7 @@ def test_a_height_out_of_reach_is_one_clear_line():
 def test_no_eye_is_beyond_the_reach():
     for seed in range(20):
         settings = CameraSettings(views=57, **JITTERED)
-        bound = reach(settings, np.array([0.05, -0.03, 0.08]), 0.2)
+        bound = reach(settings, Workspace(np.array([0.05, -0.03, 0.08]), 0.2))
         cameras = drawn(seed, views=57, **JITTERED)
         eyes = [pose[:3, 3] for camera in cameras for pose in (camera.world_T_camera, camera.world_T_right)]
         assert max(np.linalg.norm(eye) for eye in eyes) <= bound

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.description.surroundings import Table
+from glassware.procedural.materials.surface_files import SurfaceFiles
 from glassware.procedural.surroundings.table import EDGE_RADIUS, THICKNESS, TableSettings, draw_table, outline
 
 SEEDS = range(20)
@@ -72,3 +75,17 @@ def test_a_table_depends_on_its_generator_alone() -> None:
     draw: Callable[[], Table] = lambda: draw_table(np.random.default_rng(7), TableSettings())  # noqa: E731
     assert draw().size == draw().size
     assert draw().material == draw().material
+
+
+def test_one_repeat_of_the_picture_has_the_width_that_is_given_and_the_pictures_shape(tmp_path: Path) -> None:
+    path = tmp_path / "wide.png"
+    assert cv2.imwrite(str(path), np.full((20, 40, 3), 128, np.uint8))
+    settings = TableSettings.model_validate({"texture_size": "60cm"})
+    drawn, given = (
+        draw_table(np.random.default_rng(4), one, [SurfaceFiles(path, tmp_path, "wide")])
+        for one in (TableSettings(), settings)
+    )
+    assert given.material.repeats == pytest.approx(1.0 / 0.6)
+    assert given.material.repeats_v == pytest.approx(1.0 / 0.3)
+    assert given.material.roughness == drawn.material.roughness
+    np.testing.assert_array_equal(given.mesh.vertices, drawn.mesh.vertices)

@@ -11,11 +11,11 @@ from glassware.core.mesh import as_trimesh
 from glassware.core.randomness import stream
 from glassware.procedural.description.scene import Vessel, glass_solid
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.vessels.curve import MAX_TURN
+from glassware.procedural.profiles.curve import MAX_TURN
+from glassware.procedural.profiles.liquid import brimful_volume
 from glassware.procedural.vessels.draw import draw_vessel
-from glassware.procedural.vessels.families import draw_size
-from glassware.procedural.vessels.liquid import brimful_volume
 from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
+from glassware.procedural.vessels.sizes import draw_size
 
 GLASS = Medium(name="test glass", eta=1.52)
 WATER = Medium(name="test water", eta=1.33)

@@ -6,8 +6,8 @@ import pytest
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.scene import Vessel, glass_solid, liquid_solid
 from glassware.procedural.optics.medium import AIR, Medium
-from glassware.procedural.vessels.curve import Curve, arc
-from glassware.procedural.vessels.interfaces import cut_at
+from glassware.procedural.profiles.curve import Curve, arc
+from glassware.procedural.profiles.cuts import cut_at
 
 
 def _part(vessel: Vessel, name: str) -> Mesh:

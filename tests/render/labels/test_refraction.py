@@ -124,6 +124,23 @@ def test_a_submerged_plane_is_lifted_to_its_apparent_depth(backend, optical_benc
     assert lifted[met & (tan < 0.02)] == pytest.approx(depth / eta, rel=1e-3)
 
 
+def test_a_picture_three_times_as_high_with_three_times_the_focal_length_has_the_same_rays(backend, optical_bench):
+    """Every third row of it, from the second on: v' = 3 v + 1 for both focal lengths and principal points."""
+    camera = optical_bench.camera((0.1, 0.0, 0.5))
+    rows = 3 * camera.height
+    tall = camera.model_copy(update={"height": rows, "focal_y": 3.0 * camera.focal, "centre": (31.5, (rows - 1) / 2)})
+    water = optical_bench.box((0.3, 0.2, 0.1), (0.013, 0.007, 0.06))
+    kernel = _load(optical_bench.scene(water, optical_bench.medium(1.333, name="water"), camera))
+    square, high = (trace_refraction(kernel, [one])[0] for one in (camera, tall))
+    same = (square.id == high.id[1::3]) & (square.bounces == high.bounces[1::3]) & (square.state == HIT)
+    assert (square.bounces[same] > 0).any()
+    assert same.mean() > 0.95
+    assert np.abs(square.hit - high.hit[1::3])[same].max() < 10 * POSITION
+    pixels = camera.focal / 0.4 * 20 * POSITION
+    assert np.abs(square.flow * (1.0, 3.0) - high.flow[1::3])[same].max() < 3.0 * pixels
+    assert np.abs(square.flow[same]).max() > 1.0
+
+
 def test_what_leaves_the_scene_has_a_direction_and_the_flow_of_a_point_at_infinity(backend, optical_bench):
     camera = optical_bench.camera((0.0, -1.0, 0.3), (0.0, 1.0, 0.3))
     slab = optical_bench.box((0.4, 0.05, 0.2), (0.0, 0.0, 0.3))

@@ -10,17 +10,17 @@ from typing import Any
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from ...core.errors import InputError, cause_of
-from ...core.setting_errors import setting_error
-from ...core.user_text import UserPath
+from .errors import InputError, cause_of
+from .setting_errors import setting_error
+from .user_text import UserPath
 
 #: Largest file that is read [bytes]: all settings with their descriptions are below a hundredth of it.
 MAX_SIZE = 1_000_000
 
 
-def yaml_settings(path: str | Path) -> dict[str, Any]:
-    """Return the settings of a YAML file; InputError where they cannot be read."""
-    text = _text(_checked(path))
+def yaml_settings(path: str | Path, where: str = "--config") -> dict[str, Any]:
+    """Return the mapping in a YAML file; InputError where it cannot be read, by `where` for an impossible path."""
+    text = _text(_checked(path, where))
     try:
         _check_names(path, yaml.compose(text, yaml.SafeLoader), set())
         settings = yaml.safe_load(text)
@@ -54,11 +54,11 @@ def _check_names(path: str | Path, node: yaml.Node | None, seen: set[int]) -> No
             _check_names(path, value, seen)
 
 
-def _checked(path: str | Path) -> Path:
+def _checked(path: str | Path, where: str) -> Path:
     try:
         return TypeAdapter(UserPath).validate_python(path)
     except ValidationError as error:
-        raise setting_error("--config", error) from error
+        raise setting_error(where, error) from error
 
 
 def _text(path: Path) -> str:

@@ -6,9 +6,9 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.procedural.optics.capillary import GRAVITY, capillary_length
 from glassware.procedural.optics.medium import Medium
-from glassware.procedural.vessels.curve import Curve, arc, chained
-from glassware.procedural.vessels.liquid import RIM_MARGIN, brimful_volume, level_of_volume, volume_below
-from glassware.procedural.vessels.liquid_surface import LEAST_ANGLE, Surface, most_volume, surface_of_volume
+from glassware.procedural.profiles.curve import Curve, arc, chained
+from glassware.procedural.profiles.liquid import RIM_MARGIN, brimful_volume, level_of_volume, volume_below
+from glassware.procedural.profiles.liquid_surface import LEAST_ANGLE, Surface, most_volume, surface_of_volume
 
 CHORD = 15e-6
 ANGLE = float(np.radians(25.0))

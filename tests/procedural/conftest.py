@@ -1,4 +1,4 @@
-"""Vessels that several tests of this folder look at."""
+"""Vessels that several tests of vessels and profiles look at."""
 
 from __future__ import annotations
 

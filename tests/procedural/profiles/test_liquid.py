@@ -6,7 +6,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.description.scene import liquid_solid
-from glassware.procedural.vessels.liquid import (
+from glassware.procedural.profiles.liquid import (
     RIM_MARGIN,
     brimful_volume,
     highest_contact,

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.procedural.vessels.curve import MAX_LENGTH, MAX_TURN, Curve, arc, simplified
+from glassware.procedural.profiles.curve import MAX_LENGTH, MAX_TURN, Curve, arc, simplified
 
 
 def test_a_simplified_arc_keeps_its_chords_within_the_tolerance():

@@ -19,7 +19,7 @@ from ..optics.capillary import Meniscus, capillary_length, meniscus
 from ..optics.medium import Medium
 from ..optics.wetting import contact_angle
 from .curve import Curve, directions, simplified
-from .interfaces import CONTACT_MERGE, normal_at
+from .cuts import CONTACT_MERGE, normal_at
 from .liquid import highest_contact, level_of_volume, volume_below
 
 #: Smallest angle at which a surface meets the wall [rad], and its distance from a half turn at the other end. A facet

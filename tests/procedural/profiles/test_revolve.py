@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from glassware.core.mesh import as_trimesh
-from glassware.procedural.vessels.curve import Curve, arc
-from glassware.procedural.vessels.revolve import revolved, segments_for, unit_circle
+from glassware.procedural.profiles.curve import Curve, arc
+from glassware.procedural.profiles.revolve import revolved, segments_for, unit_circle
 
 
 def _closed(curve: Curve) -> Curve:

@@ -1,0 +1,77 @@
+"""The files of a view that are written on request (``--write``), and what each takes on the disk.
+
+Every view has ``camera.json``, ``labels.json``, ``left.png``, ``right.png``, ``geometry.exr`` and ``instances.png``:
+pictures, depth, normals, ids, masks, poses and boxes, with which networks are trained. The rest is many times larger:
+
+==============  ============================================================================
+``radiance``    ``left.exr`` and ``right.exr``: linear radiance
+``noisy``       the same files: radiance before the denoiser; in part the same numbers, so it takes less
+``layers``      ``layers.exr``: every surface along the straight rays
+``refraction``  ``refraction.exr``: end points of refracted rays
+==============  ============================================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Annotated, Literal, get_args
+
+from pydantic import BeforeValidator
+
+from ...core.setting_errors import shortened, suggest
+
+FileKind = Literal["radiance", "noisy", "layers", "refraction"]
+KINDS: tuple[FileKind, ...] = get_args(FileKind)
+#: Words that stand for every kind and for none.
+ALL, NONE = "all", "none"
+#: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of two
+#: pairs of preset `standard`, seed 7 (640x480 px, 32 samples, 3 vessels, 7 props).
+VIEW_BYTES = 5.1
+KIND_BYTES: dict[str, float] = {"radiance": 22.4, "noisy": 14.5, "layers": 6.1, "refraction": 11.0}
+#: Description and meshes of a scene [bytes]: of the same scene.
+SCENE_BYTES = 4.2e6
+#: Pixels of the pictures for which help texts give sizes.
+_SHOWN_PIXELS = 640 * 480
+
+
+def parse_kinds(value: object) -> tuple[str, ...]:
+    """Return kinds from a list, or from a text such as ``radiance,layers``, ``all`` or ``none``.
+
+    Raises
+    ------
+    ValueError
+        Where one is unknown; the line lists the known ones.
+    """
+    words = value.split(",") if isinstance(value, str) else value
+    if not isinstance(words, list | tuple) or not all(isinstance(word, str) for word in words):
+        raise ValueError(f"expected {_expected()}, found {shortened(value)}")
+    if list(words) in ([ALL], [NONE]):
+        return KINDS if words[0] == ALL else ()
+    for word in words:
+        if word in (ALL, NONE):
+            raise ValueError(f"expected {word} by itself, found {','.join(words)}")
+        if word not in KINDS:
+            raise ValueError(f"expected {_expected()}{suggest(word, [*KINDS, ALL, NONE])}, found {shortened(word)}")
+    return tuple(kind for kind in KINDS if kind in words)
+
+
+#: Kinds of files, as a field of a request or of a file.
+FileKinds = Annotated[tuple[str, ...], BeforeValidator(parse_kinds)]
+
+
+def pair_bytes(width: int, height: int, files: Collection[str]) -> float:
+    """Return what a stereo pair with its labels is likely to take [bytes]; noisier pictures take more."""
+    return width * height * (VIEW_BYTES + sum(KIND_BYTES[kind] for kind in files))
+
+
+def costs() -> str:
+    """Return what each kind takes, for help texts."""
+    each = ", ".join(f"{kind} {KIND_BYTES[kind] * _SHOWN_PIXELS / 1e6:.1f}" for kind in KINDS)
+    return (
+        "Files of each view beside pictures, depth, normals, ids, camera and labels, which take "
+        f"{VIEW_BYTES * _SHOWN_PIXELS / 1e6:.1f} MB a pair of 640x480 px; more [MB]: {each}; or all; none by default"
+    )
+
+
+def _expected() -> str:
+    return f"some of {', '.join(KINDS)}, or {ALL}, or {NONE}"

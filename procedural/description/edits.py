@@ -1,0 +1,90 @@
+"""Changes of a scene's objects, each checked: identities, poses, and places that no other body takes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import InputError
+from ...core.mesh import Mesh, joined
+from ...core.pose import check_rigid
+from ..placement.overlap import ALLOWANCE, Solid, overlap
+from .bodies import Prop, SceneObject
+
+#: What the name of a mesh, and so of its file, does not hold.
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
+
+
+def solid_of(item: SceneObject) -> Solid:
+    """Return a body as others meet it, in the world frame: glass with its liquid, or a prop."""
+    if isinstance(item, Prop):
+        return in_world(item.mesh, item.world_T_object)
+    outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
+    return in_world(joined(outer, f"{item.name}-body"), item.world_T_object)
+
+
+def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
+    """Return a mesh in the world frame."""
+    return Solid(mesh.vertices.astype(np.float64) @ world_T_mesh[:3, :3].T + world_T_mesh[:3, 3], mesh.faces)
+
+
+def check_above_table(name: str, solid: Solid) -> None:
+    """Refuse a body that reaches below the table's top."""
+    lowest = float(solid.points[:, 2].min())
+    if lowest < -ALLOWANCE:
+        raise InputError(name, "an object above the table's top (z = 0)", f"{-1e3 * lowest:.1f} mm below it")
+
+
+def check_apart(name: str, solid: Solid, other: str, another: Solid) -> None:
+    """Refuse two bodies that overlap."""
+    if overlap(solid, another):
+        raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
+
+
+def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
+    """Refuse an object with the name of another one, in the table, or in another object."""
+    for other in others:
+        if other.name == item.name:
+            raise InputError(f"{item.name}, name", "one of its own", "that of another object in the scene")
+    solid = solid_of(item)
+    check_above_table(item.name, solid)
+    for other in others:
+        check_apart(item.name, solid, other.name, solid_of(other))
+
+
+def moved(item: SceneObject, world_T_object: object) -> SceneObject:
+    """Return an object in another pose; InputError where that is no rigid (4, 4) matrix."""
+    where = f"{item.name}, world_T_object"
+    try:
+        pose = np.array(world_T_object, dtype=np.float64)
+    except (TypeError, ValueError):
+        pose = np.zeros(0)
+    if pose.shape != (4, 4) or not np.isfinite(pose).all():
+        raise InputError(where, "a 4x4 matrix of finite numbers", f"an array of shape {pose.shape}")
+    check_rigid(where, pose)
+    pose.setflags(write=False)
+    return item.model_copy(update={"world_T_object": pose})
+
+
+def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject:
+    """Return an object whose id and meshes' names no other object has: free ones where they are taken."""
+    ids = {other.id for other in others}
+    if item.id in ids:
+        item = item.model_copy(update={"id": max(ids) + 1})
+    if not {mesh.name for mesh in _meshes(item)} & {mesh.name for other in others for mesh in _meshes(other)}:
+        return item
+    stem = _NOT_IN_NAMES.sub("_", item.name)
+    if isinstance(item, Prop):
+        return item.model_copy(update={"mesh": replace(item.mesh, name=stem)})
+    parts = tuple(
+        part.model_copy(update={"mesh": replace(part.mesh, name=f"{stem}-{part.part.replace('_', '-')}")})
+        for part in item.interfaces
+    )
+    return item.model_copy(update={"interfaces": parts})
+
+
+def _meshes(item: SceneObject) -> list[Mesh]:
+    return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
