@@ -78,6 +78,15 @@ def test_lines_are_short_except_in_tables(path: Path) -> None:
     assert [line for line in lines if len(line) > LONGEST_LINE and not line.startswith("|")] == []
 
 
+def test_the_everyday_script_has_at_most_twelve_lines_and_one_import_of_ours() -> None:
+    text = (REPOSITORY / "docs" / "guide.md").read_text("utf-8").partition("### Changed copies")[2]
+    lines = [line for line in FENCED.findall(text)[0].splitlines() if line.strip()]
+    assert len(lines) <= 12
+    assert [line for line in lines if "import" in line] == ["import glassware as gw"]
+    for step in ("load_scene", "with_glass", "with_dye", "with_camera", "Renderer", "save_png", "masks", ".Z"):
+        assert any(step in line for line in lines), step
+
+
 def test_every_dependency_has_a_row_with_its_reason() -> None:
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
     required = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]

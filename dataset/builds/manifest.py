@@ -30,6 +30,7 @@ from ..format.layout import MANIFEST
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
 Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
+_SINGLE_FILES = ("cameras.poses", "vessels.media")
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
@@ -67,10 +68,10 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
     }
-    if settings.cameras.poses is not None:
-        found["cameras.poses", settings.cameras.poses.name] = settings.cameras.poses
-    if settings.vessels.media is not None:
-        found["vessels.media", settings.vessels.media.name] = settings.vessels.media
+    for name, path in _single_files(settings).items():
+        if not path.is_file():
+            raise InputError(path, f"the file of {name}", "none")
+        found[name, path.name] = path
     return found
 
 
@@ -130,10 +131,16 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
     write_atomically(root / MANIFEST, json_text(manifest.model_dump(mode="json")).encode())
 
 
+def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
+    """Return the files that settings name one by one, by the names of the settings."""
+    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
+    return {name: path for name, path in files.items() if path is not None}
+
+
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
-    files = {"cameras.poses": settings.cameras.poses, "vessels.media": settings.vessels.media}
-    if folder in files:
-        return Path(files[folder] or name).with_name(name)
+    single = {str(setting): path for setting, path in _single_files(settings).items()}
+    if folder in _SINGLE_FILES:
+        return single.get(folder, Path(name)).with_name(name)
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
-from ...core.quantities import volume_text
+from ...core.arguments import as_path
+from ...core.units import volume_text
 from ...procedural.optics.catalogue import glasses, liquids
 from ...procedural.optics.draw import liquid_names
 from ...procedural.optics.dyes import DYES, Dye
 from ...procedural.optics.medium import Medium
+from ...procedural.optics.own_media import read_media
 from ...procedural.vessels.families import FAMILIES, Family
 from ...procedural.vessels.settings import VesselSettings
 from ...procedural.vessels.sizes import NOMINAL, volumes_of
@@ -27,14 +30,27 @@ class Catalogue:
     families: dict[str, Family]  #: vessels: heights, radii and walls [m], by name
     volumes: dict[str, tuple[float, float]]  #: smallest and largest nominal volume of each family [m^3]
     presets: tuple[str, ...]  #: names of presets
+    own: dict[str, Medium] = field(default_factory=dict)  #: media of a file of one's own, by name
 
     def __repr__(self) -> str:
         """Return a table of everything, to print."""
         return "\n".join(_lines(self))
 
 
-def catalogue() -> Catalogue:
-    """Return what the toolkit has: glasses, liquids, dyes, families of vessels, presets."""
+def catalogue(media: Path | str | None = None) -> Catalogue:
+    """Return what the toolkit has: glasses, liquids, dyes, families of vessels, presets.
+
+    Parameters
+    ----------
+    media : Path or str, optional
+        YAML file of own media, as `vessels.media` names it, which become `Catalogue.own`.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read, or has an impossible medium.
+    """
+    own = {} if media is None else {medium.name: medium for medium in read_media(as_path("catalogue: media", media))}
     settings, limits = VesselSettings(), {}
     for name in FAMILIES:
         low, high = volumes_of(settings, name)
@@ -48,6 +64,7 @@ def catalogue() -> Catalogue:
         families={str(name): family for name, family in FAMILIES.items()},
         volumes=limits,
         presets=tuple(preset_names()),
+        own=own,
     )
 
 
@@ -57,6 +74,9 @@ def _lines(found: Catalogue) -> Iterator[str]:
     yield "liquids (vessels.liquids, with_liquid): refractive index at 588 nm"
     yield from (f"  {name:26}{medium.eta:.4f}" for name, medium in found.liquids.items())
     yield f"  drawn with random parts: {', '.join(found.mixtures)}; N % sugar solution, N up to 60"
+    if found.own:
+        yield "own media"
+        yield from (f"  {name:26}{medium.eta:.4f}" for name, medium in found.own.items())
     yield "dyes (vessels.dyes, with_dye): concentrations in drinks [kg/m^3]"
     yield from (f"  {n:26}{dye.concentrations[0]:g} to {dye.concentrations[1]:g}" for n, dye in found.dyes.items())
     yield "families (vessels.categories): heights [mm], and nominal volumes as drawn without vessels.volume"

@@ -7,7 +7,7 @@ import numpy as np
 from ...core.arguments import number
 from ...core.errors import InputError
 from ...core.mesh import Mesh
-from ...core.quantities import parsed_volume, volume_text
+from ...core.units import volume, volume_text
 from ..optics.medium import Medium
 from ..optics.wetting import contact_angle
 from ..profiles.curve import Curve
@@ -59,9 +59,9 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(update={"liquid": None, "interfaces": dry_interfaces(outer, inner, **common)})
-    volume = _volume(vessel, inner, medium, fill)
+    amount = _volume(vessel, inner, medium, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
-    surface = surface_of_volume(inner, volume, medium, chord_error, vessel.glass)
+    surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
     interfaces = wet_interfaces(outer, inner, surface.top, liquid=medium, **common)
     return vessel.model_copy(update={"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces})
 
@@ -80,18 +80,17 @@ def _volume(vessel: Vessel, inner: Curve, medium: Medium, fill: float | str | No
     where, brimful = f"{vessel.name}, fill", brimful_volume(inner.points)
     most = most_volume(inner, medium, vessel.glass)
     if fill is None:
-        volume = HALF_FULL * brimful if vessel.liquid is None else vessel.liquid.volume
         # The same volume of a liquid that climbs higher may need a little more room.
-        return min(volume, most)
+        return min(HALF_FULL * brimful if vessel.liquid is None else vessel.liquid.volume, most)
     if isinstance(fill, str):
         try:
-            volume = parsed_volume(fill)
+            wanted = volume(fill)
         except ValueError as error:
             raise InputError(where, *str(error).removeprefix("expected ").split(", found ", 1)) from error
-        if volume > most:
+        if wanted > most:
             limit = f"at most {volume_text(most)} (below the rim of a vessel of {volume_text(brimful)})"
             raise InputError(where, limit, fill)
-        return volume
+        return wanted
     fraction = number(where, fill, 0.0, 1.0)
     if not 0.0 < fraction * brimful <= most:
         raise InputError(where, f"more than 0 and at most {most / brimful:.3f} (below the rim)", fraction)

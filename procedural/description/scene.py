@@ -32,7 +32,7 @@ from .bodies import Liquid as Liquid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, moved, with_free_id
+from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
 from .picture import Picture
 from .surroundings import AreaLight, Environment, Table
@@ -200,7 +200,7 @@ class Scene(Model):
     def add(self, *bodies: SceneObject) -> Scene:
         """Return a copy with more bodies (`procedural.primitives.bodies` makes them).
 
-        A body whose id another one has gets the next free id.
+        A body whose id, or the names of whose meshes, another one has gets free ones.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class Scene(Model):
         for body in bodies:
             check_type("add", body, (GlassBody, Prop), "bodies: vessels, other glass bodies, or props")
             check_place(body, objects)
-            objects.append(with_free_id(body, objects))
+            objects.append(made_unique(body, objects))
         return self._with_objects(objects)
 
     def _object(self, name: str) -> SceneObject:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,9 @@ DEPTH = 0.5
 def frame():
     """A frame by hand: a plane across the view, on which two objects are seen."""
     glass = catalogue()["fused silica"]
-    bodies = [slab((0.01,) * 3, glass, (x, 0.0, 0.1), id=2 + k, name=f"tile-{k}") for k, x in enumerate((0.0, 0.2))]
+    bodies = [
+        slab((0.01, 0.01, 0.01), glass, (x, 0.0, 0.1), id=2 + k, name=f"tile-{k}") for k, x in enumerate((0.0, 0.2))
+    ]
     made = scene(bodies, [camera((0.0, -0.4, 0.3), width=8, height=6)])
     ids = np.zeros((6, 8), np.uint16)
     ids[2:4, 1:3], ids[2:4, 5:7] = 2, 3
@@ -51,14 +55,22 @@ def test_points_lie_at_their_depth_and_in_the_world(frame):
     np.testing.assert_allclose(points(frame, "world"), seen @ pose[:3, :3].T + pose[:3, 3], atol=1e-12)
 
 
+def _wrong(function: Any, *arguments: Any) -> Any:
+    """Call a function with arguments that its types do not allow."""
+    return function(*arguments)
+
+
 @pytest.mark.parametrize(
     ("call", "line"),
     [
-        (lambda f: masks(f, "amodal"), "masks: kind: expected one of visible, seen, silhouette, found 'amodal'"),
-        (lambda f: masks("out"), "masks: view: expected a Frame or Labels, found 'out'"),
+        (
+            lambda f: _wrong(masks, f, "amodal"),
+            "masks: kind: expected one of visible, seen, silhouette, found",
+        ),
+        (lambda f: _wrong(masks, "out"), "masks: view: expected a Frame or Labels, found 'out'"),
         (lambda f: masks(Labels(objects=()), "visible"), "masks: kind: expected seen or silhouette, which labels hold"),
-        (lambda f: points(f, "table"), "points: coordinates: expected 'camera' or 'world', found 'table'"),
-        (lambda f: points(None), "points: frame: expected a Frame, found None"),
+        (lambda f: _wrong(points, f, "table"), "points: coordinates: expected 'camera' or 'world', found 'table'"),
+        (lambda f: _wrong(points, None), "points: frame: expected a Frame, found None"),
     ],
 )
 def test_what_is_no_view_is_one_line(frame, call, line):

@@ -116,3 +116,18 @@ def test_the_poses_of_cameras_and_the_tables_own_pictures_are_in_it_as_well(asse
     poses.unlink()
     with pytest.raises(InputError, match=re.escape(str(poses))):
         manifest.check_unchanged(stamps)
+
+
+def test_the_file_of_own_media_is_pinned(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    path = tmp_path / "media.yaml"
+    path.write_text("syrup: {index: 1.43}\n", "utf-8")
+    settings = SceneSettings.model_validate({"vessels": {"media": path, "liquids": "syrup"}})
+    kept = manifest.scan(settings)
+    assert [(item.folder, item.path) for item in kept.files] == [("vessels.media", "media.yaml")]
+    path.write_text("syrup: {index: 1.44}\n", "utf-8")
+    with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the asset as manifest.json has it"):
+        manifest.check_manifest(kept, manifest.scan(settings), settings)
+    path.unlink()
+    with pytest.raises(InputError, match=re.escape(str(path)) + ": expected the file of vessels.media, found none"):
+        manifest.scan(settings)

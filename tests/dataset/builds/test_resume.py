@@ -97,7 +97,7 @@ def test_the_head_says_what_the_scenes_were_made_from(undisturbed):
     [
         (("--scenes", "5:5"), "expected ranges that hold a scene, at most 999999, found '5:5'"),
         (("--scenes", "all"), "expected scenes such as 0:2000 or 3,7,10:20, found 'all'"),
-        ((), "--scenes: expected scenes such as 0:2000, found none"),
+        ((), "--scenes: expected scenes such as 0:2000, or --count 2000, found none"),
         (("--scenes", "0:3", "--shard", "4/3"), "--shard: expected i/n with i from 1 to n, such as 1/3, found '4/3'"),
         (("--scenes", "0:3", "--workers", "0"), "workers: expected greater than or equal to 1, found 0"),
         (("--scenes", "0:3", "--address", "auto"), "address: expected --executor ray with it"),

@@ -5,7 +5,7 @@ import pytest
 
 from glassware.core.errors import InputError
 from glassware.core.images import srgb8
-from glassware.dataset.format.pictures import read_png, write_png
+from glassware.dataset.format.pictures import read_png, save_png, write_png
 
 
 def test_srgb_has_the_values_of_its_standard():
@@ -51,3 +51,27 @@ def test_a_picture_cut_short_is_refused(tmp_path, rng):
 def test_other_pictures_are_not_written(tmp_path):
     with pytest.raises(ValueError, match="uint16"):
         write_png(tmp_path / "a.png", np.zeros((4, 4), np.float32))
+
+
+def test_radiance_is_saved_as_its_camera_shows_it(tmp_path, rng):
+    radiance = rng.random((4, 5, 3)).astype(np.float32)
+    save_png(tmp_path / "a.png", radiance, exposure=0.5)
+    np.testing.assert_array_equal(read_png(tmp_path / "a.png"), srgb8(radiance, 0.5))
+    picture = srgb8(radiance, 1.0)
+    save_png(str(tmp_path / "b.png"), picture)
+    np.testing.assert_array_equal(read_png(tmp_path / "b.png"), picture)
+
+
+@pytest.mark.parametrize(
+    ("name", "picture", "exposure", "line"),
+    [
+        ("a.png", np.zeros((4, 5)), 1.0, "save_png: picture: expected radiance or 8-bit colours of shape (H, W, 3)"),
+        ("a.png", "b.png", 1.0, "save_png: picture: expected a Frame, or an array of shape (H, W, 3), found 'b.png'"),
+        ("a.png", np.zeros((4, 5, 3)), 0.0, "save_png: exposure: expected a number from "),
+        ("absent/a.png", np.zeros((4, 5, 3)), 1.0, "absent/a.png: expected a file that can be written, found none"),
+    ],
+)
+def test_what_cannot_be_saved_is_one_line(tmp_path, name, picture, exposure, line):
+    with pytest.raises(InputError) as error:
+        save_png(tmp_path / name, picture, exposure)
+    assert line in str(error.value)

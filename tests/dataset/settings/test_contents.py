@@ -26,3 +26,12 @@ def test_the_catalogue_prints_every_name_with_its_figures():
     for name in (*catalogue().glasses, *catalogue().dyes, *CATEGORIES, *catalogue().presets, "olive oil"):
         assert name in text
     assert "  water                     1.3330" in text.splitlines()
+
+
+def test_own_media_are_in_the_catalogue_of_their_file(tmp_path):
+    path = tmp_path / "media.yaml"
+    path.write_text("syrup: {index: 1.43}\n", "utf-8")
+    found = catalogue(path)
+    assert found.own["syrup"].eta == 1.43
+    assert "  syrup                     1.4300" in str(found).splitlines()
+    assert not catalogue().own

@@ -14,6 +14,7 @@ from glassware.core.json_file import json_text
 from glassware.core.mesh import Mesh, as_trimesh
 from glassware.procedural.description.scene import Scene, Vessel, glass_solid, liquid_solid
 from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.scene_file import load_scene, save_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.table import outline
 from glassware.render.renderer import Renderer
@@ -162,3 +163,17 @@ def test_a_bare_table_is_a_scene():
     assert scene.objects == ()
     assert len(scene.cameras) == 5
     assert trimesh.Trimesh(scene.table.mesh.vertices, scene.table.mesh.faces).bounds[1, 2] == 0.0
+
+
+def test_a_scene_with_own_media_is_stored_whole(tmp_path):
+    path = tmp_path / "media.yaml"
+    path.write_text("syrup: {index: 1.43, absorption: [1.0, 2.0, 9.0]}\nmy glass: {index: 1.6}\n", "utf-8")
+    vessels = {"media": path, "liquids": "syrup", "glasses": "my glass", "fill": "80ml", "fill_probability": 1.0}
+    few = {"vessel_count": (1, 1), "prop_count": (0, 0), "environment": {"room_share": 0.0}}
+    scene = draw_scene(SceneSettings.model_validate(few | {"vessels": vessels}), 4, 0)
+    save_scene(scene, tmp_path / "scene.json")
+    path.unlink()
+    (vessel,) = load_scene(tmp_path / "scene.json").vessels
+    assert vessel.liquid is not None
+    assert (vessel.glass.eta, vessel.liquid.medium.eta, vessel.liquid.medium.sigma_a) == (1.6, 1.43, (1.0, 2.0, 9.0))
+    assert vessel.liquid == scene.vessels[0].liquid
