@@ -113,7 +113,7 @@ def _their_colours(mesh: trimesh.Trimesh) -> np.ndarray:
             colour / 255.0 if colour.max() > 1.0 or np.asarray(diffuse).dtype == np.uint8 else colour,
             (len(mesh.faces), 1),
         )
-    if isinstance(visual, trimesh.visual.ColorVisuals) and visual.defined:
+    if visual is not None and visual.kind in ("face", "vertex"):
         return srgb_to_linear(np.asarray(visual.face_colors, np.float32)[:, :3] / 255.0)
     return np.full((len(mesh.faces), 3), np.nan)
 
