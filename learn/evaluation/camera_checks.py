@@ -18,6 +18,8 @@ from ..data.views import CameraView
 _MIDDLE = (0.3, 0.7)
 #: Distances between cameras that look at one table [m]: nearer ones see no parallax, farther ones are in another unit.
 _LEAST_BASELINE, _MOST_BASELINE = 1e-3, 5.0
+#: A baseline of stereo cameras and of neighbouring views [m]: 0.03 to 0.3.
+_USUAL_BASELINE = 0.1
 #: Cosine beyond which an axis counts as upward [1]: 6 degrees above the horizon.
 _UPWARD = 0.1
 #: Angle between optical axes from which the place where they meet is well known [rad]: 6 degrees.
@@ -63,8 +65,9 @@ def _check_baselines(views: Sequence[CameraView], paths: Sequence[Path]) -> None
         found = f"a baseline of {1e3 * away.max():.3g} mm, so no parallax (are both images from one view?)"
         raise InputError(where, f"another camera at least {1e3 * _LEAST_BASELINE:g} mm away", found)
     if away.max() > _MOST_BASELINE:
-        factor, unit = (1e-2, "centimetres") if away.max() * 1e-3 < 5e-3 else (1e-3, "millimetres")
-        found = f"a baseline of {away.max():.4g} m (in {unit} it would be {away.max() * factor:.3g} m)"
+        units = {"centimetres": 1e-2, "millimetres": 1e-3}
+        unit = min(units, key=lambda name: abs(np.log(away.max() * units[name] / _USUAL_BASELINE)))
+        found = f"a baseline of {away.max():.4g} m (in {unit} it would be {away.max() * units[unit]:.3g} m)"
         raise InputError(where, f"poses in metres, cameras at most {_MOST_BASELINE:g} m apart", found)
 
 

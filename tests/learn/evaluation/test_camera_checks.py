@@ -47,7 +47,7 @@ def test_poses_in_another_unit_are_refused(factor, unit) -> None:
 
 @pytest.mark.parametrize("other", [TWO, BESIDE])
 def test_opengls_axes_are_refused_for_converging_and_parallel_cameras(other) -> None:
-    with pytest.raises(InputError, match="expected OpenCV's axes .*, found .*negate the second and the third column"):
+    with pytest.raises(InputError, match=r"expected OpenCV's axes .*, found .*negate the second and the third column"):
         checked(ONE @ GL, other @ GL)
 
 
