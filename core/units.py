@@ -1,4 +1,4 @@
-"""Quantities as text with a unit, such as ``12cm`` or ``30deg``: one table of suffixes, and a reader per dimension.
+"""Quantities as text with a unit, such as ``12cm``, ``30deg`` or ``150ml``: a table of suffixes, and their readers.
 
 A new unit is a row of `SUFFIXES`; a new dimension is a value of `Dimension`, its examples, and a function such as
 `length`. The readers are validators of settings: whatever is no text with a suffix is returned as it is, for whoever
@@ -15,9 +15,9 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 from pydantic.fields import FieldInfo
 
-Dimension = Literal["length", "angle"]
+Dimension = Literal["length", "angle", "volume"]
 
-#: Suffix -> what it measures, and the factor to the unit of the settings: metres, radians.
+#: Suffix -> what it measures, and the factor to the unit of the settings: metres, radians, cubic metres.
 SUFFIXES: dict[str, tuple[Dimension, float]] = {
     "m": ("length", 1.0),
     "cm": ("length", 1e-2),
@@ -26,11 +26,18 @@ SUFFIXES: dict[str, tuple[Dimension, float]] = {
     "rad": ("angle", 1.0),
     "deg": ("angle", math.pi / 180.0),
     "°": ("angle", math.pi / 180.0),
+    "ml": ("volume", 1e-6),
+    "mL": ("volume", 1e-6),
+    "cl": ("volume", 1e-5),
+    "dl": ("volume", 1e-4),
+    "l": ("volume", 1e-3),
+    "L": ("volume", 1e-3),
 }
 #: What an error line shows of each dimension.
 EXAMPLES: dict[Dimension, str] = {
     "length": "a length in m, cm or mm, such as 0.4m, 12cm or 55mm",
     "angle": "an angle in deg or rad, such as 30deg or 0.5rad",
+    "volume": "a volume in ml, cl or l, such as 150ml or 0.5l",
 }
 #: The number is an atomic group: no digit of a plain number can be taken for a suffix.
 _QUANTITY = re.compile(
@@ -79,8 +86,30 @@ def angle(value: object) -> object:
     return quantity(value, "angle")
 
 
+def volume(value: object) -> float:
+    """Return a volume [m^3], such as 1.5e-4 for ``150ml``; it always has its unit behind it.
+
+    Raises
+    ------
+    ValueError
+        Where it is no text with a unit of volume, or not above 0: ``expected ..., found ...``.
+    """
+    found = quantity(value, "volume")
+    if found is value or not isinstance(found, float) or not 0.0 < found < math.inf:
+        raise ValueError(f"expected {EXAMPLES['volume']}, found {str(value)[:40]!r}")
+    return found
+
+
+def volume_text(cubic_metres: float) -> str:
+    """Return a volume as people write it, rounded to four digits: ``250ml``, ``1.5l``."""
+    litres = cubic_metres / SUFFIXES["l"][1]
+    return f"{1e3 * litres:.4g}ml" if litres < 1.0 else f"{litres:.4g}l"
+
+
 def shown(value: float, dimension: Dimension) -> str:
     """Return a quantity as error lines show it, such as ``0.5 m`` or ``0.5236 rad (30deg)``."""
+    if dimension == "volume":
+        return volume_text(value)
     if dimension == "length":
         return f"{value:.6g} m"
     return f"{value:.6g} rad ({degrees(value)})" if value else "0 rad"

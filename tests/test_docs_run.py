@@ -70,7 +70,7 @@ NOT_RUN = {
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
-    ".venv/bin/python examples/": "takes minutes and has no smaller size; its options are compared with its --help",
+    ".venv/bin/python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
@@ -182,8 +182,23 @@ def write_inputs(folder: Path) -> None:
         (folder / name).parent.mkdir(exist_ok=True)
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
-    (folder / "meshes").mkdir()
-    trimesh.creation.icosphere(subdivisions=1, radius=0.03).export(folder / "meshes" / "ball.ply")
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=0.03)
+    for name in (
+        "meshes/ball.ply",
+        "shapenet/03797390/10f6e09036350e92b3f21f1137c3c347/models/model_normalized.obj",
+        "gso/Toy_Block/meshes/model.obj",
+        "gso/Toy_Block/metadata.pbtxt",
+        "ycb/025_mug/google_16k/textured.obj",
+        "ycb/025_mug/poisson/nontextured.ply",
+        "bop/models/obj_000001.ply",
+        "objaverse/glbs/000-000/0123456789abcdef0123456789abcdef.glb",
+    ):
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix == ".pbtxt":
+            path.write_text("")
+        else:
+            (ball.copy().apply_scale(1000.0) if name.startswith("bop") else ball).export(path)
     # A beaker in millimetres: 70 wide, 90 high, walls of 2.
     profile = np.array([(0, 0), (35, 0), (35, 90), (33, 90), (33, 2), (0, 2)], float)
     trimesh.creation.revolve(profile, sections=64).export(folder / "beaker.obj")
@@ -202,7 +217,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def out(inputs: Path, backend: str) -> Path:
-    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` has all files as well."""
+    """A small data set of one scene, as `render-scene --seed 7 --out out` makes it; `out-all` has all files."""
     with contextlib.chdir(inputs):
         assert run(smaller(["render-scene", "--seed", "7", "--out", "out"])) == (0, "")
         assert run(smaller(["render-scene", "--seed", "7", "--out", "out-all", "--write", "all"])) == (0, "")

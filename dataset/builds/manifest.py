@@ -21,6 +21,7 @@ from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
+from ...procedural.materials.surface_files import SURFACE_SUFFIXES
 from ...procedural.own_vessels.files import vessel_files
 from ...procedural.props.mesh_files import MESH_SUFFIXES
 from ...procedural.scene.settings import SceneSettings
@@ -60,16 +61,17 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     Raises InputError for an unusable folder.
     """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
-        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
+        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
-        ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
-        ("table.texture_dir", settings.table.texture_dir, PICTURE_SUFFIXES, True),
+        ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
+        ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
     )
     found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
+        if path.exists()  # a link to nothing is passed over
     }
     if settings.vessel_dir is not None:
         found |= {("vessel_dir", file.name): file.path for file in vessel_files(settings.vessel_dir)}
@@ -136,15 +138,16 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
     write_atomically(root / MANIFEST, json_text(manifest.model_dump(mode="json")).encode())
 
 
-def _single_files(settings: SceneSettings) -> dict[str, Path]:
+def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
     files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 
 
 def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
+    single = {str(setting): path for setting, path in _single_files(settings).items()}
     if folder in _SINGLE_FILES:
-        return _single_files(settings).get(folder, Path(name)).with_name(name)
+        return single.get(folder, Path(name)).with_name(name)
     if folder == "vessel_dir" and settings.vessel_dir is not None and settings.vessel_dir.is_file():
         return settings.vessel_dir
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}

@@ -43,8 +43,8 @@ class Need:
 
 def estimated(root: Path, settings: SceneSettings, files: FileKinds, scenes: int) -> Need:
     """Return what scenes are likely to take, from their settings alone."""
-    cameras = settings.cameras
-    each = pair_bytes(cameras.width, cameras.height, files) + SCENE_BYTES / cameras.views
+    cameras, size = settings.cameras, settings.cameras.intrinsics()
+    each = pair_bytes(size.width, size.height, files) + SCENE_BYTES / cameras.views
     return Need(scenes, scenes * cameras.views, each, free_space(root))
 
 

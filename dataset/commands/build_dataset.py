@@ -17,7 +17,7 @@ from .build_request import BuildDataset
 _DESCRIPTION = """Build a data set of many labelled scenes. The same command again resumes a build that was stopped.
 
   build-dataset --scenes 0:20 --seed 1 --workers 2 --out data
-  build-dataset --scenes 0:2000 --seed 1 --preset standard --config mine.yaml --shard 1/4 --out part-1
+  build-dataset --scenes 0:2000 --seed 1 --config mine.yaml --shard 1/4 --out part-1
 
 Settings are those of render-scene: a preset, then a YAML file (--config), then these options."""
 
@@ -31,8 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _build_dataset(arguments: Sequence[str]) -> None:
     request = parse_request(BuildDataset, arguments, "build-dataset", _DESCRIPTION)
     scenes, cameras = _requested_scenes(request), request.settings.cameras
+    size = cameras.intrinsics()
     console = Console()
-    each = f"{counted(cameras.views, 'stereo view')} of {cameras.width}x{cameras.height} px each"
+    each = f"{counted(cameras.views, 'stereo view')} of {size.width}x{size.height} px each"
     line = f"{request.out}: {counted(len(scenes), 'scene')} of seed {request.seed}, {each}"
     console.print(line, markup=False, highlight=False, soft_wrap=True)
     # Loaded here: it takes longer than the user should wait for the first line.

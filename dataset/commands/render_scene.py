@@ -30,10 +30,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _render_scene(arguments: Sequence[str]) -> None:
     request = parse_request(RenderScene, arguments, "render-scene", _DESCRIPTION)
     cameras = request.settings.cameras
+    size = cameras.intrinsics()
     progress = SceneProgress(Console())
     with progress.display():
         views = counted(cameras.views, "stereo view")
-        progress.step(f"scene {request.scene} of seed {request.seed}: {views} of {cameras.width}x{cameras.height} px")
+        progress.step(f"scene {request.scene} of seed {request.seed}: {views} of {size.width}x{size.height} px")
         # Loaded here: it takes longer than the user should wait for the first line.
         from .scene_work import made_scene
 

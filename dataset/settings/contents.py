@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...core.arguments import as_path
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ...procedural.optics.catalogue import glasses, liquids
 from ...procedural.optics.draw import liquid_names
 from ...procedural.optics.dyes import DYES, Dye

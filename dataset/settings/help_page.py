@@ -11,11 +11,17 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from ...core.units import Dimension
 from .common_options import COMMON
 from .options import SHORT, Option, Section, sections, switch_names
 
 #: Options that ask for help.
 HELP, HELP_ALL = ("--help", "-h"), "--help-all"
+#: How quantities are typed, by their dimension.
+_QUANTITIES: dict[Dimension, str] = {
+    "length": "a number with its unit, such as 0.4m, 12cm or 55mm, or of metres",
+    "angle": "a number with its unit, such as 30deg or 0.5rad, or of radians",
+}
 #: Widest page [characters]: longer lines are hard to read.
 WIDEST = 100
 #: Width of the column of names; a longer name has its description below it [characters].
@@ -70,7 +76,9 @@ def _page(
     rest = [] if not short else [("--help-all", f"all {count} options")]
     rest += [("--help", "this page" if not short else "these options"), ("--version", "the version")]
     lines += [Text(), Text("help", style="bold"), _rows(rest)]
-    return lines
+    forms = " ".join(option.form for section in shown for option in section.options)
+    notes = [f"{kind.upper()}: {text}." for kind, text in _QUANTITIES.items() if kind.upper() in forms]
+    return [*lines, *([Text(), Text(" ".join(notes))] if notes else [])]
 
 
 def _flowing(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 import tyro
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from ...core.units import Dimension, degrees, dimension_of
 
 #: Annotates a field of settings whose name is left out, in options (``--cameras.views``) as in YAML files.
 FLAT = tyro.conf.arg(name="")
@@ -116,16 +117,16 @@ def _default(field: FieldInfo, default: BaseModel | None, name: str) -> object:
 
 
 def _option(name: str, field: FieldInfo, value: object) -> Option:
-    positional = tyro.conf.Positional in field.metadata
-    kind, description = field.annotation, field.description or ""
+    positional, dimension = tyro.conf.Positional in field.metadata, dimension_of(field)
     words = next((item.words for item in field.metadata if isinstance(item, Words)), ())
+    form = "{" + ",".join(words) + "}" if words else form_of(field.annotation)
     return Option(
         name=name.upper() if positional else "--" + name.replace("_", "-"),
-        form="{" + ",".join(words) + "}" if words else form_of(kind),
-        default="" if positional or field.is_required() else default_text(value, description),
-        description=description,
-        choices=words or _choices(kind),
-        switch=kind is bool,
+        form=form.replace(_FORMS[float], dimension.upper()) if dimension else form,
+        default="" if positional or field.is_required() else default_text(value, dimension),
+        description=field.description or "",
+        choices=words or _choices(field.annotation),
+        switch=field.annotation is bool,
     )
 
 
@@ -147,18 +148,17 @@ def form_of(kind: Any) -> str:
     return next((form for base, form in _FORMS.items() if isinstance(kind, type) and issubclass(kind, base)), "VALUE")
 
 
-def default_text(value: object, description: str = "") -> str:
-    """Return a default value in words, "" for none; of an angle in radians, in degrees as well."""
+def default_text(value: object, dimension: Dimension | None = None) -> str:
+    """Return a default value as one would type it, "" for none: of an angle in degrees, such as ``30deg``."""
     if value is None or value == () or value == "":
         return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    numbers = value if isinstance(value, tuple | list) else (value,)
-    text = " ".join(map(_plain, numbers))
-    angles = [math.degrees(one) for one in numbers if isinstance(one, int | float)]
-    if "[rad]" in description and len(angles) == len(numbers):
-        return f"{text} rad, {' '.join(f'{one:.4g}' for one in angles)} degrees"
-    return text
+    values = value if isinstance(value, tuple | list) else (value,)
+    if dimension == "angle":
+        return " ".join(degrees(one) if isinstance(one, int | float) else str(one) for one in values)
+    text = " ".join(map(_plain, values))
+    return f"{text} m" if dimension == "length" else text
 
 
 def _plain(value: object) -> str:

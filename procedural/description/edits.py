@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +13,9 @@ from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
 from ..placement.overlap import ALLOWANCE, Solid, overlap
 from .bodies import Prop, SceneObject
+
+#: What the name of a mesh, and so of its file, does not hold.
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
 
 def solid_of(item: SceneObject) -> Solid:
@@ -64,7 +69,22 @@ def moved(item: SceneObject, world_T_object: object) -> SceneObject:
     return item.model_copy(update={"world_T_object": pose})
 
 
-def with_free_id(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject:
-    """Return an object with its id, or with the next free one where another object has it."""
+def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject:
+    """Return an object whose id and meshes' names no other object has: free ones where they are taken."""
     ids = {other.id for other in others}
-    return item if item.id not in ids else item.model_copy(update={"id": max(ids) + 1})
+    if item.id in ids:
+        item = item.model_copy(update={"id": max(ids) + 1})
+    if not {mesh.name for mesh in _meshes(item)} & {mesh.name for other in others for mesh in _meshes(other)}:
+        return item
+    stem = _NOT_IN_NAMES.sub("_", item.name)
+    if isinstance(item, Prop):
+        return item.model_copy(update={"mesh": replace(item.mesh, name=stem)})
+    parts = tuple(
+        part.model_copy(update={"mesh": replace(part.mesh, name=f"{stem}-{part.part.replace('_', '-')}")})
+        for part in item.interfaces
+    )
+    return item.model_copy(update={"interfaces": parts})
+
+
+def _meshes(item: SceneObject) -> list[Mesh]:
+    return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]

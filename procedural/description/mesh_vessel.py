@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, turned, volume_of
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ..cavities.cut import Parts
 from ..cavities.interior import Interior, filled, interior_of, most_volume
 from ..optics.medium import AIR, Medium

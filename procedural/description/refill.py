@@ -7,7 +7,7 @@ import numpy as np
 from ...core.arguments import number
 from ...core.errors import InputError
 from ...core.mesh import Mesh
-from ...core.quantities import parsed_volume, volume_text
+from ...core.units import volume, volume_text
 from ..optics.medium import Medium
 from ..optics.wetting import contact_angle
 from ..profiles.curve import Curve
@@ -60,9 +60,9 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(update={"liquid": None, "interfaces": dry_interfaces(outer, inner, **common)})
     most = most_volume(inner, medium, vessel.glass)
-    volume = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
+    amount = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
-    surface = surface_of_volume(inner, volume, medium, chord_error, vessel.glass)
+    surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
     interfaces = wet_interfaces(outer, inner, surface.top, liquid=medium, **common)
     return vessel.model_copy(update={"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces})
 
@@ -95,18 +95,17 @@ def wanted_volume(vessel: GlassBody, brimful: float, most: float, fill: float | 
     """
     where = f"{vessel.name}, fill"
     if fill is None:
-        volume = HALF_FULL * brimful if vessel.liquid is None else vessel.liquid.volume
         # The same volume of a liquid that climbs higher may need a little more room.
-        return min(volume, most)
+        return min(HALF_FULL * brimful if vessel.liquid is None else vessel.liquid.volume, most)
     if isinstance(fill, str):
         try:
-            volume = parsed_volume(fill)
+            wanted = volume(fill)
         except ValueError as error:
             raise InputError(where, *str(error).removeprefix("expected ").split(", found ", 1)) from error
-        if volume > most:
+        if wanted > most:
             limit = f"at most {volume_text(most)} (below the rim of a vessel of {volume_text(brimful)})"
             raise InputError(where, limit, fill)
-        return volume
+        return wanted
     fraction = number(where, fill, 0.0, 1.0)
     if not 0.0 < fraction * brimful <= most:
         raise InputError(where, f"more than 0 and at most {most / brimful:.3f} (below the rim)", fraction)

@@ -31,14 +31,14 @@ from .bodies import GlassBody, Prop, SceneObject, Vessel
 from .bodies import Interface as Interface
 from .bodies import Liquid as Liquid
 from .bodies import MeshVessel as MeshVessel
+from .bodies import Origin as Origin
+from .bodies import PropPart as PropPart
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, moved, with_free_id
+from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
-from .mesh_vessel import refilled_mesh
 from .picture import Picture
-from .refill import refilled, with_wall
 from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
@@ -108,6 +108,8 @@ class Scene(Model):
         medium = glass_named(glass) if isinstance(glass, str) else glass
         body = self._body(name)
         if isinstance(body, Vessel):
+            from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
+
             return self._with_body(with_wall(body, medium, roughness))
         return self._with_body(body.with_media(glass=medium, roughness=roughness))
 
@@ -137,8 +139,13 @@ class Scene(Model):
             raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
         check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
         medium = liquid_named(liquid) if isinstance(liquid, str) else liquid
+        # Here, as these load SciPy, and the settings import this module.
         if isinstance(body, MeshVessel):
+            from .mesh_vessel import refilled_mesh
+
             return self._with_body(refilled_mesh(body, medium, fill))
+        from .refill import refilled
+
         return self._with_body(refilled(body, medium, fill))
 
     def with_dye(self, name: str, dye: str, concentration: float) -> Scene:
@@ -212,7 +219,7 @@ class Scene(Model):
     def add(self, *bodies: SceneObject) -> Scene:
         """Return a copy with more bodies (`procedural.primitives.bodies` makes them).
 
-        A body whose id another one has gets the next free id.
+        A body whose id, or the names of whose meshes, another one has gets free ones.
 
         Raises
         ------
@@ -223,7 +230,7 @@ class Scene(Model):
         for body in bodies:
             check_type("add", body, (GlassBody, Prop), "bodies: vessels, other glass bodies, or props")
             check_place(body, objects)
-            objects.append(with_free_id(body, objects))
+            objects.append(made_unique(body, objects))
         return self._with_objects(objects)
 
     def _object(self, name: str) -> SceneObject:
@@ -290,6 +297,6 @@ def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
 
 def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
-        return [item.material]
+        return [piece.material for piece in item.pieces]
     media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
     return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]

@@ -4,26 +4,27 @@
 
     elderflower syrup:
       index: 1.43
-      colour: {rgb: [0.92, 0.86, 0.55], depth: 0.05}
+      colour: {rgb: [0.92, 0.86, 0.55], depth: 5cm}
       density: 1210
       surface_tension: 0.07
-      contact_angle: 0.4
+      contact_angle: 25deg
 
 What is given becomes a `Medium` of the catalogue's form, which a stored scene holds whole.
 """
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
-from scipy.optimize import least_squares
 
 from ...core.errors import InputError
 from ...core.model import Model, Rgb
 from ...core.setting_errors import setting_error, shortened
+from ...core.units import ANGLE, Length
 from ...core.user_text import usable_text
 from ...core.yaml_file import yaml_settings
 from .catalogue import catalogue
@@ -50,6 +51,7 @@ _COLOUR_NODES = (450.0, 540.0, 610.0)
 _Index = Annotated[float, Field(ge=LEAST_INDEX, le=MOST_INDEX)]
 _Absorption = Annotated[float, Field(ge=0.0, le=MOST_ABSORPTION)]
 _Wavelength = Annotated[float, Field(ge=200.0, le=2500.0)]
+_ContactAngle = Annotated[float, Field(ge=0.0, le=math.pi), ANGLE]
 _Channel = Annotated[float, Field(gt=0.0, le=1.0)]
 
 
@@ -94,7 +96,7 @@ class ColourAtDepth(Model):
     """White light after a stretch of the medium."""
 
     rgb: tuple[_Channel, _Channel, _Channel] = Field(description="Linear Rec.709, relative to the light [1]")
-    depth: float = Field(gt=0.0, le=10.0, description="Length of the stretch [m]")
+    depth: Length = Field(gt=0.0, le=10.0, description="Length of the stretch [m]")
 
 
 class OwnMedium(Model):
@@ -111,7 +113,7 @@ class OwnMedium(Model):
     colour: ColourAtDepth | None = None
     density: float | None = Field(default=None, gt=0.0, le=25_000.0, description="[kg/m^3]")
     surface_tension: float | None = Field(default=None, gt=0.0, le=1.0, description="Liquids: against air [N/m]")
-    contact_angle: float | None = Field(default=None, ge=0.0, le=3.1416, description="Liquids: on glass [rad]")
+    contact_angle: _ContactAngle | None = Field(default=None, description="Liquids: on glass [rad]")
     source: str = Field(default="a file of own media", description="Where the constants come from")
 
     @model_validator(mode="after")
@@ -262,6 +264,8 @@ def _spectrum_of(sigma_a: Rgb, depth: float) -> tuple[Absorber, ...]:
 
     start = np.maximum(np.array(sigma_a[::-1]), 1e-3 / depth)
     scale = start.max()
+    from scipy.optimize import least_squares  # here, as it takes a third of a second to load
+
     found = least_squares(
         lambda x: transmitted_rgb(absorbers(x * scale), depth) - wanted, start / scale, bounds=(0.0, np.inf)
     )

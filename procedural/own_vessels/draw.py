@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ..cavities.interior import interior_of, most_volume
 from ..description.bodies import MeshVessel
 from ..description.mesh_vessel import mesh_vessel, refilled_mesh

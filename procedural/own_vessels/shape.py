@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -120,9 +119,3 @@ def is_round(solid: Mesh) -> bool:
         if np.quantile(cKDTree(some).query(everything.data)[0], _ALIKE) > reach:
             return False
     return True
-
-
-def check_own(files: Iterable[VesselFile], settings: VesselSettings) -> None:
-    """Read every file once, to refuse a bad one before any scene is drawn; InputError names the file."""
-    for file in files:
-        own_shape(file, settings)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
 from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
@@ -14,6 +14,7 @@ from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
+from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
 from ..vessels.media import draw_media
@@ -58,6 +59,9 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
+    environment = with_shipped_light(
+        stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
+    )
     pixels = bake_environment(environment)
     far = reach(settings.cameras, space, files.poses)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
@@ -97,7 +101,7 @@ def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, fil
 
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
-) -> list[Prop]:
+) -> list[Prop | GlassBody]:
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
@@ -127,6 +131,6 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(item, Prop):
-        return resting_pose(item.mesh, rng)
+    if not isinstance(item, Vessel | MeshVessel):
+        return resting_pose(body_mesh(item), rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

@@ -57,10 +57,12 @@ def save_scene(scene: Scene, path: Path | str, assets_dir: Path | None = None) -
     Raises
     ------
     InputError
-        Where an asset is missing or has changed since the scene was drawn.
+        Where an asset is missing or has changed since the scene was drawn, or the scene contradicts itself
+        (`validate.check_scene`).
     """
     check_type("save_scene: scene", scene, Scene, "a Scene")
     path = as_path("save_scene: path", path)
+    check_scene(scene)
     assets_dir = path.parent / ASSETS_FOLDER if assets_dir is None else assets_dir
     meshes: dict[str, Mesh] = {}
     stored = _with_assets(scene, lambda item: _store_asset(item, assets_dir, path))
@@ -106,6 +108,8 @@ def _mesh_digest(mesh: Mesh) -> str:
     digest = hashlib.sha256(mesh.name.encode())
     for array in (mesh.vertices, mesh.faces, mesh.normals, mesh.uv):
         digest.update(b"none" if array is None else array.tobytes())
+    if mesh.colours is not None:
+        digest.update(mesh.colours.tobytes())
     return digest.hexdigest()
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from ...core.quantities import parsed_volume, volume_text
+from ...core.units import volume, volume_text
 
 Limits = tuple[float, float]
 
@@ -52,14 +52,14 @@ def _volumes(value: object) -> object:
         raise ValueError(f"expected a volume such as 250ml, or two, found {value!r}")
     texts = _volume_texts(pair)
     for text in texts:
-        if not LEAST_VOLUME <= round(parsed_volume(text), 9) <= MOST_VOLUME:
+        if not LEAST_VOLUME <= volume(text) <= MOST_VOLUME:
             limits = f"{volume_text(LEAST_VOLUME)} to {volume_text(MOST_VOLUME)}"
             raise ValueError(f"expected {limits}, found {text}")
     return texts
 
 
 def _volume_texts(pair: tuple[object, ...]) -> tuple[str, ...]:
-    volumes = [parsed_volume(item) for item in pair]
+    volumes = [volume(item) for item in pair]
     texts = tuple(str(item).replace(" ", "") for item in pair)
     _check_order(volumes, texts)
     return texts
@@ -89,5 +89,5 @@ def fill_fractions(fill: tuple[float | str, ...]) -> Limits:
 
 def volume_limits(texts: tuple[str, ...]) -> Limits:
     """Return a range of volumes [m^3]."""
-    low, high = (parsed_volume(text) for text in texts)
+    low, high = (volume(text) for text in texts)
     return low, high

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.errors import InputError
-from ...core.quantities import volume_text
 from ..description.scene import Vessel
 from ..optics.medium import Medium
 from ..profiles.curve import Curve
@@ -76,7 +74,13 @@ def draw_vessel(
     def build(stream: np.random.Generator, height: float, radius: float) -> VesselShape:
         return _built(stream, settings, FAMILIES[category], height, radius)
 
-    built = shape_that_holds(rng, settings, category, (size[0], size[1]), wanted, build)
+    def takes(shape: VesselShape) -> bool:
+        if wanted.filled is None or liquid_medium is None:
+            return True
+        least, most = _volume_limits(shape.inner, liquid_medium, glass)
+        return least <= wanted.filled <= most
+
+    built = shape_that_holds(rng, settings, category, (size[0], size[1]), wanted, build, takes)
     filling = _draw_filling(rng, settings, built.inner, glass, liquid_medium, wanted.filled)
     roughness = _draw_roughness(rng, settings)
     return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
@@ -133,15 +137,15 @@ def _draw_filling(
     filled, fill = rng.random() < settings.fill_probability, rng.uniform(*fill_fractions(settings.fill))
     if medium is None or not filled:
         return None
-    brimful = brimful_volume(inner.points)
+    if volume is not None:
+        return Filling(medium, volume)
+    return Filling(medium, float(np.clip(fill * brimful_volume(inner.points), *_volume_limits(inner, medium, glass))))
+
+
+def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, float]:
+    """Return the volumes of a liquid of `LEAST_DEPTH` and up to the rim [m^3]."""
     least = volume_below(inner.points, float(inner.points[0, 1]) + LEAST_DEPTH)
-    most = most_volume(inner, medium, glass)
-    if volume is None:
-        return Filling(medium, float(np.clip(fill * brimful, least, most)))
-    if not least <= volume <= most:
-        limits = f"{volume_text(least)} to {volume_text(most)} (a depth of 4 mm, and below the rim)"
-        raise InputError("vessels.fill", f"{limits} in a vessel of {volume_text(brimful)}", volume_text(volume))
-    return Filling(medium, volume)
+    return least, most_volume(inner, medium, glass)
 
 
 def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:

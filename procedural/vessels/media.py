@@ -11,7 +11,7 @@ from ...core.weighted import weights_of
 from ..optics.draw import LIQUID_WEIGHTS, NO_MEDIA, draw_dyed, draw_glass, draw_liquid
 from ..optics.medium import Medium
 from ..optics.own_media import read_media
-from .settings import Category, VesselSettings, check_media_names
+from .settings import Category, VesselSettings, check_dissolving, unknown_media
 from .wall_materials import draw_wall_material
 
 
@@ -26,11 +26,11 @@ def own_media(settings: VesselSettings) -> dict[str, Medium]:
     if settings.media is None:
         return {}
     found = {medium.name: medium for medium in read_media(settings.media)}
-    try:
-        check_media_names(settings, tuple(found))
-    except ValueError as error:
-        place, _, text = str(error).partition(": expected ")
-        raise InputError(f"vessels.{place}", *text.split(", found ", 1)) from error
+    unknown = unknown_media(settings, tuple(found))
+    for field, (expected, names) in unknown.items():
+        others = [f"; vessels.{other}: {wrong[1]}" for other, wrong in unknown.items() if other != field]
+        raise InputError(f"vessels.{field}", f"{expected}", names + "".join(others))
+    check_dissolving(settings)
     return found
 
 

@@ -8,12 +8,15 @@ side as straight, linear, accelerating, polynomial or sinusoidal.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import polynomial
-from scipy.interpolate import BPoly
 
 from ..profiles.curve import Curve
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BPoly
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,8 @@ class Outline:
 
     def _blends(self) -> list[BPoly]:
         """Quintic Hermite bridges over the joints: value, slope and curvature agree at both of their ends."""
+        from scipy.interpolate import BPoly  # here, as it takes a third of a second to load
+
         bridges = []
         for below, above, half in zip(self.pieces[:-1], self.pieces[1:], self.joints, strict=True):
             ends = [below.high - half, below.high + half]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from ..profiles.liquid import brimful_volume
 from .build import VesselShape
 from .families import Limits
@@ -54,11 +54,12 @@ def shape_that_holds(
     size: tuple[float, float],
     wanted: WantedVolume,
     build: Build,
+    takes: Callable[[VesselShape], bool] = lambda shape: True,
 ) -> VesselShape:
     """Return a shape that has a wanted brimful volume, or room for a wanted filling; any shape where both are free.
 
     Where a shape has no room inside its wall, or cannot be scaled to the volume within the settings' heights and radii,
-    others of the same family are drawn.
+    others of the same family are drawn; also where `takes` says that a shape does not take the liquid as it wets.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def shape_that_holds(
             if wanted == WantedVolume():
                 return shape
             volume = brimful_volume(shape.inner.points)
-            if _holds(volume, wanted):
+            if _holds(volume, wanted) and takes(shape):
                 return shape
             target = wanted.brimful or wanted.filled or 1.0
             nearest = min((nearest or volume, volume), key=lambda found: abs(np.log(found / target)))
@@ -140,11 +141,14 @@ def _refusal(settings: VesselSettings, category: Category, wanted: WantedVolume,
     sizes += f"{settings.radius[1]:g} m"
     if not nearest:
         return InputError("vessels.wall, vessels.base", f"walls that leave room in a {category} with {sizes}", "none")
-    factor = NOMINAL.get(category, 1.0)
-    if wanted.brimful is not None:
+    factor, amount = NOMINAL.get(category, 1.0), wanted.filled or 0.0
+    if wanted.brimful is not None and abs(nearest / wanted.brimful - 1.0) > VOLUME_TOLERANCE:
         expected = f"{volume_text(nearest * factor)}, the nearest that a {category} with {sizes} can have"
         return InputError("vessels.volume", expected, volume_text(wanted.brimful * factor))
-    amount = wanted.filled or 0.0
+    if wanted.brimful is not None:
+        expected = "more than a film on the floor" if amount < 0.5 * nearest else "a level below the rim"
+        where = f"in a {category} of {volume_text(nearest * factor)}, whose brim is at {volume_text(nearest)}"
+        return InputError("vessels.fill", f"{expected} {where}", volume_text(amount))
     most = amount > MOST_FILL * nearest
     limit = f"at {'most' if most else 'least'} {volume_text((MOST_FILL if most else LEAST_FILL) * nearest)}"
     return InputError("vessels.fill", f"{limit} in a {category} with {sizes}", volume_text(amount))

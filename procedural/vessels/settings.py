@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ...core.model import Model, Ordered
-from ...core.quantities import volume_text
-from ...core.units import LENGTH, Length
+from ...core.units import LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
-from .amounts import Filled, Volumes, fill_volumes, volume_limits
+from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
@@ -31,6 +30,8 @@ _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
 #: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
 #: below the rim, whatever the vessel's shape.
 LEAST_FILL, MOST_FILL = 0.05, 0.9
+#: Factor that absorbs the rounding of products of volumes.
+ROUNDING = 1.0 + 1e-9
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
@@ -43,6 +44,9 @@ class VesselSettings(Model):
         description="Families to draw from, equally likely or by weights (beaker=2); those that cannot have the given "
         "sizes are skipped",
         json_schema_extra={"range": f"one or more of {', '.join(CATEGORIES)}"},
+    )
+    media: UserPath | None = Field(
+        default=None, description="YAML file of own media: index, absorption or colour, capillary constants"
     )
     glasses: Weighted | None = Field(
         default=None,
@@ -65,9 +69,6 @@ class VesselSettings(Model):
     dye_concentration: Annotated[tuple[_Concentration, _Concentration], Ordered] | None = Field(
         default=None,
         description="Concentration of `dyes`, within 1e-5 and 1000; by default that of drinks [kg/m^3]",
-    )
-    media: UserPath | None = Field(
-        default=None, description="YAML file of own media: index, absorption or colour, capillary constants"
     )
     volume: Volumes | None = Field(
         default=None,
@@ -129,6 +130,13 @@ class VesselSettings(Model):
         check_names(weights_of(categories), CATEGORIES)
         return categories
 
+    @field_validator("glasses", "liquids")
+    @classmethod
+    def _known_media(cls, names: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        if info.data.get("media") is None:  # with own media, `media.own_media` knows the names
+            check_names(_plain_names(names), media_names(str(info.field_name)))
+        return names
+
     @field_validator("dyes")
     @classmethod
     def _known_dyes(cls, dyes: tuple[str, ...] | None) -> tuple[str, ...] | None:
@@ -137,40 +145,52 @@ class VesselSettings(Model):
 
     @model_validator(mode="after")
     def _fit_together(self) -> VesselSettings:
-        if self.media is None:  # with own media, `media.chosen_media` knows the names
-            check_media_names(self, ())
+        if self.media is None:
+            check_dissolving(self)
         if self.dye_concentration is not None and self.dyes is None:
             raise ValueError("dye_concentration: expected dyes with it, found none")
         volumes = fill_volumes(self.fill)
         if volumes is not None and self.volume is not None:
-            most = MOST_FILL * volume_limits(self.volume)[0]
-            if volumes[1] > most * (1.0 + 1e-9):
-                limit = f"at most {volume_text(most)} ({100 * MOST_FILL:.0f} % of vessels.volume {self.volume[0]})"
-                raise ValueError(f"fill: expected {limit}, found {self.fill[1]}")
+            _check_filling(volumes, volume_limits(self.volume), self)
         return self
 
 
-def check_media_names(settings: VesselSettings, own: tuple[str, ...]) -> None:
-    """Raise ValueError, ``field: expected ..., found ...``, for glasses or liquids that nobody knows.
+def _check_filling(filled: Limits, nominal: Limits, settings: VesselSettings) -> None:
+    """Raise ValueError where a liquid's volumes do not fit into vessels of all nominal volumes [m^3]."""
+    most, least = MOST_FILL * nominal[0], LEAST_FILL * nominal[1]
+    smallest, largest = (settings.volume or ("", ""))[:2]
+    if filled[1] > most * ROUNDING:
+        limit = f"at most {volume_text(most)} ({100 * MOST_FILL:.0f} % of vessels.volume {smallest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[1]}")
+    if filled[0] * ROUNDING < least:
+        limit = f"at least {volume_text(least)} ({100 * LEAST_FILL:.0f} % of vessels.volume {largest})"
+        raise ValueError(f"fill: expected {limit}, found {settings.fill[0]}")
 
-    Parameters
-    ----------
-    settings : VesselSettings
-        The settings.
-    own : tuple of str
-        Names of own media.
-    """
-    faults: dict[str, tuple[str, str]] = {}
-    for field, known in (("glasses", [*own, *glass_names()]), ("liquids", [*own, *liquid_names()])):
-        names = [name for name in weights_of(getattr(settings, field) or ()) if not is_sugar_solution(name)]
-        if (wrong := unknown_names(names, known)) is not None:
-            faults[field] = wrong
-    if faults:
-        expected = "; ".join(wrong[0] for wrong in faults.values())
-        raise ValueError(f"{', '.join(faults)}: expected {expected}, found {', '.join(w[1] for w in faults.values())}")
+
+def media_names(field: str, own: tuple[str, ...] = ()) -> list[str]:
+    """Return the names that the setting `glasses` or `liquids` may have, those of own media first."""
+    return [*own, *(glass_names() if field == "glasses" else liquid_names())]
+
+
+def unknown_media(settings: VesselSettings, own: tuple[str, ...]) -> dict[str, tuple[str, str]]:
+    """Return what was expected and what was found in each of `glasses` and `liquids` that has unknown names."""
+    found = {
+        field: unknown_names(_plain_names(getattr(settings, field)), media_names(field, own))
+        for field in ("glasses", "liquids")
+    }
+    return {field: wrong for field, wrong in found.items() if wrong is not None}
+
+
+def check_dissolving(settings: VesselSettings) -> None:
+    """Raise ValueError where there are dyes, and no liquid that dissolves them."""
     liquids = weights_of(settings.liquids or ())
     if settings.dyes and liquids and not any(dissolves_dyes(name) for name in liquids):
         raise ValueError(f"dyes: expected a liquid that dissolves them, found {', '.join(liquids)}")
+
+
+def _plain_names(entries: tuple[str, ...] | None) -> list[str]:
+    """Return the names of entries without their weights, and without sugar solutions, which any number names."""
+    return [name for name in weights_of(entries or ()) if not is_sugar_solution(name)]
 
 
 def family_weights(settings: VesselSettings) -> dict[Category, float]:

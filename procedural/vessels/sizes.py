@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.quantities import volume_text
+from ...core.units import volume_text
 from .amounts import fill_volumes, volume_limits
 from .families import FAMILIES, Family, Limits
 from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings, family_weights

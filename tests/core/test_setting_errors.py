@@ -49,3 +49,21 @@ def test_a_wrong_option_is_said_with_what_was_typed(option, line):
     with pytest.raises(InputError) as error:
         parse_request(RenderScene, option.split(), "render-scene", "")
     assert line in str(error.value)
+
+
+def test_all_unknown_names_are_said_at_once_with_the_nearest_known_ones():
+    vessels = {"liquids": ["watr"], "dyes": ["tartrazin"], "glasses": ["glas"]}
+    with pytest.raises(InputError) as error:
+        validated(SceneSettings, {"vessels": vessels, "picture": {"light": "paht"}}, "draw")
+    line = str(error.value)
+    assert line.count("expected one of ") == 3
+    for words in ("vessels.liquids: ", "'watr' (is it water?)", "'tartrazin' (is it tartrazine?)", "(is it path?)"):
+        assert words in line
+    with pytest.raises(InputError) as error:
+        validated(SceneSettings, {"vessls": {}, "cameras": {"viewz": 2}}, "draw")
+    said = str(error.value)
+    assert "cameras.viewz (is it cameras.views?)" in said
+    assert "vessls (is it vessels?)" in said
+    with pytest.raises(InputError) as error:
+        parse_request(RenderScene, ["--veiws", "3", "--colour", "blue"], "render-scene", "")
+    assert str(error.value).endswith("found --veiws (is it --views?), --colour")

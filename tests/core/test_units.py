@@ -1,4 +1,4 @@
-"""Lengths and angles with their units."""
+"""Lengths, angles and volumes with their units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from pydantic import Field, ValidationError
 
 from glassware.core.model import Model, Ordered
-from glassware.core.units import ANGLE, Angle, Length, angle, degrees, dimension_of, length
+from glassware.core.units import ANGLE, Angle, Length, angle, degrees, dimension_of, length, volume, volume_text
 
 
 @pytest.mark.parametrize(
@@ -82,3 +82,27 @@ def test_a_limit_that_is_broken_is_said_with_its_unit():
 def test_angles_are_shown_in_degrees():
     assert degrees(math.pi / 6) == "30deg"
     assert degrees(0.01) == "0.573deg"
+
+
+@pytest.mark.parametrize(
+    ("text", "cubic_metres"),
+    [("150ml", 1.5e-4), ("15 cl", 1.5e-4), ("1.5dl", 1.5e-4), ("0.15l", 1.5e-4), (".5L", 5e-4), ("1e3mL", 1e-3)],
+)
+def test_a_volume_has_its_unit_behind_it(text, cubic_metres):
+    assert volume(text) == cubic_metres
+
+
+@pytest.mark.parametrize(
+    "value", ["150", "ml", "-1ml", "0ml", "1 gallon", "1ml2", "", "1,5l", "nanml", 150, None, "5cm"]
+)
+def test_what_is_no_volume_is_refused(value):
+    with pytest.raises(ValueError, match=r"^expected a volume in ml, cl or l, such as 150ml or 0.5l, found "):
+        volume(value)
+
+
+@pytest.mark.parametrize(
+    ("cubic_metres", "text"), [(2.5e-4, "250ml"), (1.5e-3, "1.5l"), (1e-3, "1l"), (3.14159e-5, "31.42ml")]
+)
+def test_a_volume_is_shown_in_four_digits(cubic_metres, text):
+    assert volume_text(cubic_metres) == text
+    assert volume(text) == pytest.approx(cubic_metres, rel=1e-3)

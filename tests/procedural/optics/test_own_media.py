@@ -44,7 +44,8 @@ def test_an_index_is_a_number_terms_or_a_table(read):
 
 
 def test_a_colour_at_a_depth_is_what_light_has_behind_it_in_rgb_and_by_wavelength(read):
-    (medium,) = read("tea: {index: 1.333, colour: {rgb: [0.7, 0.35, 0.1], depth: 0.05}}").values()
+    (medium,) = read("tea: {index: 1.333, colour: {rgb: [0.7, 0.35, 0.1], depth: 5cm}, contact_angle: 25deg}").values()
+    assert medium.contact_angle == pytest.approx(np.radians(25.0), rel=1e-12)
     np.testing.assert_allclose(np.exp(-0.05 * np.array(medium.sigma_a)), [0.7, 0.35, 0.1], atol=1e-12)
     np.testing.assert_allclose(transmitted_rgb(medium.absorbers, 0.05), [0.7, 0.35, 0.1], atol=COLOUR_TOLERANCE)
     assert (absorption(medium, np.arange(380.0, 781.0, 5.0)) >= 0.0).all()
@@ -101,7 +102,12 @@ def test_an_own_medium_is_stored_whole_and_others_as_before(read):
         ("a: {index: 1.3, absorption: [1, -2, 3]}", "absorption.channels.1: expected greater than or equal to 0"),
         ("a: {index: 1.3, absorption: {400: 1, 500: -1}}", "absorption.table.500"),
         ("a: {index: 1.3, colour: {rgb: [1, 0, 1], depth: 1}}", "a: colour.rgb.1: expected greater than 0, found 0"),
-        ("a: {index: 1.3, colour: {rgb: [1, 1, 1], depth: 0}}", "a: colour.depth: expected greater than 0, found 0"),
+        (
+            "a: {index: 1.3, colour: {rgb: [1, 1, 1], depth: 0}}",
+            "a: colour.depth: expected greater than 0 m, found 0 m",
+        ),
+        ("a: {index: 1.3, contact_angle: 25}", "contact_angle: expected less than or equal to 3.14159 rad (180deg)"),
+        ("a: {index: 1.3, contact_angle: 5cm}", "contact_angle: expected an angle in deg or rad"),
         (
             "a: {index: 1.3, absorption: 1, colour: {rgb: [1, 1, 1], depth: 1}}",
             "expected absorption or colour, found both",

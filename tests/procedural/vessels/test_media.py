@@ -63,10 +63,8 @@ def test_own_media_are_drawn_by_their_names(tmp_path):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (
-            {"glasses": ["led crystal"], "liquids": ["watr"]},
-            "found 'led crystal' (is it lead crystal?), 'watr' (is it water?)",
-        ),
+        ({"glasses": ["led crystal", "glas"]}, "found 'led crystal' (is it lead crystal?), 'glas'"),
+        ({"liquids": {"watr": 2, "glycerin": 1}}, "found 'watr' (is it water?), 'glycerin' (is it glycerol?)"),
         ({"dyes": ["tartrazin"]}, "found 'tartrazin' (is it tartrazine?)"),
         ({"dyes": ["tartrazine"], "liquids": ["olive oil"]}, "dyes: expected a liquid that dissolves them"),
         ({"dye_concentration": (0.1, 0.2)}, "dye_concentration: expected dyes with it, found none"),
