@@ -374,7 +374,8 @@ def provide(page: str, *data_sets: tuple[Path, str]) -> None:
 
 @ignore_copy
 @pytest.mark.parametrize("page", [page for page in PYTHON_PAGES if page != "building.md"])
-def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Path, here: Path) -> None:
+def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, inputs: Path, out: Path, here: Path) -> None:
+    shutil.copy(inputs / "beaker.obj", here)
     provide(page, (out, "out"), (out.with_name("out-all"), "out-all"))
     assert list(failing(page, [*PYTHON_NOT_RUN, *PYTHON_SLOW])) == []
 
@@ -383,8 +384,9 @@ def test_the_python_of_a_page_works_and_prints_what_it_shows(page: str, out: Pat
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PYTHON_PAGES)
 def test_the_python_of_a_page_works_on_a_scene_with_an_irradiance_cache_as_well(
-    page: str, out_shared: Path, data: Path, here: Path
+    page: str, inputs: Path, out_shared: Path, data: Path, here: Path
 ) -> None:
+    shutil.copy(inputs / "beaker.obj", here)
     provide(page, (out_shared, "out"), (out_shared, "out-all"), (data, "data"))
     assert list(failing(page, PYTHON_NOT_RUN)) == []
 
