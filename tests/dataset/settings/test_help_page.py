@@ -22,7 +22,7 @@ from glassware.learn.training.settings import TrainSettings
 BIN = Path(sys.executable).parent
 REQUESTS = {"render-scene": RenderScene, "build-dataset": BuildDataset}
 #: A short form that one reads at a glance has about this many options.
-FEW = 25
+FEW = 26
 
 
 @pytest.mark.parametrize("prog", REQUESTS)
