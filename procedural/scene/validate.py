@@ -222,6 +222,12 @@ def _check_liquid(body: GlassBody) -> None:
 
 def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
     """Refuse a record of a liquid that differs from its surface, or from what the vessel's profile holds."""
+    if isinstance(body, MeshVessel):
+        heights = np.unique(surface.vertices[:, 2])  # one of each cavity
+        if np.abs(heights - liquid.level).min() > SIZE_TOLERANCE:
+            expected = f"that of its surface, {heights[0]:.4f} m"
+            raise InputError(f"{body.name}, liquid, level", expected, f"{liquid.level:.4f} m")
+        return
     radii = np.hypot(*surface.vertices[:, :2].T)
     stated = {"contact": liquid.contact, "centre": liquid.centre}
     found = {"contact": surface.vertices[radii.argmax(), 2], "centre": surface.vertices[radii.argmin(), 2]}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 import glassware as gw
 from glassware.annotate.keypoints import keypoints
@@ -88,3 +89,19 @@ def test_vessels_of_the_families_stay_as_they_were_without_a_folder(file: Path) 
     plain = gw.draw(5, **settings)
     none_of_files = gw.draw(5, vessel_dir=str(file), vessels={"unit": "mm", "file_probability": 0.0}, **settings)
     assert scene_digest(plain) == scene_digest(none_of_files)
+
+
+def test_a_cup_on_its_saucer_has_two_levels(tmp_path: Path) -> None:
+    saucer = [(0, 0), (60, 0), (60, 20), (58, 20), (58, 4), (30, 4)]
+    cup = [(30, 80), (28, 80), (28, 8), (0, 8)]
+    path = tmp_path / "cup.stl"
+    trimesh.creation.revolve(np.array(saucer + cup, float), sections=48).export(path)
+    scene = drawn(path)
+    vessel = scene.vessels[0]
+    assert isinstance(vessel, MeshVessel)
+    assert len(vessel.cavities) == 2
+    assert vessel.liquid is not None
+    check_scene(scene)
+    wrong = vessel.model_copy(update={"liquid": vessel.liquid.model_copy(update={"level": 0.0})})
+    with pytest.raises(gw.InputError, match="level"):
+        check_scene(scene.model_copy(update={"vessels": (wrong,)}))
