@@ -28,7 +28,7 @@ from ..builds.plan import Plan, plan_build
 from ..builds.scheduler import Executor, Result, run
 from ..builds.space import Need, dataset_size, estimated, measured, space_error
 from ..format import layout
-from ..format.dataset_file import DatasetFile, digest_of, new_head
+from ..format.dataset_file import DatasetFile, digest_of, new_head, with_files
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.scene_ranges import format_scenes, parse_scenes
@@ -64,7 +64,7 @@ def build(request: BuildDataset, scenes: Sequence[int], console: Console, argume
             say(f"starting {counted(request.workers, 'worker')}")
             with _executor(request, _worker_config(request, root, manifest)) as executor:
                 head = _head(request, manifest, executor.worker_info())
-                head = head.model_copy(update={"findings": files.findings})
+                head = with_files(head, files)
                 head = prepare_output(root, head, scenes, request.overwrite)
                 write_manifest(root, manifest)
                 plan = _plan(request, root, scenes, say)

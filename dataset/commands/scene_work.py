@@ -11,7 +11,7 @@ from ...render.frame import LightCheck
 from ...render.renderer import Renderer
 from ..builds.space import folder_size
 from ..format import layout
-from ..format.dataset_file import installed_versions, new_head, read_head
+from ..format.dataset_file import installed_versions, new_head, read_head, with_files
 from ..format.pictures import write_png
 from ..output_checks import check_output
 from ..pipeline import write_scene
@@ -39,7 +39,7 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     with stopwatch.stage("inputs"):
         files = asset_files(settings, progress.checking)
     progress.say_all(report(files.findings))
-    head = head.model_copy(update={"findings": files.findings})
+    head = with_files(head, files)
     if request.scene in layout.scene_ids(request.out):
         replaced = read_head(request.out).seed
         progress.say(f"{request.out}: scene {request.scene} of seed {replaced} will be replaced")

@@ -137,6 +137,12 @@ class Prop(Model):
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    symmetries: tuple[Matrix4, ...] = Field(
+        default=(),
+        exclude_if=lambda symmetries: not symmetries,
+        description="Motions that leave it unchanged, as the mesh's collection states them, without the identity [m]; "
+        "where there are none they are found from the shape",
+    )
     world_T_object: Matrix4
 
     @property

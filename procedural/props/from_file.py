@@ -15,7 +15,7 @@ from ..materials.draw import draw_material, draw_plain_material, whole_repeats
 from ..materials.surface_files import SurfaceFiles
 from ..mesh_files.model import GlassLook, Look
 from ..optics.medium import AIR, Medium
-from .mesh_files import FileMesh, MeshFile, box_mapped, read_mesh
+from .mesh_files import Z_UP, FileMesh, MeshFile, box_mapped, read_mesh
 
 
 def prop_from_file(
@@ -72,6 +72,7 @@ def prop_from_file(
         origin=origin_of(file, found),
         size=(x, y, z),
         symmetric=_turns(file, found),
+        symmetries=_motions(file, found),
         world_T_object=np.eye(4),
     )
 
@@ -117,6 +118,17 @@ def _material(file: MeshFile, look: Look, plain: OpaqueMaterial) -> OpaqueMateri
 def _with_look(material: OpaqueMaterial, look: Look) -> OpaqueMaterial:
     fields = {"roughness": look.roughness, "metallic": look.metallic}
     return material.model_copy(update={name: value for name, value in fields.items() if value is not None})
+
+
+def _motions(file: MeshFile, found: FileMesh) -> tuple[np.ndarray, ...]:
+    """Return the symmetries that a file's layout states, in the object frame [m]."""
+    object_T_file = np.eye(4)
+    object_T_file[:3, :3] *= found.metres_per_unit
+    object_T_file[:3, 3] = -found.metres_per_unit * np.array(found.centre)
+    if file.place.up == "y":
+        object_T_file = Z_UP @ object_T_file
+    back = np.linalg.inv(object_T_file)
+    return tuple(object_T_file @ np.reshape(values, (4, 4)) @ back for values in file.place.symmetries)
 
 
 def _turns(file: MeshFile, found: FileMesh) -> bool:

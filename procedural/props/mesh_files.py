@@ -23,7 +23,7 @@ from ..mesh_files.read import MESH_SUFFIXES, read_parts
 from .pieces import Piece, joined_pieces, sewn, without_ground
 
 #: Number of the check; what was remembered of another one is forgotten.
-CHECK_VERSION = 3
+CHECK_VERSION = 5
 #: A file of unknown unit whose longest side is in this range is taken to be in metres and keeps its size [m]: objects
 #: on tables. Any other such file gets a drawn size.
 TRUE_SIZES = (0.01, 0.5)
@@ -263,7 +263,7 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
     source = Source(file.path, file.root, file.pictures, notes or Notes(), notes is not None)
     parts, glass = _without_glass(source, read_parts(source))
     if file.place.up == "y":
-        parts = [part.moved(_Z_UP) for part in parts]
+        parts = [part.moved(Z_UP) for part in parts]
     parts = without_ground(source.notes, parts)
     used = np.concatenate([part.vertices[np.unique(part.faces)] for part in parts])
     low, high = used.min(0), used.max(0)
@@ -277,7 +277,7 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
     placed = [replace(part, vertices=(part.vertices - centre) * scale) for part in parts]
     mesh, pieces = joined_pieces(file.path, name, placed if glass is None else sewn(placed))
     if file.place.up == "y":
-        centre = _Z_UP[:3, :3].T @ centre
+        centre = Z_UP[:3, :3].T @ centre
     x, y, z = centre.tolist()
     return FileMesh(mesh, pieces, glass, (x, y, z), scale, side)
 
@@ -298,7 +298,7 @@ def box_mapped(mesh: Mesh) -> Mesh:
 
 
 #: From y up to z up: a quarter turn about x.
-_Z_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+Z_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 
 def _without_glass(source: Source, parts: list[FilePart]) -> tuple[list[FilePart], GlassLook | None]:
@@ -331,7 +331,8 @@ def _check_glass(file: MeshFile, mesh: Mesh) -> None:
     try:
         check_closed(str(file.path), mesh)
     except InputError as error:
-        raise InputError(file.path, "a closed surface, as its material is glass", "an open one") from error
+        found = str(error).rpartition("found ")[2]
+        raise InputError(file.path, "a closed surface, as its material is glass", found) from error
 
 
 def _kind(look: Look) -> str:
