@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 _BLEND_SIGMA, _BLEND_REACH = 2.5, 7
 #: Standard deviation of the window in which the mean of glass is kept [px].
 _MEAN_SIGMA = 8.0
-#: Fraction that black pixels have of what is returned to glass, over the window's mean luminance [1]: without one, a glint
-#: beside black glass would stay where it was.
+#: Fraction that black pixels have of what is returned to glass, over the window's mean luminance [1]: without one, a
+#: glint beside black glass would stay where it was.
 _FLAT = 0.1
 #: Nothing lies beyond a border: only then is the sum of a window's weights the same from both sides.
 _ZERO_BORDER = cv2.BORDER_CONSTANT
