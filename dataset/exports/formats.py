@@ -1,0 +1,10 @@
+"""The formats, by the names that are typed."""
+
+from __future__ import annotations
+
+from . import coco
+from .job import Exporter
+
+FORMATS: dict[str, Exporter] = {
+    "coco": coco.EXPORTER,
+}
