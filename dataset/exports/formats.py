@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from . import coco
+from . import bop, coco
 from .job import Exporter
 
 FORMATS: dict[str, Exporter] = {
     "coco": coco.EXPORTER,
+    "bop": bop.EXPORTER,
 }
