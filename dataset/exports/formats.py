@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from . import bop, coco
+from . import bop, coco, nerfstudio, ply
 from .job import Exporter
 
 FORMATS: dict[str, Exporter] = {
     "coco": coco.EXPORTER,
     "bop": bop.EXPORTER,
+    "nerfstudio": nerfstudio.EXPORTER,
+    "ply": ply.EXPORTER,
 }
