@@ -28,16 +28,14 @@ from ...core.mesh_file import write_mesh
 from ...procedural.description.camera import Camera
 from ..format import layout
 from ..reader import StoredScene, StoredView
+from .depth import DEPTH_SCALES, MM, depth_picture
 from .files import add_picture, write_grey_png
 from .job import Exporter, Job, chosen_ids, chosen_labels
-from .models import MM, model_id, model_info, model_mesh, scaled_mesh
+from .models import model_id, model_info, model_mesh, scaled_mesh
 from .silhouette import wide_silhouette
 
 #: Folders by split; `pbr` is BOP's word for pictures that were rendered.
 FOLDERS = {"train": "train_pbr", "val": "val", "test": "test"}
-#: Steps of the depth picture [mm]: the finer one where all depths of a view fit into 16 bits, as in BOP's own
-#: rendered pictures, else the other; what is farther than 65.5 m is 0, unknown.
-DEPTH_SCALES = (0.1, 1.0)
 #: Objects with a smaller visible fraction are to be ignored in `scene_gt_coco.json` (calc_gt_coco.py).
 _IGNORED_BELOW = 0.1
 #: Of objects without a visible pixel.
@@ -150,14 +148,6 @@ def _write_view(
         if info["px_count_visib"]:
             identity = {"id": len(coco["annotations"]) + 1, "image_id": view.number}
             coco["annotations"].append(identity | size | _coco_annotation(instance, info))
-
-
-def depth_picture(Z: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return depth in whole steps, (H, W) uint16, 0 where there is none, and the step [mm]."""
-    mm = np.where(np.isfinite(Z), Z, 0.0).astype(np.float64) * MM
-    scale = next((scale for scale in DEPTH_SCALES if np.rint(mm.max() / scale) < 1 << 16), DEPTH_SCALES[-1])
-    steps = np.rint(mm / scale)
-    return np.where(steps < 1 << 16, steps, 0).astype(np.uint16), scale
 
 
 def gt_info(instance: Instance, camera: Camera, depth: np.ndarray) -> dict[str, Any]:

@@ -25,13 +25,18 @@ def add_picture(job: Job, source: Path, target: Path) -> None:
 
 def write_grey_png(path: Path, picture: np.ndarray) -> None:
     """Write one channel, (H, W) uint8 or uint16, or a mask, (H, W) bool, as 0 and 255."""
+    path.write_bytes(grey_png(picture))
+
+
+def grey_png(picture: np.ndarray) -> bytes:
+    """Return the bytes of such a file."""
     stored = picture.astype(np.uint8) * np.uint8(255) if picture.dtype == bool else picture
     if stored.dtype not in (np.uint8, np.uint16) or stored.ndim != 2:
-        raise ValueError(f"{path}: expected (H, W) uint8, uint16 or bool, got {picture.shape} {picture.dtype}")
+        raise ValueError(f"expected (H, W) uint8, uint16 or bool, got {picture.shape} {picture.dtype}")
     done, data = cv2.imencode(".png", np.ascontiguousarray(stored))
     if not done:
-        raise ValueError(f"{path}: the picture could not be encoded")
-    path.write_bytes(data.tobytes())
+        raise ValueError("the picture could not be encoded")
+    return data.tobytes()
 
 
 def compact_json(data: object) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import bop, coco, nerfstudio, ply
+from . import bop, coco, nerfstudio, ply, webdataset
 from .job import Exporter
 
 FORMATS: dict[str, Exporter] = {
@@ -10,4 +10,5 @@ FORMATS: dict[str, Exporter] = {
     "bop": bop.EXPORTER,
     "nerfstudio": nerfstudio.EXPORTER,
     "ply": ply.EXPORTER,
+    "webdataset": webdataset.EXPORTER,
 }

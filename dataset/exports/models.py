@@ -13,9 +13,8 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh, as_trimesh, joined
 from ...procedural.description.scene import Prop, SceneObject
 from ..format.objects_file import ObjectRecord
+from .depth import MM
 
-#: Millimetres of a metre.
-MM = 1000.0
 #: Models are numbered by scene and object: scene 12, object 3 is model 12003.
 OBJECTS_PER_SCENE = 1000
 

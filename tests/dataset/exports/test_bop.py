@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from glassware.dataset.exports.bop import depth_picture
+from glassware.dataset.exports.depth import depth_picture
 from glassware.dataset.exports.run import export
 from glassware.dataset.exports.silhouette import wide_silhouette
 from glassware.dataset.reader import Dataset
