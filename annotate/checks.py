@@ -45,7 +45,7 @@ def check_view(
     if wrong := check_objects(scene, labels):
         return wrong  # the other checks go through objects and labels in pairs
     # Meshes from files may be coarse: their smooth normals differ from their facets' by more than the tolerance.
-    smooth = [prop.id for prop in scene.props if Path(prop.category).suffix.lower() not in MESH_SUFFIXES]
+    smooth = [prop.id for prop in scene.props if prop.origin is None and not _is_mesh_file(prop.category)]
     found = [
         *check_ids(scene, geometry),
         *check_background(geometry),
@@ -59,6 +59,11 @@ def check_view(
         *check_keypoints(labels, camera),
     ]
     return found if right is None else [*found, *check_disparity(geometry, right, camera)]
+
+
+def _is_mesh_file(category: str) -> bool:
+    """Return whether a category is the name of a mesh file, as descriptions without an origin have it."""
+    return Path(category).suffix.lower() in MESH_SUFFIXES
 
 
 def check_objects(scene: Scene, labels: Labels) -> list[Violation]:

@@ -43,6 +43,8 @@ def symmetry_of(item: SceneObject) -> Symmetry:
         return REVOLUTION
     mesh = item.mesh if isinstance(item, Prop) else joined([part.mesh for part in item.interfaces], item.name)
     turns = item.symmetric
+    if isinstance(item, Prop) and item.symmetries and not turns:
+        return Symmetry(turns=False, ball=False, motions=np.stack([np.eye(4), *item.symmetries]))
     if turns and is_ball(mesh):
         return BALL
     return Symmetry(turns=turns, ball=False, motions=motions_of(mesh, turns))

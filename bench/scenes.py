@@ -81,7 +81,7 @@ def bench_scene(name: str, width: int, height: int) -> Scene:
         vessel_count=(recipe.vessels, recipe.vessels),
         prop_count=(recipe.props, recipe.props),
         vessels=VesselSettings(fill_probability=recipe.fill, rough_probability=recipe.rough),
-        environment=EnvironmentSettings(room_share=1.0),
+        environment=EnvironmentSettings(room_share=1.0, shipped_share=0.0),
         lights=LightSettings(max_count=recipe.lights),
         cameras=CameraSettings(views=57, width=width, height=height, slack=(1.0, 1.0)),
     )

@@ -10,6 +10,9 @@ from pydantic import Field
 from .errors import InputError, cause_of
 from .model import Model
 
+#: First bytes of what Git LFS and git-annex leave in a file's place until it is fetched.
+_POINTERS = {b"version https://git-lfs": "git lfs pull", b"/annex/objects/": "git annex get"}
+
 
 class Asset(Model):
     """An external file, identified by the digest of its content.
@@ -38,3 +41,10 @@ def checked_path(item: Asset) -> Path:
     if found != item.sha256:
         raise InputError(item.path, f"the file with SHA-256 {item.sha256[:12]}...", f"{found[:12]}...")
     return item.path
+
+
+def check_content(path: Path, content: bytes) -> None:
+    """Raise InputError where a file's first bytes are a pointer to what has to be fetched first."""
+    for start, command in _POINTERS.items():
+        if content.startswith(start):
+            raise InputError(path, "the file itself", f"a pointer to it ({command} fetches it)")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .errors import InputError, cause_of
@@ -11,6 +11,9 @@ from .user_text import usable_text
 
 def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -> tuple[Path, ...]:
     """Return the files with these suffixes in a folder, ordered by their relative paths.
+
+    Hidden files and folders, whose names begin with a dot, are left out. Links are followed; a folder that links lead
+    to more than once is searched once. A link to nothing counts as a file: whoever reads it says what is missing.
 
     Parameters
     ----------
@@ -32,8 +35,7 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
     try:
         if not folder.is_dir():
             raise InputError(folder, f"a folder of {content}", "a file" if folder.exists() else "no such folder")
-        entries = folder.rglob("*") if below else folder.iterdir()
-        found = [path for path in entries if path.suffix.lower() in suffixes and path.is_file()]
+        found = [path for path in _entries(folder, below) if path.suffix.lower() in suffixes and not path.is_dir()]
     except OSError as error:
         raise InputError(folder, f"a readable folder of {content}", cause_of(error)) from error
     if not found:
@@ -44,3 +46,18 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
         except ValueError as error:
             raise InputError(path, "a file name in UTF-8", "other bytes") from error
     return tuple(sorted(found, key=lambda path: path.relative_to(folder).as_posix()))
+
+
+def _entries(folder: Path, below: bool) -> Iterator[Path]:
+    """Yield what is in a folder, and in its subfolders where asked for."""
+    waiting, seen = [folder], {folder.resolve()}
+    while waiting:
+        here = waiting.pop()
+        for path in sorted(here.iterdir()):
+            if path.name.startswith("."):
+                continue
+            if not path.is_dir():
+                yield path
+            elif below and path.resolve() not in seen:
+                seen.add(path.resolve())
+                waiting.append(path)

@@ -32,6 +32,8 @@ class Mesh:
         Unit shading normals; None means flat shading.
     uv : (n, 2) float32, optional
         Texture coordinates.
+    colours : (n, 3) float32, optional
+        Reflectances, linear Rec.709.
     """
 
     name: str
@@ -39,11 +41,12 @@ class Mesh:
     faces: np.ndarray
     normals: np.ndarray | None = None
     uv: np.ndarray | None = None
+    colours: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", _frozen(self.vertices, np.float32, 3, f"vertices of mesh {self.name}"))
         object.__setattr__(self, "faces", _frozen(self.faces, np.int32, 3, f"faces of mesh {self.name}"))
-        for field, width in (("normals", 3), ("uv", 2)):
+        for field, width in (("normals", 3), ("uv", 2), ("colours", 3)):
             value = getattr(self, field)
             if value is not None:
                 value = _frozen(value, np.float32, width, f"{field} of mesh {self.name}")
@@ -63,6 +66,13 @@ class Mesh:
         return np.stack([self.vertices.min(0), self.vertices.max(0)]).astype(np.float64)
 
 
+def some_faces(mesh: Mesh, faces: slice, name: str) -> Mesh:
+    """Return the mesh of some faces, in their order, with the vertices that they use."""
+    used, index = np.unique(mesh.faces[faces], return_inverse=True)
+    normals, uv, colours = (None if x is None else x[used] for x in (mesh.normals, mesh.uv, mesh.colours))
+    return Mesh(name, mesh.vertices[used], index.reshape(-1, 3), normals, uv, colours)
+
+
 def check_closed(where: str, mesh: Mesh) -> None:
     """Refuse a mesh that does not enclose a volume.
 
@@ -78,11 +88,40 @@ def check_closed(where: str, mesh: Mesh) -> None:
     count = int(index.max()) + 1
     forth, back = np.sort(start * count + end), np.sort(end * count + start)
     if (forth[1:] == forth[:-1]).any() or not np.array_equal(forth, back):
-        open_edges = len(np.setxor1d(forth, back, assume_unique=False))
-        raise InputError(where, "a closed surface, each edge between two triangles", f"{open_edges} loose edges")
+        found = _edge_faults(mesh, start, end, index)
+        raise InputError(where, "a closed surface, each edge between two triangles", found)
     volume = volume_of(mesh)
     if volume <= 0.0:
         raise InputError(where, "normals that point out of the body", f"a volume of {volume:.3e} m^3")
+
+
+def _edge_faults(mesh: Mesh, start: np.ndarray, end: np.ndarray, index: np.ndarray) -> str:
+    """Return what is wrong with the edges of a surface, and where the first fault is.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    start, end : (3 m,) int64
+        Ends of the faces' edges, as numbers of positions.
+    index : (n,) int64
+        Number of each vertex's position.
+    """
+    pairs = np.stack([np.minimum(start, end), np.maximum(start, end)], axis=1)
+    edges, which, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+    forth = np.bincount(which.reshape(-1), start < end, len(edges))
+    faults = {
+        "with one triangle (holes)": count == 1,
+        "that more than two triangles share": count > 2,
+        "between triangles of opposite turn": (count == 2) & (forth != 1),
+    }
+    faults = {what: where for what, where in faults.items() if where.any()}
+    if not faults:  # triangles with two corners at one place
+        return "triangles without area"
+    text = ", ".join(f"{int(where.sum())} edges {what}" for what, where in faults.items())
+    first = edges[np.flatnonzero(next(iter(faults.values())))[0]]
+    middle = mesh.vertices[[np.flatnonzero(index.reshape(-1) == one)[0] for one in first]].mean(axis=0)
+    return f"{text}, the first at ({', '.join(f'{x:.4g}' for x in middle)}) m"
 
 
 def volume_of(mesh: Mesh) -> float:
@@ -102,7 +141,7 @@ def joined(meshes: tuple[Mesh, ...] | list[Mesh], name: str) -> Mesh:
 def turned(mesh: Mesh, name: str | None = None) -> Mesh:
     """Return the mesh with its faces and normals reversed."""
     normals = None if mesh.normals is None else -mesh.normals
-    return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv)
+    return Mesh(name or mesh.name, mesh.vertices, mesh.faces[:, ::-1], normals, mesh.uv, mesh.colours)
 
 
 def as_trimesh(mesh: Mesh, transform: np.ndarray | None = None) -> trimesh.Trimesh:

@@ -14,7 +14,12 @@ from .errors import InputError, cause_of
 from .mesh import Mesh
 
 #: Property names by field of a mesh; `s` and `t` are what MeshLab, Blender and Mitsuba take for texture coordinates.
-_PROPERTIES = {"vertices": ("x", "y", "z"), "normals": ("nx", "ny", "nz"), "uv": ("s", "t")}
+_PROPERTIES = {
+    "vertices": ("x", "y", "z"),
+    "normals": ("nx", "ny", "nz"),
+    "uv": ("s", "t"),
+    "colours": ("red", "green", "blue"),
+}
 _FACE = np.dtype([("count", "u1"), ("index", "<i4", (3,))])
 _FIRST_LINES = ["ply", "format binary_little_endian 1.0"]
 _FACE_LINE = "property list uchar int vertex_indices"
@@ -24,7 +29,7 @@ _END = b"end_header\n"
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write positions, faces, and (if present) normals and texture coordinates, as float32 and int32."""
+    """Write positions, faces, and (if present) normals, texture coordinates and colours, as float32 and int32."""
     fields = [field for field in _PROPERTIES if getattr(mesh, field) is not None]
     table = np.concatenate([getattr(mesh, field) for field in fields], axis=1).astype("<f4")
     faces = np.zeros(len(mesh.faces), _FACE)

@@ -52,17 +52,24 @@ def usable_path(path: Path) -> Path:
     return path
 
 
-def _not_empty(value: object) -> object:
+def _expanded(value: object) -> object:
+    """Return a path with ``~`` and variables such as ``$HOME`` replaced, as a shell would; a YAML file has none."""
     if value == "":
         raise ValueError("expected a path, found ''")
-    return value
+    if not isinstance(value, str | Path):
+        return value
+    path = Path(os.path.expandvars(value))
+    try:
+        return path.expanduser()
+    except RuntimeError:  # no such user, or one without a home
+        return path
 
 
 def _shown(text: str) -> str:
     return ascii(text if len(text) <= 80 else text[:77] + "...")
 
 
-#: A path in settings.
-UserPath = Annotated[Path, BeforeValidator(_not_empty), AfterValidator(usable_path)]
+#: A path in settings, with ``~`` and ``$HOME`` replaced.
+UserPath = Annotated[Path, BeforeValidator(_expanded), AfterValidator(usable_path)]
 #: A text in settings.
 UserText = Annotated[str, AfterValidator(usable_text)]

@@ -96,7 +96,7 @@ def _picture(bodies: Sequence[GlassBody], width: int, spp: int) -> np.ndarray:
 
 
 def _on_a_table(bodies: Sequence[GlassBody], width: int, spp: int) -> Scene:
-    room = gw.draw(seed=12)
+    room = gw.draw(seed=12, environment={"shipped_share": 0.0})
     stripes = ProceduralTexture(kind="checker", colours=((0.04, 0.10, 0.30), (0.8, 0.8, 0.75)), seed=1)
     paper = OpaqueMaterial(name="card", base_colour=stripes, repeats=20.0, roughness=0.8)
     card = block(_card(), paper, id=9, category="card")

@@ -182,8 +182,23 @@ def write_inputs(folder: Path) -> None:
         (folder / name).parent.mkdir(exist_ok=True)
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
-    (folder / "meshes").mkdir()
-    trimesh.creation.icosphere(subdivisions=1, radius=0.03).export(folder / "meshes" / "ball.ply")
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=0.03)
+    for name in (
+        "meshes/ball.ply",
+        "shapenet/03797390/10f6e09036350e92b3f21f1137c3c347/models/model_normalized.obj",
+        "gso/Toy_Block/meshes/model.obj",
+        "gso/Toy_Block/metadata.pbtxt",
+        "ycb/025_mug/google_16k/textured.obj",
+        "ycb/025_mug/poisson/nontextured.ply",
+        "bop/models/obj_000001.ply",
+        "objaverse/glbs/000-000/0123456789abcdef0123456789abcdef.glb",
+    ):
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix == ".pbtxt":
+            path.write_text("")
+        else:
+            (ball.copy().apply_scale(1000.0) if name.startswith("bop") else ball).export(path)
 
 
 @pytest.fixture(scope="module")

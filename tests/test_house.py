@@ -95,7 +95,7 @@ BANNED_WORDS = {
 #: that has them. They are a part of the file format, which does not change with our words.
 SETTINGS_IN_FILES = {
     "procedural/props/draw.py": {"file_share"},
-    "procedural/surroundings/settings.py": {"hdri_share", "room_share"},
+    "procedural/surroundings/settings.py": {"hdri_share", "room_share", "shipped_share"},
     "procedural/surroundings/table.py": {"round_share"},
 }
 

@@ -35,6 +35,7 @@ from glassware.procedural.surroundings.room_geometry import (
     face_frames,
     face_points,
 )
+from glassware.procedural.surroundings.settings import EnvironmentSettings
 from glassware.render.backend.variant import activate
 
 #: Factor on the radiance of the map behind the geometry: rays do not leave the closed room.
@@ -143,7 +144,8 @@ def main() -> None:
     out = Console(highlight=False, soft_wrap=True)
     out.print(f"{'seed':>4} {'room':>9} {'time [s]':>9} {'relMSE noisy':>13} {'relMSE clean':>13}")
     for seed in request.seeds:
-        settings = SceneSettings(cameras=CameraSettings(views=1, width=request.width, height=request.height))
+        cameras = CameraSettings(views=1, width=request.width, height=request.height)
+        settings = SceneSettings(cameras=cameras, environment=EnvironmentSettings(shipped_share=0.0))
         scene = draw_scene(settings, seed, 0)
         _check_camera(scene)
         for name, described in {"map": scene, "geometry": as_geometry(scene)}.items():

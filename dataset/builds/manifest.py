@@ -21,6 +21,7 @@ from ...core.folders import files_in
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
+from ...procedural.materials.surface_files import SURFACE_SUFFIXES
 from ...procedural.props.mesh_files import MESH_SUFFIXES
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
@@ -57,16 +58,17 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     Raises InputError for an unusable folder.
     """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
-        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, False),
+        ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
         ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
-        ("texture_dir", settings.texture_dir, PICTURE_SUFFIXES, True),
-        ("table.texture_dir", settings.table.texture_dir, PICTURE_SUFFIXES, True),
+        ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
+        ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
     )
     found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
         for name, folder, suffixes, below in folders
         if folder is not None
         for path in files_in(folder, "asset files", suffixes, below)
+        if path.exists()  # a link to nothing is passed over
     }
     for name, path in _single_files(settings).items():
         if not path.is_file():

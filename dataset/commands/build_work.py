@@ -15,8 +15,9 @@ from rich.console import Console
 from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed
+from ...core.passed_over import report
 from ...core.user_text import counted, sized
-from ...procedural.scene.asset_files import AssetFiles, asset_files, check_inputs
+from ...procedural.scene.asset_files import AssetFiles, asset_files
 from ...procedural.scene.settings import SceneSettings
 from ..builds.build_log import BuildLog
 from ..builds.local_executor import LocalExecutor
@@ -27,12 +28,12 @@ from ..builds.plan import Plan, plan_build
 from ..builds.scheduler import Executor, Result, run
 from ..builds.space import Need, dataset_size, estimated, measured, space_error
 from ..format import layout
-from ..format.dataset_file import DatasetFile, digest_of, new_head
+from ..format.dataset_file import DatasetFile, digest_of, new_head, with_files
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.scene_ranges import format_scenes, parse_scenes
 from .build_request import BuildDataset
-from .progress import BuildProgress, clock
+from .progress import BuildProgress, SceneProgress, clock
 
 
 class _BuildExecutor(Executor, Protocol):
@@ -58,11 +59,12 @@ def build(request: BuildDataset, scenes: Sequence[int], console: Console, argume
         if not request.overwrite:
             check_request(root, request.seed, request.settings.model_dump(mode="json"))
         request = _with_space(request, root, scenes, console)
-        files, manifest = _assets(root, request.settings, request.overwrite)
+        files, manifest = _assets(root, request.settings, request.overwrite, SceneProgress(console))
         try:
             say(f"starting {counted(request.workers, 'worker')}")
             with _executor(request, _worker_config(request, root, manifest)) as executor:
                 head = _head(request, manifest, executor.worker_info())
+                head = with_files(head, files)
                 head = prepare_output(root, head, scenes, request.overwrite)
                 write_manifest(root, manifest)
                 plan = _plan(request, root, scenes, say)
@@ -123,14 +125,16 @@ def _allow(request: BuildDataset, root: Path, need: Need, console: Console) -> N
     raise space_error(root, need)
 
 
-def _assets(root: Path, settings: SceneSettings, overwrite: bool) -> tuple[AssetFiles, Manifest]:
-    """Return the asset files and their manifest, after comparing it with the data set's."""
+def _assets(
+    root: Path, settings: SceneSettings, overwrite: bool, progress: SceneProgress
+) -> tuple[AssetFiles, Manifest]:
+    """Return the asset files and their manifest, after comparing it with the data set's; say what is passed over."""
     found, stored = scan(settings), read_manifest(root)
     if stored is not None and not overwrite:
         check_manifest(stored, found, settings)
-    if found != stored:  # the files of a stored manifest were checked when it was written
-        check_inputs(settings)
-    return asset_files(settings), found
+    files = asset_files(settings, progress.checking)
+    progress.say_all(report(files.findings))
+    return files, found
 
 
 def _head(request: BuildDataset, manifest: Manifest, info: WorkerInfo) -> DatasetFile:

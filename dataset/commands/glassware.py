@@ -20,6 +20,7 @@ _COMMANDS = {
     "show": ("the contact sheet of a data set: opens it, or prints where it is", "show"),
     "verify": ("check a data set: files, labels, or by rendering views again", "verify"),
     "export": ("a data set in another project's layout: coco, bop, nerfstudio, ply, webdataset", "export"),
+    "assets": ("what is in a folder of meshes, with a contact sheet, and what cannot be used", "assets"),
     "merge": ("merge the shards of a build into one data set", "merge"),
     "completion": ("a script that completes commands and options: bash, zsh or fish", "completion"),
 }

@@ -25,6 +25,9 @@ STEPS = {
     "light": "light: filling the irradiance cache and checking it",
 }
 
+#: Time between lines about the check of a folder's files [s]: a quick check says nothing.
+_CHECK_INTERVAL = 3.0
+
 
 class SceneProgress:
     """The progress of one scene: each step, then the views with the time that is left."""
@@ -36,10 +39,24 @@ class SceneProgress:
         self._bar: Progress | None = None
         self._total = 0
         self._ends: list[float] = []  #: of the views, and of what was before the first [s]
+        self._shown_at = self._start
 
     def say(self, line: str) -> None:
         """Print a line that stays."""
         self._console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+    def say_all(self, lines: Iterable[str]) -> None:
+        """Print lines."""
+        for line in lines:
+            self.say(line)
+
+    def checking(self, content: str, done: int, total: int) -> None:
+        """Say how many files of a folder have been checked, about every `_CHECK_INTERVAL` seconds."""
+        check_stop()
+        now = perf_counter()
+        if now - self._shown_at > _CHECK_INTERVAL:
+            self._shown_at = now
+            self.say(f"checking {content}: {done} of {total}")
 
     @property
     def seconds(self) -> float:

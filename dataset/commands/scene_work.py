@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from ...core.passed_over import report
 from ...core.user_text import counted, sized
-from ...procedural.scene.asset_files import check_inputs
+from ...procedural.scene.asset_files import asset_files
 from ...procedural.scene.draw import draw_scene
 from ...render.backend.variant import activate
 from ...render.frame import LightCheck
 from ...render.renderer import Renderer
 from ..builds.space import folder_size
 from ..format import layout
-from ..format.dataset_file import installed_versions, new_head, read_head
+from ..format.dataset_file import installed_versions, new_head, read_head, with_files
 from ..format.pictures import write_png
 from ..output_checks import check_output
 from ..pipeline import write_scene
@@ -36,13 +37,15 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     )
     check_output(request.out, head, [request.scene])
     with stopwatch.stage("inputs"):
-        check_inputs(settings)
+        files = asset_files(settings, progress.checking)
+    progress.say_all(report(files.findings))
+    head = with_files(head, files)
     if request.scene in layout.scene_ids(request.out):
         replaced = read_head(request.out).seed
         progress.say(f"{request.out}: scene {request.scene} of seed {replaced} will be replaced")
     progress.step("drawing the scene")
     with stopwatch.stage("description"):
-        scene = draw_scene(settings, request.seed, request.scene)
+        scene = draw_scene(settings, request.seed, request.scene, files)
     start_dataset(request.out, head, [request.scene])
     renderer = Renderer(scene, on_stage=progress.on_stage)
     _say_light(renderer.light_check, request.verbose, progress)

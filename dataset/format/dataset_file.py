@@ -13,6 +13,8 @@ from ...core.assets import Asset
 from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
+from ...core.passed_over import Finding
+from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from .file_kinds import KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
@@ -29,6 +31,15 @@ _PACKAGES = (
     "OpenEXR",
     "opencv-python-headless",
 )
+
+
+class MeshRecord(Model):
+    """A mesh of the user's folder that scenes draw from."""
+
+    file: str = Field(description="Below the folder, with forward slashes")
+    layout: str = Field(description="Layout of the folder, such as shapenet, gso, ycb, bop or plain")
+    category: str = Field(description="As labels have it")
+    licence: str = Field(description="As the file or its folder states it, or unknown")
 
 
 class DatasetFile(Model):
@@ -48,6 +59,10 @@ class DatasetFile(Model):
         default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
+    meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
+    findings: tuple[Finding, ...] = Field(
+        default=(), description="Files of the asset folders that were passed over, or of which something is not used"
+    )
 
 
 def installed_versions() -> dict[str, str]:
@@ -82,6 +97,15 @@ def new_head(
         hashes=hashes,
         files=files,
     )
+
+
+def with_files(head: DatasetFile, files: AssetFiles) -> DatasetFile:
+    """Return the head of a data set with the meshes that scenes draw from, and what was found about the files."""
+    meshes = tuple(
+        MeshRecord(file=file.name, layout=file.place.layout, category=file.category, licence=file.place.licence)
+        for file in files.meshes
+    )
+    return head.model_copy(update={"meshes": meshes, "findings": files.findings})
 
 
 def digest_of(data: object) -> str:

@@ -11,7 +11,7 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import Liquid, Prop, Scene, SceneObject, materials_of
+from ...procedural.description.scene import Liquid, Origin, Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -62,7 +62,12 @@ class ObjectRecord(Model):
     name: str
     category: str
     parts: tuple[Part, ...]
-    material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")]
+    material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")] = Field(
+        description="Of a prop of several materials, that of most of its area; the others are in `scene.json`"
+    )
+    origin: Origin | None = Field(
+        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a user's folder"
+    )
     liquid: Liquid | None
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
@@ -108,6 +113,7 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         category=item.category,
         parts=_parts(item),
         material=_material(item),
+        origin=item.origin if isinstance(item, Prop) else None,
         liquid=None if isinstance(item, Prop) else item.liquid,
         world_T_object=item.world_T_object,
         size=item.size,

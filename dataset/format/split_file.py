@@ -49,15 +49,15 @@ def splits_file(settings: SceneSettings, files: AssetFiles, seed: int, scenes: I
 
 def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, tuple[str, ...]]:
     held = files_for(settings, files, seed, "test")
-    hdri, textures = settings.environment.hdri_dir or Path(), settings.texture_dir or Path()
-    tables = settings.table.texture_dir
+    hdri = settings.environment.hdri_dir or Path()
     names = {
         "hdri_dir": tuple(path.relative_to(hdri).as_posix() for path in held.environments),
         "mesh_dir": tuple(file.name for file in held.meshes),
-        "texture_dir": tuple(path.relative_to(textures).as_posix() for path in held.textures),
+        "shipped": tuple(path.name for path in held.shipped),
+        "texture_dir": tuple(item.name for item in held.textures),
     }
-    if tables is not None:
-        names["table.texture_dir"] = tuple(path.relative_to(tables).as_posix() for path in held.table_textures)
+    if settings.table.texture_dir is not None:
+        names["table.texture_dir"] = tuple(item.name for item in held.table_textures)
     return {folder: found for folder, found in names.items() if found}
 
 

@@ -102,6 +102,24 @@ class Vessel(GlassBody):
     symmetric: bool = Field(default=True, exclude=True)
 
 
+class PropPart(Model):
+    """Faces of a prop's mesh that have a material of their own."""
+
+    faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
+    material: OpaqueMaterial
+
+
+class Origin(Model):
+    """Where a mesh comes from."""
+
+    file: str = Field(description="The mesh file, below the folder that the user gave")
+    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
+    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
+    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
+    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
+    up: Literal["y", "z"] = Field(default="z", description="The file's axis that is z here; y is turned about x")
+
+
 class Prop(Model):
     """An opaque object; the frame's origin is the centre of its bounding box."""
 
@@ -109,10 +127,28 @@ class Prop(Model):
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Shape, or the file that the mesh came from")
     mesh: MeshField
-    material: OpaqueMaterial
+    material: OpaqueMaterial = Field(description="Of the whole mesh; of its part with most area where it has parts")
+    # Left out of files where there are none: scenes of one material stay what they were.
+    parts: tuple[PropPart, ...] = Field(
+        default=(), exclude_if=lambda parts: not parts, description="Parts with materials of their own, or none"
+    )
+    origin: Origin | None = Field(
+        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a file"
+    )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    symmetries: tuple[Matrix4, ...] = Field(
+        default=(),
+        exclude_if=lambda symmetries: not symmetries,
+        description="Motions that leave it unchanged, as the mesh's collection states them, without the identity [m]; "
+        "where there are none they are found from the shape",
+    )
     world_T_object: Matrix4
+
+    @property
+    def pieces(self) -> tuple[PropPart, ...]:
+        """The parts; where there are none, one of all faces."""
+        return self.parts or (PropPart(faces=len(self.mesh.faces), material=self.material),)
 
     def __repr__(self) -> str:
         """Return one line: id, name, material and size."""

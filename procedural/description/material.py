@@ -10,6 +10,10 @@ from ...core.assets import Asset
 from ...core.model import Model, Reflectance
 
 
+def _is_none(value: object) -> bool:
+    return value is None
+
+
 class UniformTexture(Model):
     """One colour everywhere."""
 
@@ -31,9 +35,47 @@ class PictureTexture(Model):
 
     kind: Literal["picture"] = "picture"
     asset: Asset
+    factor: Reflectance = Field(
+        default=(1.0, 1.0, 1.0), exclude_if=lambda factor: factor == (1.0, 1.0, 1.0), description="On the reflectances"
+    )
 
 
-Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture, Field(discriminator="kind")]
+class ChannelMap(Model):
+    """One number for each place, from a channel of a picture as it is stored (no sRGB curve), 0 to 1."""
+
+    asset: Asset
+    channel: Literal["grey", "red", "green", "blue"] = Field(
+        default="grey", description="The channel; grey is the only one, or the first of a picture in colour"
+    )
+    inverted: bool = Field(default=False, description="Whether the picture holds one minus the number (glossiness)")
+
+
+class NormalMap(Model):
+    """Shading normals in the frame of the texture coordinates: 2 (red, green, blue) - 1 is (along u, along v, out)."""
+
+    asset: Asset
+    convention: Literal["opengl", "directx"] = Field(
+        default="opengl", description="opengl: green points up in the picture; directx: down"
+    )
+    strength: float = Field(default=1.0, ge=0.0, le=4.0, description="Factor on the slopes")
+
+
+class BumpMap(Model):
+    """Heights (displacement) that tilt the shading normal; the surface itself stays where it is."""
+
+    asset: Asset
+    depth: float = Field(
+        ge=0.0, le=1.0, description="Height from black to white, over the side of one repeat of the texture"
+    )
+
+
+class VertexColours(Model):
+    """The colours of the mesh's vertices, linear between them."""
+
+    kind: Literal["vertices"] = "vertices"
+
+
+Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture | VertexColours, Field(discriminator="kind")]
 
 
 class OpaqueMaterial(Model):
@@ -45,5 +87,19 @@ class OpaqueMaterial(Model):
     repeats_v: float | None = Field(
         default=None, gt=0.0, exclude_if=lambda v: v is None, description="Repeats along v where they differ"
     )
-    roughness: float = Field(ge=0.0, le=1.0, description="Principled roughness; GGX alpha is its square")
-    metallic: float = Field(default=0.0, ge=0.0, le=1.0, description="0 dielectric, 1 metal")
+    roughness: float = Field(
+        ge=0.0, le=1.0, description="Principled roughness; GGX alpha is its square. With a map, a factor on it"
+    )
+    metallic: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="0 dielectric, 1 metal. With a map, a factor on it"
+    )
+    # Left out of files where there is none: descriptions without maps stay what they were.
+    roughness_map: ChannelMap | None = Field(default=None, exclude_if=_is_none)
+    metallic_map: ChannelMap | None = Field(default=None, exclude_if=_is_none)
+    normal_map: NormalMap | None = Field(default=None, exclude_if=_is_none, description="Goes before a bump map")
+    bump_map: BumpMap | None = Field(default=None, exclude_if=_is_none)
+
+    @property
+    def is_mapped(self) -> bool:
+        """Whether anything but the colour differs from place to place."""
+        return any((self.roughness_map, self.metallic_map, self.normal_map, self.bump_map))

@@ -29,6 +29,8 @@ from .bodies import TABLE_ID as TABLE_ID
 from .bodies import GlassBody, Prop, SceneObject, Vessel
 from .bodies import Interface as Interface
 from .bodies import Liquid as Liquid
+from .bodies import Origin as Origin
+from .bodies import PropPart as PropPart
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
@@ -278,6 +280,6 @@ def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
 
 def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
-        return [item.material]
+        return [piece.material for piece in item.pieces]
     media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
     return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]

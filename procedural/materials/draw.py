@@ -12,15 +12,24 @@ from __future__ import annotations
 import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from ...core.assets import asset
 from ...core.model import Reflectance
-from ..description.material import OpaqueMaterial, PictureTexture, ProceduralTexture, Texture, UniformTexture
+from ..description.material import (
+    BumpMap,
+    ChannelMap,
+    NormalMap,
+    OpaqueMaterial,
+    PictureTexture,
+    ProceduralTexture,
+    Texture,
+    UniformTexture,
+)
 from .picture_files import read_picture, srgb_to_linear
+from .surface_files import MapFile, SurfaceFiles
 
 #: Darkest and brightest reflectance of a dielectric, linear: sRGB 30 and 240 (McDermott 2018).
 DIELECTRIC_RANGE = (0.013, 0.871)
@@ -34,10 +43,11 @@ METALS: dict[str, Reflectance] = {
 }
 #: Probability that a prop has a picture from the user's folder [1]: pictures are common, most props stay procedural.
 PICTURE_PROBABILITY = 0.25
-#: Range of the side of a picture on a table or prop [m]; files do not state it. Table-top photographs show 0.3-1 m.
-PICTURE_SIDE = (0.3, 1.0)
 #: Range of the roughness of a picture's material [1], lacquered to raw; pictures do not state it.
 PICTURE_ROUGHNESS = (0.3, 0.7)
+#: Height from black to white in a displacement map [m]; files do not state it. Relief of wood, brick and plaster is
+#: some millimetres.
+BUMP_DEPTH = 0.005
 #: Standard deviation of a specimen's reflectance, relative: of all channels together, and of each channel beside that.
 #: Two batches of the same wood or stone differ by about this much (judged by eye).
 BATCH_SPREAD, CHANNEL_SPREAD = 0.15, 0.04
@@ -131,15 +141,15 @@ TABLE_FAMILIES = (
 )
 
 
-def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) -> OpaqueMaterial:
+def draw_material(rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = ()) -> OpaqueMaterial:
     """Draw the material of a prop.
 
     Parameters
     ----------
     rng : numpy.random.Generator
         Source of all draws.
-    texture_files : sequence of Path
-        Pictures, used with `PICTURE_PROBABILITY`; may be empty.
+    texture_files : sequence of SurfaceFiles
+        Pictures with their maps, used with `PICTURE_PROBABILITY`; may be empty.
 
     Returns
     -------
@@ -153,7 +163,7 @@ def draw_material(rng: np.random.Generator, texture_files: Sequence[Path] = ()) 
 
 
 def draw_table_material(
-    rng: np.random.Generator, texture_files: Sequence[Path] = (), side: float | None = None
+    rng: np.random.Generator, texture_files: Sequence[SurfaceFiles] = (), side: float | None = None
 ) -> OpaqueMaterial:
     """Draw the material of a table, with a picture if there are any; `repeats` are per metre.
 
@@ -161,7 +171,7 @@ def draw_table_material(
     changes.
     """
     if texture_files:
-        drawn = _picture_material(rng, texture_files)
+        drawn = _picture_material(rng, texture_files, side)
         return drawn if side is None else _of_width(drawn, side)
     return _family_material(rng, TABLE_FAMILIES[rng.integers(len(TABLE_FAMILIES))])
 
@@ -174,14 +184,42 @@ def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
 
-def _picture_material(rng: np.random.Generator, files: Sequence[Path]) -> OpaqueMaterial:
-    path = files[int(rng.integers(len(files)))]
-    return OpaqueMaterial(
-        name=f"picture {path.stem}",
-        base_colour=PictureTexture(asset=asset(path)),
-        repeats=1.0 / rng.uniform(*PICTURE_SIDE),
-        roughness=rng.uniform(*PICTURE_ROUGHNESS),
+def whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
+    """Return a material with its repeats per metre rounded to a whole number per texture unit of `unit` metres."""
+    return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})
+
+
+def _picture_material(
+    rng: np.random.Generator, files: Sequence[SurfaceFiles], side: float | None = None
+) -> OpaqueMaterial:
+    item = files[int(rng.integers(len(files)))]
+    drawn, roughness = rng.uniform(*item.drawn_side), rng.uniform(*PICTURE_ROUGHNESS)
+    width = side or item.side or drawn
+    material = OpaqueMaterial(
+        name=f"material {item.base}" if item.maps else f"picture {item.colour.stem}",
+        base_colour=PictureTexture(asset=asset(item.colour)),
+        repeats=1.0 / width,
+        roughness=roughness,
     )
+    return material.model_copy(update=_maps(item, width)) if item.maps else material
+
+
+def _maps(item: SurfaceFiles, side: float) -> dict[str, object]:
+    """Return the fields of a material that has maps; those that files have are not drawn."""
+    fields: dict[str, object] = {}
+    if item.roughness is not None:
+        fields |= {"roughness": 1.0, "roughness_map": _channel(item.roughness)}
+    if item.metalness is not None:
+        fields |= {"metallic": 1.0, "metallic_map": _channel(item.metalness)}
+    if item.normal is not None:
+        fields["normal_map"] = NormalMap(asset=asset(item.normal.path), convention=item.normal.convention)
+    if item.height is not None:
+        fields["bump_map"] = BumpMap(asset=asset(item.height.path), depth=min(1.0, BUMP_DEPTH / side))
+    return fields
+
+
+def _channel(file: MapFile) -> ChannelMap:
+    return ChannelMap(asset=asset(file.path), channel=file.channel, inverted=file.inverted)
 
 
 def _of_width(material: OpaqueMaterial, width: float) -> OpaqueMaterial:

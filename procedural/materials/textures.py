@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...core.assets import checked_path
-from ..description.material import PictureTexture, ProceduralTexture, Texture, UniformTexture
+from ..description.material import PictureTexture, ProceduralTexture, Texture, UniformTexture, VertexColours
 from .noise import cellular, fractal_gradient_noise, gradient_noise, smoothstep, tile_grid
 from .picture_files import read_picture
 
@@ -83,7 +83,10 @@ def bake(texture: Texture) -> np.ndarray:
         case ProceduralTexture():
             return _procedural(texture)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
         case PictureTexture():
-            return np.ascontiguousarray(read_picture(checked_path(texture.asset))[::-1])
+            pixels = np.ascontiguousarray(read_picture(checked_path(texture.asset))[::-1])
+            return pixels if texture.factor == (1.0, 1.0, 1.0) else pixels * np.array(texture.factor, np.float32)
+        case VertexColours():
+            raise ValueError("expected a texture of its own, found the colours of a mesh's vertices")
 
 
 @lru_cache(maxsize=_REMEMBERED)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
-from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...core.mesh import Mesh
 from ...core.model import Model
 from ...core.units import Length
-from ..description.material import OpaqueMaterial
-from ..description.scene import Prop
-from ..materials.draw import draw_material, draw_plain_material
-from .mesh_files import MeshFile, box_mapped, read_mesh
+from ..description.scene import GlassBody, Prop
+from ..materials.draw import draw_material, whole_repeats
+from ..materials.surface_files import SurfaceFiles
+from .from_file import prop_from_file
+from .mesh_files import MeshChoice, MeshFile
 from .shapes import draw_shape
 
 
@@ -26,6 +27,22 @@ class PropSettings(Model):
     file_share: float = Field(
         default=0.6, ge=0.0, le=1.0, description="Probability that a prop comes from the mesh folder, if one is given"
     )
+
+    unit: Literal["auto", "m", "cm", "mm", "inch"] = Field(
+        default="auto", description="Unit of the mesh files; auto takes it from their layout, or their size"
+    )
+    up: Literal["auto", "y", "z"] = Field(
+        default="auto", description="Axis of the mesh files that points up; auto takes it from their layout or format"
+    )
+    include: tuple[str, ...] = Field(
+        default=(), description="Patterns such as *mug*: of the mesh files, only those with such a name or category"
+    )
+    exclude: tuple[str, ...] = Field(default=(), description="Patterns of names or categories that are left out")
+
+    @property
+    def choice(self) -> MeshChoice:
+        """Which mesh files are used, and what is stated about them."""
+        return MeshChoice(self.include, self.exclude, self.unit, self.up)
 
     @model_validator(mode="after")
     def _in_order(self) -> PropSettings:
@@ -41,8 +58,8 @@ def draw_prop(
     id: int,
     name: str,
     mesh_files: Sequence[MeshFile] = (),
-    texture_files: Sequence[Path] = (),
-) -> Prop:
+    texture_files: Sequence[SurfaceFiles] = (),
+) -> Prop | GlassBody:
     """Draw a prop at the world's origin; placement sets its pose.
 
     Parameters
@@ -56,9 +73,9 @@ def draw_prop(
     name : str
         Name of the prop and of its mesh, unique in the scene.
     mesh_files : sequence of MeshFile
-        Result of `mesh_files.mesh_files`; may be empty.
-    texture_files : sequence of Path
-        Result of `picture_files.picture_files`; may be empty.
+        Result of `mesh_files.usable_meshes`; may be empty. One that its file says is glass is a glass body.
+    texture_files : sequence of SurfaceFiles
+        Result of `surface_files.usable_surfaces`; may be empty.
 
     Raises
     ------
@@ -69,43 +86,22 @@ def draw_prop(
     from_file = rng.random() < settings.file_share
     if mesh_files and from_file:
         file = mesh_files[int(rng.integers(len(mesh_files)))]
-        mesh, material = _prop_from_file(rng, file, name, longest, texture_files)
-        category, symmetric = file.name, False
-    else:
-        shape = draw_shape(rng, longest, name)
-        mesh, category, symmetric = shape.mesh, shape.category, shape.symmetric
-        material = _whole_repeats(draw_material(rng, texture_files), shape.texture_unit)
-    x, y, z = (float(side) for side in np.ptp(mesh.bounds, axis=0))
+        return prop_from_file(rng, file, drawn_size(file, settings), id=id, name=name, texture_files=texture_files)
+    shape = draw_shape(rng, longest, name)
+    x, y, z = (float(side) for side in np.ptp(shape.mesh.bounds, axis=0))
     return Prop(
         id=id,
         name=name,
-        category=category,
-        mesh=mesh,
-        material=material,
+        category=shape.category,
+        mesh=shape.mesh,
+        material=whole_repeats(draw_material(rng, texture_files), shape.texture_unit),
         size=(x, y, z),
-        symmetric=symmetric,
+        symmetric=shape.symmetric,
         world_T_object=np.eye(4),
     )
 
 
-def _prop_from_file(
-    rng: np.random.Generator, file: MeshFile, name: str, longest: float, texture_files: Sequence[Path]
-) -> tuple[Mesh, OpaqueMaterial]:
-    found = read_mesh(file, name, longest)
-    mesh, stored = found.mesh, found.material
-    if mesh.uv is None:
-        mesh = box_mapped(mesh)
-        material = _whole_repeats(draw_material(rng, texture_files), float(np.ptp(mesh.bounds, axis=0).max()))
-    else:
-        # A procedural pattern would not fit the charts of the file.
-        material = draw_plain_material(rng)
-    fields = {"base_colour": stored.texture, "roughness": stored.roughness, "metallic": stored.metallic}
-    fields = {field: value for field, value in fields.items() if value is not None}
-    if stored.texture is not None:
-        fields |= {"name": f"of {file.name}", "repeats": 1.0, "metallic": stored.metallic or 0.0}
-    return mesh, material.model_copy(update=fields)
-
-
-def _whole_repeats(material: OpaqueMaterial, unit: float) -> OpaqueMaterial:
-    """Return a material with its repeats per metre rounded to a whole number per texture unit of `unit` metres."""
-    return material.model_copy(update={"repeats": float(max(1, round(material.repeats * unit)))})
+def drawn_size(file: MeshFile, settings: PropSettings) -> float:
+    """Return the longest side of a file without a size of its own [m]: the same in all scenes and data sets."""
+    fraction = int.from_bytes(hashlib.sha256(file.name.encode()).digest()[:4], "little") / 2**32
+    return settings.smallest + fraction * (settings.largest - settings.smallest)

@@ -7,14 +7,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from ...core.assets import asset
-from ..materials.picture_files import check_pictures, picture_files
+from ...core.passed_over import Finding, Progress, check_strict
+from ..materials.surface_files import SurfaceFiles, usable_surfaces
 from ..optics.draw import NO_MEDIA
 from ..optics.medium import Medium
-from ..props.mesh_files import MeshFile, check_meshes, mesh_files
+from ..props.mesh_files import MeshFile, usable_meshes
 from ..surroundings.camera_poses import poses_of
-from ..surroundings.hdri import hdri_files, read_hdri
+from ..surroundings.hdri import usable_hdris
 from ..surroundings.pose_files import FilePose
+from ..surroundings.shipped_light import shipped_maps
 from ..vessels.media import own_media
 from .settings import SceneSettings
 from .splits import Split, files_of
@@ -28,23 +29,48 @@ class AssetFiles:
 
     environments: tuple[Path, ...] = ()
     meshes: tuple[MeshFile, ...] = ()
-    textures: tuple[Path, ...] = ()
-    table_textures: tuple[Path, ...] = ()  #: those of the props, unless the table has a folder of its own
+    textures: tuple[SurfaceFiles, ...] = ()
+    table_textures: tuple[SurfaceFiles, ...] = ()  #: those of the props, unless the table has a folder of its own
     poses: tuple[FilePose, ...] = ()
     media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
+    shipped: tuple[Path, ...] = ()  #: environment maps of the package
+    findings: tuple[Finding, ...] = ()  #: what was passed over, and remarks
 
 
-def asset_files(settings: SceneSettings) -> AssetFiles:
-    """Return the files in the settings' folders; InputError where a folder or a file in it cannot be used."""
-    hdri, meshes, textures = settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir
-    tables = settings.table_texture_dir
+def asset_files(settings: SceneSettings, progress: Progress | None = None) -> AssetFiles:
+    """Return the usable files in the settings' folders, each checked once, and what was found about the others.
+
+    Parameters
+    ----------
+    settings : SceneSettings
+        Folders that are None are skipped.
+    progress : callable, optional
+        Is told how far the check is.
+
+    Raises
+    ------
+    InputError
+        Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
+    """
+    environments, of_light = usable_hdris(settings.environment.hdri_dir, progress)
+    meshes, of_meshes = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
+    textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_size, progress)
+    tables, of_tables = textures, ()
+    if settings.table.texture_dir is not None:
+        name = "table.texture_dir"
+        tables, of_tables = usable_surfaces(settings.table.texture_dir, settings.texture_size, progress, name)
+    findings = (*of_light, *of_meshes, *of_textures, *of_tables)
+    if settings.strict:
+        check_strict(findings)
     return AssetFiles(
-        environments=() if hdri is None else hdri_files(hdri),
-        meshes=() if meshes is None else mesh_files(meshes),
-        textures=() if textures is None else picture_files(textures),
-        table_textures=() if tables is None else picture_files(tables),
+        environments=environments,
+        meshes=meshes,
+        textures=textures,
+        table_textures=tables,
         poses=poses_of(settings.cameras),
         media=own_media(settings.vessels),
+        shipped=shipped_maps(),
+        findings=findings,
     )
 
 
@@ -54,38 +80,12 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
     def kept(some: Sequence[F], name: Callable[[F], str]) -> tuple[F, ...]:
         return files_of(settings.splits, seed, split, some, name)
 
-    hdri, textures, tables = settings.environment.hdri_dir, settings.texture_dir, settings.table_texture_dir
+    hdri = settings.environment.hdri_dir
     return replace(
         files,
         environments=kept(files.environments, lambda path: path.relative_to(hdri or path).as_posix()),
         meshes=kept(files.meshes, lambda file: file.name),
-        textures=kept(files.textures, lambda path: path.relative_to(textures or path).as_posix()),
-        table_textures=kept(files.table_textures, lambda path: path.relative_to(tables or path).as_posix()),
-        poses=files.poses,
+        textures=kept(files.textures, lambda item: item.name),
+        table_textures=kept(files.table_textures, lambda item: item.name),
+        shipped=kept(files.shipped, lambda path: path.name),
     )
-
-
-def check_inputs(settings: SceneSettings) -> None:
-    """Read every file that the settings name, and refuse invalid ones before any work begins.
-
-    Parameters
-    ----------
-    settings : SceneSettings
-        Folders that are None are skipped.
-
-    Raises
-    ------
-    InputError
-        Names the first folder or file that cannot be used.
-    """
-    own_media(settings.vessels)
-    if settings.environment.hdri_dir is not None:
-        for path in hdri_files(settings.environment.hdri_dir):
-            read_hdri(asset(path))
-    if settings.mesh_dir is not None:
-        check_meshes(mesh_files(settings.mesh_dir))
-    if settings.texture_dir is not None:
-        check_pictures(picture_files(settings.texture_dir))
-    if settings.table.texture_dir is not None:
-        check_pictures(picture_files(settings.table.texture_dir))
-    poses_of(settings.cameras)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, Prop, Scene, SceneObject, Vessel
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel
 from ..optics.medium import Medium
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
@@ -16,6 +16,7 @@ from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
+from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
 from ..vessels.media import draw_media
@@ -60,6 +61,9 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
+    environment = with_shipped_light(
+        stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
+    )
     pixels = bake_environment(environment)
     far = reach(settings.cameras, space, files.poses)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
@@ -69,7 +73,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         seed=seed,
         scene_id=scene_id,
         table=table,
-        vessels=tuple(item for item in objects if isinstance(item, Vessel)),
+        vessels=tuple(item for item in objects if isinstance(item, GlassBody)),
         props=tuple(item for item in objects if isinstance(item, Prop)),
         environment=environment,
         lights=lights,
@@ -91,7 +95,7 @@ def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, own
 
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
-) -> list[Prop]:
+) -> list[Prop | GlassBody]:
     return [
         draw_prop(
             stream(seed, scene_id, f"props/{i}"),
@@ -121,6 +125,6 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if isinstance(item, Prop):
-        return resting_pose(item.mesh, rng)
+    if not isinstance(item, Vessel):
+        return resting_pose(body_mesh(item), rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

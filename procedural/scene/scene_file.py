@@ -108,6 +108,8 @@ def _mesh_digest(mesh: Mesh) -> str:
     digest = hashlib.sha256(mesh.name.encode())
     for array in (mesh.vertices, mesh.faces, mesh.normals, mesh.uv):
         digest.update(b"none" if array is None else array.tobytes())
+    if mesh.colours is not None:
+        digest.update(mesh.colours.tobytes())
     return digest.hexdigest()
 
 

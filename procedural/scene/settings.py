@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
+from ...core.units import Length
 from ...core.user_text import UserPath
 from ..description.picture import Picture
+from ..materials.surface_files import PICTURE_SIDE
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.camera_settings import CameraSettings
@@ -20,6 +21,7 @@ from ..vessels.sizes import check_volumes
 from .splits import SplitSettings
 
 _Vessels = Annotated[int, Field(ge=0, le=24)]
+_Side = Annotated[Length, Field(ge=0.01, le=100.0)]
 _Props = Annotated[int, Field(ge=0, le=24)]
 
 
@@ -34,8 +36,16 @@ class SceneSettings(Model):
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
     texture_dir: UserPath | None = Field(
-        default=None, description="Folder of pictures for plain props, and for the table without `table.texture_dir`"
+        default=None,
+        description="Folder of pictures and of materials with maps for plain props, and for the table without "
+        "`table.texture_dir`",
     )
+    texture_size: Annotated[tuple[_Side, _Side], Ordered] = Field(
+        default=PICTURE_SIDE,
+        description="Range of the width of what a picture or a material shows [m], where no file beside it states it; "
+        "the same number twice states it",
+    )
+    strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()
     table: TableSettings = TableSettings()
@@ -45,11 +55,6 @@ class SceneSettings(Model):
     placement: PlacementSettings = PlacementSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
-
-    @property
-    def table_texture_dir(self) -> Path | None:
-        """Folder of pictures for the table's top: its own, or that of the props."""
-        return self.texture_dir if self.table.texture_dir is None else self.table.texture_dir
 
     @model_validator(mode="after")
     def _volumes_fit(self) -> SceneSettings:

@@ -17,6 +17,7 @@ from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
     Liquid,
+    Prop,
     Scene,
     Vessel,
     glass_solid,
@@ -73,6 +74,8 @@ def check_scene(scene: Scene) -> None:
             _check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
+        if isinstance(item, Prop):
+            _check_pieces(item)
         _check_size(f"{item.name}, size", body_mesh(item), np.array(item.size))
     for number, camera in enumerate(scene.cameras):
         _check_camera(f"camera {number}", camera)
@@ -112,6 +115,19 @@ def _check_parts(body: GlassBody) -> None:
     expected = ["outside"] if body.liquid is None else ["liquid_surface", "outside", "wet_wall"]
     if sorted(parts) != expected:
         raise InputError(body.name, f"the interfaces {', '.join(expected)}", ", ".join(parts) or "none")
+
+
+def _check_pieces(prop: Prop) -> None:
+    count = sum(piece.faces for piece in prop.pieces)
+    if count != len(prop.mesh.faces):
+        raise InputError(f"{prop.name}, parts", f"parts of {len(prop.mesh.faces)} faces together", count)
+    for piece in prop.parts:
+        if piece.faces == 0:
+            raise InputError(f"{prop.name}, parts", "faces in each of several parts", f"none of {piece.material.name}")
+    for piece in prop.pieces:
+        if piece.material.base_colour.kind == "vertices" and prop.mesh.colours is None:
+            where = f"{prop.name}, {piece.material.name}"
+            raise InputError(where, f"a mesh with colours ({prop.mesh.name}), as its texture says", "one without")
 
 
 def _check_profiles(vessel: Vessel) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from ...core.assets import asset
 from ..description.surroundings import ConstantEnvironment, Environment, PictureEnvironment, RoomEnvironment
 from .file_light import draw_strength
-from .hdri import hdri_files, read_hdri
+from .hdri import read_hdri, usable_hdris
 from .room_map import bake_room
 from .rooms import draw_room
 from .settings import EnvironmentSettings
@@ -42,7 +42,7 @@ def draw_environment(
         Where the folder is missing or has no environment map, or the chosen one cannot be read.
     """
     if files is None:
-        files = () if settings.hdri_dir is None else hdri_files(settings.hdri_dir)
+        files, _ = usable_hdris(settings.hdri_dir)
     from_file, indoors = rng.uniform() < settings.hdri_share, rng.uniform() < settings.room_share
     if files and from_file:
         chosen = asset(files[int(rng.integers(len(files)))])

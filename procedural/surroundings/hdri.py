@@ -13,47 +13,66 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import OpenEXR
-from scipy.ndimage import maximum_filter
 
 from ...core.assets import Asset, checked_path
 from ...core.errors import InputError
+from ...core.exr_picture import read_exr_picture
 from ...core.folders import files_in
-from ...core.silence import quiet
+from ...core.passed_over import Finding, Progress, checked_files
+from ...core.remembered import Checked
+from ..materials.picture_files import read_picture
 from .colour import luminance
 from .metering import irradiance
+from .radiance_picture import read_radiance_picture
 
-SUFFIXES = (".exr", ".hdr")
+#: Files with the whole range of light, and pictures of a camera, which end at white.
+HDR_SUFFIXES, LOW_RANGE_SUFFIXES = (".exr", ".hdr"), (".jpeg", ".jpg", ".png")
+SUFFIXES = (*HDR_SUFFIXES, *LOW_RANGE_SUFFIXES)
 #: Widest map that is read [px]; 16384 x 8192 pixels already take 1.5 GB.
 MAX_WIDTH = 16384
 #: Largest value that is read. Skies of most maps are about 1, and the unblocked disc of the sun is about 1e5 times as
-#: bright (1.6e9 cd/m^2 over 1e4). Values over a thousand times more than that are damage.
+#: bright (1.6e9 cd/m^2 over 1e4). Values over a thousand times more than that count as infinite.
 MAX_RADIANCE = 1e8
-# First bytes of the two formats: OpenEXR's magic number 20000630, and the Radiance picture's program line.
-_EXR_MAGIC, _HDR_MAGIC = b"\x76\x2f\x31\x01", (b"#?RADIANCE", b"#?RGBE")
-# The line of a Radiance picture's size, after the empty line that ends its header.
-_HDR_SIZE = re.compile(rb"\n\n-Y ([0-9]{1,9}) \+X ([0-9]{1,9})\n")
+#: What infinite pixels are read as, at least: the largest half (IEEE 754 binary16), which overflowed in most of them.
+_LARGEST_HALF = 65504.0
+#: Fraction of pixels that may be infinite, NaN or far below zero [1]: lamps and single faults. A file with more is
+#: damaged, or no picture of light.
+_MOST_FAULTS = 0.01
 # Sharpening filters (Lanczos) and lossy compression (DWA, B44) leave dips below zero beside bright lamps. The
 # first lobe of Lanczos' kernel (three lobes) is 0.15 deep; DWA rounds in blocks of 8 pixels. Dips are accepted up
 # to this fraction of the brightest value within so many pixels; the deepest of twelve Poly Haven maps is 0.2.
 _DIP, _DIP_RANGE = 0.25, 8
+#: A width that differs from twice the height by so many pixels is a slip of whatever wrote the file.
+_SLIP = 2
+#: Number of the check of files; another one forgets what was remembered.
+_CHECK = 1
+#: Ends of names that say how large a map is, or that it is the view for a screen.
+_VARIANT = re.compile(r"([-_ .](\d+k|tonemapped|preview|thumb(nail)?))+$")
 
 
 def hdri_files(folder: Path) -> tuple[Path, ...]:
-    """Return the environment maps directly in a folder, sorted by name; InputError where there are none."""
-    return files_in(folder, "environment maps", SUFFIXES, below=False)
+    """Return the environment maps under a folder, ordered by their relative paths; InputError where there are none.
+
+    A JPEG or PNG that has the name of an EXR or HDR file beside it is a view of it, and left out.
+    """
+    files = files_in(folder, "environment maps", SUFFIXES, below=True)
+    whole = {_key(path) for path in files if path.suffix.lower() in HDR_SUFFIXES}
+    return tuple(path for path in files if path.suffix.lower() in HDR_SUFFIXES or _key(path) not in whole)
+
+
+def _key(path: Path) -> tuple[Path, str]:
+    return path.parent, _VARIANT.sub("", path.stem.lower())
 
 
 def read_hdri(item: Asset) -> np.ndarray:
     """Read an equirectangular environment map.
 
-    EXR files go through the `OpenEXR` package: Mitsuba's own reader hangs in a process that may use one core only.
-    Shallow dips below zero beside brighter pixels, as resampling and lossy compression leave them, are set to 0.
+    Single pixels that are infinite, NaN or below zero are read as bright or black (`usable_hdris` tells of them).
 
     Parameters
     ----------
     item : Asset
-        An EXR file with channels R, G, B (A is ignored) or Y, half or float, or a Radiance HDR file.
+        An OpenEXR or Radiance file, or a JPEG or PNG, which holds light up to white only.
 
     Returns
     -------
@@ -63,20 +82,92 @@ def read_hdri(item: Asset) -> np.ndarray:
     Raises
     ------
     InputError
-        If the file is missing, changed, unreadable or truncated, has other channels, is not twice as wide as high,
-        has values that are not finite, far below zero or above `MAX_RADIANCE`, or gives no light on a table.
+        If the file is missing, changed, unreadable or truncated, has no channels of a picture, is not twice as wide as
+        high, has more than single faulty pixels, or gives no light on a table.
     """
-    path = checked_path(item)
-    pixels = _read_exr(path) if path.suffix.lower() == ".exr" else _read_hdr(path)
-    _check_shape(path, pixels.shape[1], pixels.shape[0])
-    bad = np.count_nonzero(~np.isfinite(pixels))
-    if bad:
-        raise InputError(path, "finite pixels", f"{bad} values that are NaN or infinite")
-    if pixels.max() > MAX_RADIANCE:
-        raise InputError(path, f"pixels of at most {MAX_RADIANCE:g}", f"{pixels.max():.6g}")
-    pixels = np.ascontiguousarray(_without_dips(path, pixels)[:, ::-1], dtype=np.float32)
+    return _read(checked_path(item))[0]
+
+
+def usable_hdris(folder: Path | None, progress: Progress | None = None) -> tuple[tuple[Path, ...], tuple[Finding, ...]]:
+    """Return the environment maps under a folder that can be read, and what was found about all files.
+
+    Raises
+    ------
+    InputError
+        Where the folder is missing, or no file in it can be used.
+    """
+    if folder is None:
+        return (), ()
+    good, findings = checked_files(
+        hdri_files(folder),
+        lambda path: path,
+        lambda path: Checked(remarks=tuple(_read(path)[1])),
+        folder="environment.hdri_dir",
+        root=folder,
+        content="environment maps",
+        version=_CHECK,
+        progress=progress,
+    )
+    return tuple(path for path, _ in good), findings
+
+
+def _read(path: Path) -> tuple[np.ndarray, list[str]]:
+    """Return the map and remarks on it."""
+    remarks: list[str] = []
+    match path.suffix.lower():
+        case ".exr":
+            pixels = read_exr_picture(path, lambda width, height: _check_size(path, width, height))
+        case ".hdr":
+            pixels = read_radiance_picture(path, lambda width, height: _check_size(path, width, height))
+        case _:
+            pixels = read_picture(path)
+            remarks.append("a picture of low range: its lamps and its sun are no brighter than white")
+    height, width = pixels.shape[:2]
+    _check_shape(path, width, height)
+    if width != 2 * height:
+        remarks.append(f"{width} x {height} pixels, read as {2 * height} x {height}")
+        pixels = cv2.resize(pixels, (2 * height, height), interpolation=cv2.INTER_LINEAR)
+    pixels = np.array(pixels[:, ::-1], np.float32, order="C")
+    _limit_bright(path, pixels, remarks)
+    _limit_dark(path, pixels, remarks)
     _check_light(path, pixels)
-    return pixels
+    return pixels, remarks
+
+
+def _limit_bright(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
+    """Replace infinite values and NaN, in place."""
+    unknown = np.isnan(pixels)
+    endless = ~unknown & ~(np.abs(pixels) <= MAX_RADIANCE)
+    count = int(np.count_nonzero((unknown | endless).any(axis=2)))
+    if count == 0:
+        return
+    if count > _MOST_FAULTS * pixels[..., 0].size:
+        raise InputError(path, "finite pixels", f"{count} that are NaN or infinite")
+    sound = pixels[~(unknown | endless)]
+    limit = max(_LARGEST_HALF, float(sound.max(initial=0.0)))
+    if endless.any():
+        pixels[endless] = np.where(pixels[endless] > 0.0, np.float32(limit), np.float32(0.0))
+        remarks.append(f"{np.count_nonzero(endless.any(axis=2))} infinite pixels, read as {limit:g}")
+    if unknown.any():
+        pixels[unknown] = 0.0
+        remarks.append(f"{np.count_nonzero(unknown.any(axis=2))} pixels that are no number (NaN), read as black")
+
+
+def _limit_dark(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
+    """Replace values below zero, in place; shallow dips beside brighter pixels need no remark."""
+    if pixels.min() >= 0.0:
+        return
+    from scipy.ndimage import maximum_filter  # here, as it takes a third of a second to load
+
+    side = 2 * _DIP_RANGE + 1
+    excess = pixels + _DIP * np.maximum(maximum_filter(pixels, size=(side, side, 1), mode="nearest"), 0.0)
+    deep = int(np.count_nonzero((excess < 0.0).any(axis=2)))
+    if deep > _MOST_FAULTS * pixels[..., 0].size:
+        value = pixels.flat[int(np.argmin(excess))]
+        raise InputError(path, "pixels of at least 0", f"{deep} far below, such as {value:.6g}")
+    if deep:
+        remarks.append(f"{deep} pixels far below 0, read as black")
+    np.maximum(pixels, 0.0, out=pixels)
 
 
 def _check_light(path: Path, pixels: np.ndarray) -> None:
@@ -91,80 +182,12 @@ def _check_light(path: Path, pixels: np.ndarray) -> None:
         raise InputError(path, "light in the upper half of an environment map", f"an irradiance of {light:g}")
 
 
-def _without_dips(path: Path, pixels: np.ndarray) -> np.ndarray:
-    if pixels.min() >= 0.0:
-        return pixels
-    side = 2 * _DIP_RANGE + 1
-    excess = pixels + _DIP * np.maximum(maximum_filter(pixels, size=(side, side, 1), mode="nearest"), 0.0)
-    if excess.min() < 0.0:
-        value = pixels.flat[int(np.argmin(excess))]
-        raise InputError(path, "pixels of at least 0 (but for shallow dips beside bright ones)", f"{value:.6g}")
-    return np.maximum(pixels, 0.0)
-
-
-def _read_exr(path: Path) -> np.ndarray:
-    _check_magic(path, (_EXR_MAGIC,), "an OpenEXR file")
-    try:
-        with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
-            low, high = ([int(n) for n in corner] for corner in file.header()["dataWindow"])
-        width, height = high[0] - low[0] + 1, high[1] - low[1] + 1
-        # Before the pixels: a header may claim more of them than memory holds.
-        _check_shape(path, width, height)
-        # Zero threads beside our own: decoding then needs no second core.
-        with quiet(), OpenEXR.File(str(path), separate_channels=True, num_threads=0) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except InputError:
-        raise
-    except (RuntimeError, ValueError, KeyError) as error:
-        # What the reader raises for damaged files; a file cut short reads as one without parts.
-        raise InputError(path, "a whole OpenEXR file", f"a damaged one ({_one_line(error)})") from error
-    return _rgb(path, channels, (height, width))
-
-
-def _rgb(path: Path, channels: dict[str, np.ndarray], shape: tuple[int, int]) -> np.ndarray:
-    if {"R", "G", "B"} <= channels.keys():
-        names = ["R", "G", "B"]
-    elif "Y" in channels and not {"RY", "BY"} & channels.keys():
-        names = ["Y", "Y", "Y"]
-    else:
-        raise InputError(path, "channels R, G, B or Y", ", ".join(sorted(channels)) or "none")
-    planes = [channels[name] for name in names]
-    for name, plane in zip(names, planes, strict=True):
-        if plane.shape != shape or plane.dtype not in (np.float16, np.float32):
-            raise InputError(f"{path} channel {name}", "half or float at full size", f"{plane.dtype} {plane.shape}")
-    return np.stack(planes, axis=-1).astype(np.float32)
-
-
-def _read_hdr(path: Path) -> np.ndarray:
-    _check_magic(path, _HDR_MAGIC, "a Radiance HDR file")
-    content = np.fromfile(path, dtype=np.uint8)
-    size = _HDR_SIZE.search(content.data)
-    if size is not None:
-        # Before the decoder, which refuses an impossible size too, but then leaves a file in the temp folder.
-        _check_shape(path, int(size[2]), int(size[1]))
-    try:
-        with quiet():
-            pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise InputError(path, "a Radiance HDR file", "a damaged header") from error
-    if pixels is None or pixels.ndim != 3 or pixels.dtype != np.float32:
-        raise InputError(path, "a whole Radiance HDR file", "a damaged one")
-    return pixels[..., ::-1]
-
-
-def _check_magic(path: Path, magics: tuple[bytes, ...], expected: str) -> None:
-    with path.open("rb") as file:
-        start = file.read(16)
-    if not start.startswith(magics):
-        raise InputError(path, expected, f"first bytes {start[:8]!r}" if start else "an empty file")
+def _check_size(path: Path, width: int, height: int) -> None:
+    """Raise InputError for a size that no map has, before its pixels are read."""
+    if not (0 < width <= MAX_WIDTH + _SLIP and 0 < height <= MAX_WIDTH + _SLIP):
+        raise InputError(path, f"1 to {MAX_WIDTH} pixels a side", f"{width} x {height}")
 
 
 def _check_shape(path: Path, width: int, height: int) -> None:
-    if width != 2 * height:
+    if abs(width - 2 * height) > min(_SLIP, height // 16):
         raise InputError(path, "an equirectangular map, twice as wide as high", f"{width} x {height} pixels")
-    if width > MAX_WIDTH:
-        raise InputError(path, f"at most {MAX_WIDTH} pixels across", width)
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())

@@ -22,10 +22,10 @@ DrawnKind = Literal["bulb", "desk-lamp", "tube", "panel", "soft-box"]
 
 
 class EnvironmentSettings(Model):
-    """The environment map: from a file, a procedural room or a procedural sky."""
+    """The environment map: from a file of the user or of the package, a procedural room or a procedural sky."""
 
     hdri_dir: UserPath | None = Field(
-        default=None, description="Folder of environment maps (EXR, HDR); none by default"
+        default=None, description="Folder of environment maps (EXR, HDR, panoramas in JPEG); none by default"
     )
     hdri_share: Unit = Field(
         default=1.0, description="Probability that a scene is lit by a file, if there is a folder, 0 to 1"
@@ -33,6 +33,11 @@ class EnvironmentSettings(Model):
     hdri_calibrated: bool = Field(
         default=False,
         description="Whether the files hold kcd/m^2; otherwise each is scaled to an illuminance that such a place has",
+    )
+    shipped_share: Unit = Field(
+        default=0.5,
+        description="Probability that a scene without a file of that folder is lit by one of the eight maps of the "
+        "package; otherwise its environment is procedural",
     )
     room_share: Unit = Field(
         default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"

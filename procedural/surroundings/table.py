@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -15,6 +14,7 @@ from ...core.units import LENGTH, Length
 from ...core.user_text import UserPath
 from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
+from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
 
@@ -46,7 +46,11 @@ class TableSettings(Model):
         return self
 
 
-def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files: Sequence[Path] = ()) -> Table:
+def draw_table(
+    rng: np.random.Generator,
+    settings: TableSettings,
+    texture_files: Sequence[SurfaceFiles] = (),
+) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
     Parameters
@@ -55,8 +59,8 @@ def draw_table(rng: np.random.Generator, settings: TableSettings, texture_files:
         Source of all draws.
     settings : TableSettings
         Sizes and the probability of a round table.
-    texture_files : sequence of Path
-        Pictures for the top; without them the material is procedural.
+    texture_files : sequence of SurfaceFiles
+        Pictures for the top, with their maps; without them the material is procedural.
 
     Returns
     -------

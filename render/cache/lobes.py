@@ -17,7 +17,7 @@ _ETA = 1.5
 _MIN_ALPHA = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)  # not frozen: maps replace fields
 class OpaqueParameters:
     """Parameters of the material at shading points."""
 

@@ -18,7 +18,7 @@ from ..scene.lighting import sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surfaces import registry_id
 from .cache_points import CachePoints, interpolation_weights, lookup_of
-from .irradiance_cache import IrradianceCache, diffuse, interpolated, material_columns, normalised, shading_point
+from .irradiance_cache import IrradianceCache, diffuse, material_columns, moments_at, normalised, shading_point
 from .lobes import eval_glossy
 
 
@@ -36,7 +36,7 @@ def stored_caustics(loaded: LoadedScene, points: CachePoints, moments: np.ndarra
     """
     lookup, table = lookup_of(points), loaded.surfaces
     stored = mi.Float(normalised(moments).astype(np.float32).ravel())
-    roughness, metallic = material_columns(loaded)
+    materials = material_columns(loaded)
     dr.make_opaque(stored)
 
     def shade(
@@ -44,10 +44,10 @@ def stored_caustics(loaded: LoadedScene, points: CachePoints, moments: np.ndarra
     ) -> tuple[mi.Color3f, mi.Color3f]:
         row, eye = registry_id(si.shape), -ray.d
         instance = dr.gather(mi.UInt32, table.instance, row)
-        point = shading_point(si, eye, roughness, metallic)
+        point = shading_point(si, eye, materials)
         material, wi = point.material, point.wi
         index, weight = interpolation_weights(lookup, si, barycentric, eye, instance == TABLE_ID)
-        radiance = diffuse(material, wi, eye, interpolated(stored, index, weight))
+        radiance = diffuse(material, wi, eye, moments_at(stored, index, weight, point))
         glossy, _ = eval_glossy(material, wi, point.frame.to_local(bounce.direction))
         total = mi.Color3f(bounce.weight) * bounce.pdf
         fraction = dr.select(total > 0.0, dr.clip(glossy / total, 0.0, 1.0), 0.0)

@@ -116,7 +116,7 @@ def _traced_surfaces(loaded: LoadedScene, cache: IrradianceCache, ids: tuple[int
     rows = mi.Bool(np.isin(np.array(loaded.surfaces.instance), ids))
     dr.make_opaque(rows)
     caustics = np.zeros(cache.moments.shape) if cache.caustics is None else cache.caustics
-    return TracedSurfaces(rows, stored_caustics(loaded, cache.points, caustics))
+    return TracedSurfaces(rows, stored_caustics(loaded, cache.points, caustics), loaded.surfaces.maps)
 
 
 def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
@@ -354,7 +354,7 @@ def _traced_bounce(
     bounce, glossy = cached, mi.Color3f(1.0)
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
     if dr.hint(traced, exclude=[scene, surfaces]):
-        bounce = opaque_event(scene, si, ray, offset, u)
+        bounce = opaque_event(scene, si, ray, offset, u, surfaces.maps)
         stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy

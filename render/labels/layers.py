@@ -115,11 +115,14 @@ def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     scene, table = loaded.description, loaded.surfaces
     materials = materials_of(scene)
     media = np.array([materials.index(medium) for medium in table.media], np.uint32)
-    solids = [materials.index(item.material) if isinstance(item, Prop) else 0 for item in scene.objects]
-    solids = np.array([*solids, materials.index(scene.table.material)], np.uint32)  # the table is object -1
+    solids = {-1: [materials.index(scene.table.material)]}  # the table is object -1
+    for number, item in enumerate(scene.objects):
+        solids[number] = [materials.index(piece.material) for piece in item.pieces] if isinstance(item, Prop) else [0]
+    rows = zip(np.array(table.object).tolist(), np.array(table.piece).tolist(), strict=True)
+    solid = np.array([solids[number][piece] for number, piece in rows], np.uint32)
     opaque = np.array(table.opaque)
     front = np.where(opaque, 0, media[np.array(table.front)]).astype(np.uint32)
-    back = np.where(opaque, solids[np.array(table.object)], media[np.array(table.back)]).astype(np.uint32)
+    back = np.where(opaque, solid, media[np.array(table.back)]).astype(np.uint32)
     front, back = mi.UInt32(front), mi.UInt32(back)
     dr.make_opaque(front, back)
     return front, back

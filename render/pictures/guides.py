@@ -23,6 +23,7 @@ from ..interfaces.dielectric import transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import to_guide
+from ..scene.surface_maps import mapped_normal, values_at
 from ..scene.surfaces import relative_index_d, surface_media, transmittance_rgb
 from .sampler import sample_4d, sobol_sampler
 
@@ -164,8 +165,11 @@ def _shaded(loaded: LoadedScene, end: _GuideRays, exposure: mi.Float, active: bo
     light = exposure * to_guide(emitter.eval(si, active))
     colour = dr.select(surface.opaque, to_guide(si.bsdf().eval_diffuse_reflectance(si, hit & surface.opaque)), 1.0)
     albedo = dr.select(active, weight * dr.minimum(light, 1.0), 0.0) + dr.select(hit & rough, weight * colour, 0.0)
+    ns = surface.ns
+    if table.maps is not None:  # what maps show is detail, not noise
+        ns = mapped_normal(values_at(table.maps, si, surface.row), si, ns, -ray.d)
     # (`dr.mean` would compile the number of rays into the kernel.)
-    normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * surface.ns, 0.0)
+    normal = dr.select(hit & rough, dr.sum(weight) / 3.0 * ns, 0.0)
     direct = hit & (end.bounces == 0)
     glass = (active & (end.bounces > 0)) | (direct & ~surface.opaque)
     polished = dr.gather(mi.Bool, table.polished, surface.row, direct)

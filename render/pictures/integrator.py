@@ -20,7 +20,8 @@ from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
-from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, surface_media
+from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
+from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, registry_id, surface_media
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
 #: Shadow rays end before the emitter by this fraction of the distance, to not hit it.
@@ -133,7 +134,7 @@ def trace(
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
         if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, carried]):
-            bounce = opaque_event(scene, si, ray, offset, u)
+            bounce = opaque_event(scene, si, ray, offset, u, table.maps)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
             L += beta * bounce.radiance
             if caustics_shade is not None:
@@ -242,11 +243,27 @@ def visible(
     return active & ~scene.ray_test(shadow, False, active)
 
 
+def _mapped(si: mi.SurfaceInteraction3f, values: MappedValues, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
+    """Return a point of `_two_sided` with the shading frame of the maps."""
+    frame = mi.Frame3f(mapped_normal(values, si, si.sh_frame.n, -ray.d))
+    si.sh_frame = dr.select(values.mapped, frame, si.sh_frame)
+    si.wi = si.to_local(-ray.d)
+    return si
+
+
 def opaque_event(
-    scene: mi.Scene, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float, u: PathDimensions
+    scene: mi.Scene,
+    si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
+    offset: mi.Float,
+    u: PathDimensions,
+    maps: SurfaceMaps | None = None,
 ) -> Bounce:
     """Sample an emitter (next-event estimation) and the next direction at an opaque surface."""
     bsdf, si = si.bsdf(ray), _two_sided(si, ray)
+    values = None if maps is None else values_at(maps, si, registry_id(si.shape))
+    if values is not None:
+        si = _mapped(si, values, ray)
     ds, arriving = scene.sample_emitter_direction(si, u.u_emitter, False)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
@@ -254,6 +271,9 @@ def opaque_event(
     mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
+    if values is not None:
+        lit &= above_surface(values, si, -ray.d, ds.d)
+        weight = dr.select(above_surface(values, si, -ray.d, direction), weight, 0.0)
     if mi.is_polarized:
         value = mueller_to_world(value, si, si.to_local(ds.d), ds.d, ray)
         weight = mueller_to_world(weight, si, sampled.wo, direction, ray)

@@ -6,13 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.mesh import Mesh
+from ...core.mesh import Mesh, some_faces
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
+from ...procedural.materials.surface_maps import bake_maps, mean_metallic, mean_roughness
 from ...procedural.materials.textures import bake
 from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .surfaces import Surface
+from .vertex_colours import coloured
 
 #: Roughness up to which props count as polished [1]: lamps reflected in them are sharp (GGX alpha of 0.16) and noisy.
 #: Mostly metallic materials count at any roughness: all their light is reflected. Tables never count: the denoiser
@@ -35,6 +37,7 @@ class Body:
     world_T_mesh: np.ndarray  #: (4, 4) float64 [m]
     bsdf: mi.BSDF
     surface: Surface
+    maps: np.ndarray | None = None  #: of roughness, metalness and normals (`surface_maps.bake_maps`)
 
 
 def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
@@ -42,12 +45,13 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
 
     The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it.
     """
-    table = mi.load_dict(opaque_bsdf(scene.table.material))
-    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
-    bodies = [Body(with_repeats(scene.table.mesh, scene.table.material), np.eye(4), table, surface)]
+    material, surface = scene.table.material, Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    maps = _maps(material)
+    table = mi.load_dict(opaque_bsdf(material, maps=maps))
+    bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps)]
     glass = None if glass_for_mitsuba else table
     for index, item in enumerate(scene.objects):
-        bodies += [_prop_body(item, index)] if isinstance(item, Prop) else _glass_bodies(item, index, glass)
+        bodies += _prop_bodies(item, index) if isinstance(item, Prop) else _glass_bodies(item, index, glass)
     return bodies
 
 
@@ -67,31 +71,46 @@ def _glass_bsdf(interface: Interface) -> mi.BSDF:
     return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
 
 
-def _prop_body(prop: Prop, index: int) -> Body:
-    surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(prop.material))
-    bsdf = mi.load_dict(opaque_bsdf(prop.material))
-    return Body(with_repeats(prop.mesh, prop.material), prop.world_T_object, bsdf, surface)
+def _prop_bodies(prop: Prop, index: int) -> list[Body]:
+    """Return one body for each part of a prop."""
+    bodies, start = [], 0
+    for number, piece in enumerate(prop.pieces):
+        material, end = piece.material, start + piece.faces
+        mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
+        surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(material), piece=number)
+        pixels = None
+        if material.base_colour.kind == "vertices":
+            mesh, pixels = coloured(mesh)
+        maps = _maps(material)
+        bsdf = mi.load_dict(opaque_bsdf(material, pixels, maps))
+        bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface, maps))
+        start = end
+    return bodies
 
 
 def _is_polished(material: OpaqueMaterial) -> bool:
     """Return whether pixels that show a prop of the material need more samples."""
-    return material.roughness <= POLISHED or material.metallic >= 0.5
+    return mean_roughness(material) <= POLISHED or mean_metallic(material) >= 0.5
 
 
-def opaque_bsdf(material: OpaqueMaterial) -> dict:
+def _maps(material: OpaqueMaterial) -> np.ndarray | None:
+    return bake_maps(material) if material.is_mapped else None
+
+
+def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None, maps: np.ndarray | None = None) -> dict:
     """Return the Mitsuba dictionary of a principled BSDF, one-sided; the ray loop flips the frame to the ray's side.
 
     Every material has a bitmap texture, even a plain colour: all opaque surfaces then share one kernel, and a new scene
     with other values compiles nothing. For the same reason the texture repeats are not in the bitmap's transform: see
-    `with_repeats`.
+    `with_repeats`. The colours are the material's texture, or `pixels` as `bake` returns them. Materials with `maps`
+    have a second kernel; the normals in them tilt the frame before the BSDF is asked (`surface_maps`).
     """
-    colour = {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.array(bake(material.base_colour), np.float32)),  # a copy: no read-only arrays
-        "raw": False,  # reflectance, for spectral variants too; a float bitmap counts as linear
-        "filter_type": "bilinear",
-        "wrap_mode": "repeat",
-    }
+    pixels = bake(material.base_colour) if pixels is None else pixels
+    # Reflectance, for spectral variants too; a float bitmap counts as linear.
+    colour = _bitmap(pixels, raw=False)
+    if maps is not None:
+        roughness, metallic = (_bitmap(maps[..., k : k + 1], raw=True) for k in (2, 3))
+        return {"type": "principled", "base_color": colour, "roughness": roughness, "metallic": metallic}
     return {
         "type": "principled",
         "base_color": colour,
@@ -99,6 +118,11 @@ def opaque_bsdf(material: OpaqueMaterial) -> dict:
         # As a texture: Mitsuba compiles another BSDF for the number 0 than for others.
         "metallic": {"type": "uniform", "value": material.metallic},
     }
+
+
+def _bitmap(pixels: np.ndarray, raw: bool) -> dict:
+    bitmap = mi.Bitmap(np.array(pixels, np.float32, order="C"))  # a copy: no read-only arrays
+    return {"type": "bitmap", "bitmap": bitmap, "raw": raw, "filter_type": "bilinear", "wrap_mode": "repeat"}
 
 
 def with_repeats(mesh: Mesh, material: OpaqueMaterial) -> Mesh:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.mesh import as_trimesh
-from ...procedural.description.scene import TABLE_ID, Scene
+from ...procedural.description.scene import Scene
 from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
@@ -80,7 +80,9 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
     opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
-    table = surface_table(by_id, scene.picture.dispersion)
+    ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
+    maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
+    table = surface_table(by_id, scene.picture.dispersion, maps)
     return LoadedScene(scene, mi_scene, _robust(mi_scene), table, RAY_OFFSET * reach, opaque)
 
 
@@ -107,8 +109,8 @@ def _opaque_body(scene: Scene, row: int, body: Body) -> OpaqueBody:
         normals = np.empty((len(positions), 3))
         normals[faces] = np.cross(b - a, c - a)[:, None]
     closed = as_trimesh(mesh).is_watertight
-    materials = {TABLE_ID: scene.table.material, **{prop.id: prop.material for prop in scene.props}}
-    material = materials[body.surface.instance]
+    pieces = {prop.id: prop.pieces for prop in scene.props}.get(body.surface.instance)
+    material = scene.table.material if pieces is None else pieces[body.surface.piece].material
     return OpaqueBody(row, positions, normals, faces, closed, material.roughness, material.metallic)
 
 

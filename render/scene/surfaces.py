@@ -11,6 +11,7 @@ from ...procedural.optics.medium import AIR, Medium
 from .._mitsuba import dr, mi
 from ..frame import PARTS
 from .spectrum import absorption_at, index_at, media_columns
+from .surface_maps import SurfaceMaps, surface_maps
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
@@ -28,6 +29,7 @@ class Surface:
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
     polished: bool = False  #: whether it is a prop with clear mirror reflections
+    piece: int = 0  #: number of the part of a prop
 
 
 @dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
@@ -60,11 +62,13 @@ class SurfaceTable:
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
     polished: mi.Bool
+    piece: mi.UInt32
     eta_d: mi.Float  #: by medium: refractive index at the d line
     sigma_a_rgb: mi.Float  #: by medium and linear Rec.709 channel, 3 values each: absorption [1/m]
     eta_render: mi.Float  #: by medium and sample of the active variant (`spectrum.index_at`)
     sigma_a_render: mi.Float  #: by medium and sample of the active variant (`spectrum.absorption_at`) [1/m]
     media: tuple[Medium, ...]
+    maps: SurfaceMaps | None = None  #: of roughness, metalness and normals; None where no material has any
 
     def relative_index(self, surface: SurfaceMedia, wavelengths: Any) -> mi.Float:
         """Return the index behind an interface over the index before it, for pictures in the active variant."""
@@ -77,8 +81,13 @@ class SurfaceTable:
         return dr.exp(-sigma_a * surface.distance)
 
 
-def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTable:
-    """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength."""
+def surface_table(
+    surfaces: dict[int, Surface], dispersion: bool, maps: dict[int, np.ndarray] | None = None
+) -> SurfaceTable:
+    """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength.
+
+    The `maps` of materials are given by registry id too (`surface_maps`).
+    """
     media = [AIR]
     for surface in surfaces.values():
         media += [medium for medium in (surface.front, surface.back) if medium not in media]
@@ -102,11 +111,13 @@ def surface_table(surfaces: dict[int, Surface], dispersion: bool) -> SurfaceTabl
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         polished=column(mi.Bool, [row.polished for row in rows]),
+        piece=column(mi.UInt32, [row.piece for row in rows]),
         eta_d=column(mi.Float, [medium.eta for medium in media]),
         sigma_a_rgb=column(mi.Float, np.array([medium.sigma_a for medium in media], np.float32).ravel()),
         eta_render=column(mi.Float, index.astype(np.float32).ravel()),
         sigma_a_render=column(mi.Float, absorption.astype(np.float32).ravel()),
         media=tuple(media),
+        maps=surface_maps(maps or {}, len(rows)),
     )
 
 

@@ -5,6 +5,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.dataset.format.split_file import merged_splits, read_splits, splits_file, write_splits
 from glassware.dataset.reader import Dataset
+from glassware.procedural.materials.surface_files import SurfaceFiles
 from glassware.procedural.scene.asset_files import AssetFiles
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.scene.splits import SplitSettings, families_of, split_of
@@ -28,7 +29,7 @@ def test_unseen_families_are_named_without_their_weights():
 
 
 def test_unseen_files_are_named_by_folder(tmp_path):
-    files = AssetFiles(textures=tuple(tmp_path / "wood" / f"{i}.png" for i in range(4)))
+    files = AssetFiles(textures=tuple(SurfaceFiles(tmp_path / "wood" / f"{i}.png", tmp_path, "wood") for i in range(4)))
     settings = SceneSettings(texture_dir=tmp_path, splits=SplitSettings(unseen_assets=0.5))
     unseen = splits_file(settings, files, 5, range(3)).unseen_assets
     assert list(unseen) == ["texture_dir"]

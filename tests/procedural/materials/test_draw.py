@@ -11,6 +11,7 @@ import pytest
 
 from glassware.procedural.description.material import OpaqueMaterial, PictureTexture, UniformTexture
 from glassware.procedural.materials.draw import draw_material, draw_plain_material, draw_table_material
+from glassware.procedural.materials.surface_files import SurfaceFiles
 
 #: Draws enough to meet every family.
 DRAWS = 300
@@ -50,8 +51,8 @@ def test_many_kinds_are_drawn() -> None:
 def test_a_table_takes_a_picture_where_there_is_one_and_a_prop_now_and_then(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     cv2.imwrite(str(path), np.zeros((2, 2, 3), np.uint8))
-    rng = np.random.default_rng(3)
-    assert all(draw_table_material(rng, [path]).base_colour.kind == "picture" for _ in range(20))
-    share = np.mean([draw_material(rng, [path]).base_colour.kind == "picture" for _ in range(DRAWS)])
+    rng, files = np.random.default_rng(3), [SurfaceFiles(path, tmp_path, "a")]
+    assert all(draw_table_material(rng, files).base_colour.kind == "picture" for _ in range(20))
+    share = np.mean([draw_material(rng, files).base_colour.kind == "picture" for _ in range(DRAWS)])
     # PICTURE_PROBABILITY is 0.25; four standard deviations of 300 draws are 0.1.
     assert 0.15 < share < 0.35

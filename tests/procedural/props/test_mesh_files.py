@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import struct
 from pathlib import Path
 
 import cv2
@@ -13,8 +11,15 @@ import trimesh
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import as_trimesh
-from glassware.procedural.materials.textures import bake
-from glassware.procedural.props.mesh_files import FileMesh, box_mapped, check_meshes, mesh_files, read_mesh
+from glassware.procedural.props.draw import PropSettings, draw_prop
+from glassware.procedural.props.mesh_files import (
+    FileMesh,
+    MeshChoice,
+    box_mapped,
+    mesh_files,
+    read_mesh,
+    usable_meshes,
+)
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "meshes"
 CORNERS = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
@@ -50,10 +55,10 @@ def test_a_missing_and_an_empty_folder_are_one_clear_line(tmp_path: Path) -> Non
     ("name", "content", "said"),
     [
         ("a.obj", CORNERS, "a mesh with faces, found none"),
-        ("a.obj", "", "a mesh with faces, found none|a readable OBJ mesh"),
+        ("a.obj", "", "a mesh, found an empty file"),
         ("a.obj", CORNERS.replace("0.1 0 0", "nan 0 0") + FACES, "finite vertices, found NaN or infinity"),
         ("a.obj", CORNERS.replace("0.1 0 0", "inf 0 0") + FACES, "finite vertices, found NaN or infinity"),
-        ("a.obj", CORNERS + "f 1 2 9\n", "a readable OBJ mesh, found one that cannot be read"),
+        ("a.obj", CORNERS + "f 1 2 9\n", "faces over 4 vertices, found one with index 9"),
         ("a.obj", CORNERS + "f 1 2 3\n", "a body with three extents, found 0.1 x 0.1 x 0"),
         ("a.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "a body with three extents, found 0 x 0 x 0"),
         ("a.obj", CORNERS + "f 1 1 2\nf 3 3 4\n", "a mesh with faces, found only faces without area"),
@@ -75,12 +80,15 @@ def test_a_face_of_a_ply_that_points_past_the_vertices_is_refused(tmp_path: Path
         _read(tmp_path, "a.ply", header + body)
 
 
-def test_a_whole_folder_can_be_checked_before_anything_is_drawn(tmp_path: Path) -> None:
+def test_a_whole_folder_is_checked_and_a_bad_file_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text(CORNERS + FACES)
-    check_meshes(mesh_files(tmp_path))
     (tmp_path / "b.obj").write_text(CORNERS)
-    with pytest.raises(InputError, match=r"b\.obj: expected a mesh with faces, found none"):
-        check_meshes(mesh_files(tmp_path))
+    files, findings = usable_meshes(tmp_path)
+    assert [file.name for file in files] == ["a.obj"]
+    assert [str(item) for item in findings] == ["mesh_dir: b.obj: expected a mesh with faces, found none"]
+    (tmp_path / "a.obj").unlink()
+    with pytest.raises(InputError, match="meshes that can be used, found none in 1 file; mesh_dir: b"):
+        usable_meshes(tmp_path)
 
 
 @pytest.mark.parametrize(("side", "expected"), [(0.1, 0.1), (0.021, 0.021), (0.39, 0.39), (10.0, 0.07), (0.001, 0.07)])
@@ -132,131 +140,6 @@ def test_normals_of_the_file_are_kept_and_unusable_ones_are_replaced(tmp_path: P
         assert np.all(np.einsum("fi,fci->fc", cross, mended.normals[mended.faces]) > 0)
 
 
-def test_an_obj_takes_the_picture_of_its_mtl(tmp_path: Path) -> None:
-    (tmp_path / "pictures").mkdir()
-    (tmp_path / "pictures" / "red skin.png").write_bytes(_png((255, 0, 0)))
-    (tmp_path / "look.mtl").write_text(
-        "newmtl other\nKd 0 1 0\nnewmtl skin\nKd 0.8 0.8 0.8\nNs 225\nmap_Kd pictures/red skin.png\n"
-    )
-    found = _read(tmp_path, "a.obj", MAPPED)
-    assert np.allclose(bake(found.material.texture), [1, 0, 0])
-    # Walter et al. 2007: alpha = sqrt(2 / 227), roughness its root.
-    assert found.material.roughness == pytest.approx(np.sqrt(np.sqrt(2 / 227)))
-    assert found.mesh.uv is not None
-
-
-def test_an_obj_takes_the_colour_of_its_mtl_and_goes_without_a_missing_one(tmp_path: Path) -> None:
-    assert _read(tmp_path, "a.obj", MAPPED).material.texture is None
-    (tmp_path / "look.mtl").write_text("newmtl skin\nKd 0.1 0.2 0.3\n")
-    assert _read(tmp_path, "a.obj", MAPPED).material.texture.colour == (0.1, 0.2, 0.3)
-
-
-@pytest.mark.parametrize("entry", ["map_Kd ../secret.png", "map_Kd /etc/passwd", r"map_Kd ..\secret.png"])
-def test_an_mtl_may_not_name_files_outside_the_folder(tmp_path: Path, entry: str) -> None:
-    (tmp_path / "secret.png").write_bytes(_png((1, 2, 3)))
-    folder = tmp_path / "meshes"
-    folder.mkdir()
-    (folder / "look.mtl").write_text(f"newmtl skin\n{entry}\n")
-    with pytest.raises(InputError, match=r"look\.mtl: expected names of files inside .*meshes, found"):
-        _read(folder, "a.obj", MAPPED)
-    with pytest.raises(InputError, match=r"a\.obj: expected names of files inside"):
-        _read(folder, "a.obj", MAPPED.replace("look.mtl", "../look.mtl"))
-
-
-def test_an_mtl_with_a_missing_picture_or_a_broken_number_is_refused(tmp_path: Path) -> None:
-    for entry, said in (
-        ("map_Kd gone.png", r"gone\.png: expected a readable picture"),
-        ("Kd red green blue", r"look\.mtl: expected a colour of three numbers"),
-        ("Kd nan 0 0", r"look\.mtl: expected a colour of three numbers"),
-        ("Ns shiny", r"look\.mtl: expected a number for Ns, found shiny"),
-    ):
-        (tmp_path / "look.mtl").write_text(f"newmtl skin\n{entry}\n")
-        with pytest.raises(InputError, match=said):
-            _read(tmp_path, "a.obj", MAPPED)
-
-
-def _glb(surface: dict, picture: bytes = b"") -> bytes:
-    """Return a GLB of one tetrahedron with a material, written by hand after the glTF 2.0 specification."""
-    positions = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]], "<f4").tobytes()
-    uv = np.array([[0, 0], [1, 0], [0, 1], [1, 1]], "<f4").tobytes()
-    faces = np.array([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3], "<u4").tobytes()
-    blobs, views, start = [positions, uv, faces, picture], [], 0
-    for blob in blobs:
-        views.append({"buffer": 0, "byteOffset": start, "byteLength": len(blob)})
-        start += len(blob)
-    document = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0] * 3, "max": [0.1] * 3},
-            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
-            {"bufferView": 2, "componentType": 5125, "count": 12, "type": "SCALAR"},
-        ],
-        "bufferViews": views if picture else views[:3],
-        "buffers": [{"byteLength": start}],
-        "materials": [{"pbrMetallicRoughness": surface}],
-        "textures": [{"source": 0}],
-        "images": [{"bufferView": 3, "mimeType": "image/png"}],
-    }
-    if not picture:
-        del document["textures"], document["images"]
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    binary = b"".join(blobs)
-    binary += b"\0" * (-len(binary) % 4)
-    body = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
-
-
-def test_a_glb_takes_the_picture_inside_it_and_keeps_it_by_its_content(tmp_path: Path) -> None:
-    content = _glb({"baseColorTexture": {"index": 0}, "metallicFactor": 0.0, "roughnessFactor": 0.4}, _png((0, 255, 0)))
-    found = _read(tmp_path, "a.glb", content)
-    assert np.allclose(bake(found.material.texture), [0, 1, 0])
-    assert (found.material.roughness, found.material.metallic) == (0.4, 0.0)
-    assert [path.name for path in (tmp_path / "kept").iterdir()] == [f"{found.material.texture.asset.sha256}.png"]
-    # v points down in glTF and up here: the second vertex (0.1, 0, 0) has (1, 0) there and (1, 1) here.
-    row = np.flatnonzero(found.mesh.vertices[:, 0] > 0.04)[0]
-    assert found.mesh.uv[row].tolist() == [1.0, 1.0]
-
-
-def test_a_glb_takes_its_factors(tmp_path: Path) -> None:
-    material = _read(tmp_path, "a.glb", _glb({"baseColorFactor": [0.1, 0.2, 0.3, 1.0]})).material
-    assert material.texture.colour == (0.1, 0.2, 0.3)
-    assert (material.roughness, material.metallic) == (1.0, 1.0)  # what the specification says where nothing is given
-
-
-def test_a_glb_with_a_broken_picture_or_material_is_refused(tmp_path: Path) -> None:
-    surface = {"baseColorTexture": {"index": 0}}
-    with pytest.raises(InputError, match=r"a\.glb: expected a PNG or JPEG picture inside"):
-        _read(tmp_path, "a.glb", _glb(surface, b"GIF89a.."))
-    with pytest.raises(InputError, match=r"a\.glb: expected a readable picture inside"):
-        _read(tmp_path, "a.glb", _glb(surface, _png((1, 2, 3))[:36]))
-    with pytest.raises(InputError, match=r"a\.glb: expected a (GLB file with valid materials|readable GLB mesh)"):
-        _read(tmp_path, "a.glb", _glb({"baseColorTexture": {"index": 7}}, _png((1, 2, 3))))
-
-
-@pytest.mark.parametrize("name", ["a\0b", "n" * 300, "loop", "x/" * 3000], ids=["NUL", "long", "loop", "deep"])
-def test_a_name_that_no_file_can_have_is_refused_wherever_it_stands(tmp_path: Path, name: str) -> None:
-    (tmp_path / "loop").symlink_to(tmp_path / "loop")
-    said = "expected names that a file can have"
-    with pytest.raises(InputError, match=rf"a\.obj: {said}"):
-        _read(tmp_path, "a.obj", f"mtllib {name}\nusemtl m\n{CORNERS}{FACES}")
-    (tmp_path / "look.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
-    with pytest.raises(InputError, match=rf"look\.mtl: {said}"):
-        _read(tmp_path, "a.obj", f"mtllib look.mtl\nusemtl m\n{CORNERS}{FACES}")
-
-
-@pytest.mark.parametrize("field", ["roughnessFactor", "metallicFactor"])
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), "rough", None])
-def test_a_factor_of_a_glb_that_is_no_number_is_refused(tmp_path: Path, field: str, value: object) -> None:
-    with pytest.raises(InputError, match=r"a\.glb: expected (finite numbers for|a readable GLB mesh)") as caught:
-        _read(tmp_path, "a.glb", _glb({field: value}))
-    assert "Error" not in str(caught.value)
-
-
 def test_a_file_name_that_is_not_utf8_is_refused(tmp_path: Path) -> None:
     (tmp_path / "\udcff.obj").write_text("")
     with pytest.raises(InputError, match=r"\\udcff\.obj: expected a file name in UTF-8, found other bytes"):
@@ -283,7 +166,65 @@ def test_real_files_load_and_the_textured_ones_bring_their_pictures(tmp_path: Pa
         assert np.isfinite(found.mesh.vertices).all()
         assert np.allclose(np.linalg.norm(found.mesh.normals, axis=1), 1.0, atol=1e-5)
         assert 0.02 <= np.ptp(found.mesh.bounds, axis=0).max() <= 0.4
-        if found.material.texture is not None and found.material.texture.kind == "picture":
+        if any(piece.look.texture is not None and piece.look.texture.kind == "picture" for piece in found.pieces):
             pictured.add(file.path.stem)
     assert len(files) == 19
     assert pictured == {"bread", "can", "cereal", "lemon", "milk"}
+
+
+def _sizes(folder: Path, **choice: object) -> tuple[list[float], list[str]]:
+    """Return the longest sides of all props of a folder, to a tenth of a millimetre, and the lines about it."""
+    files, findings = usable_meshes(folder, pictures=folder, choice=MeshChoice(**choice))
+    settings, rng = PropSettings(file_share=1.0), np.random.default_rng(0)
+    props = [draw_prop(rng, settings, id=2, name="prop", mesh_files=[file]) for file in files]
+    return [round(max(prop.size), 4) for prop in props], [str(item) for item in findings]
+
+
+def test_a_size_that_a_layout_or_the_user_states_is_the_true_one(tmp_path: Path) -> None:
+    content = trimesh.creation.box((60.0, 30.0, 20.0)).export(file_type="ply")
+    (tmp_path / "obj_000001.ply").write_bytes(content)
+    assert _sizes(tmp_path) == ([0.06], [])
+    (tmp_path / "obj_000001.ply").rename(tmp_path / "part.ply")
+    assert _sizes(tmp_path, unit="mm") == ([0.06], [])
+    (drawn,), (line,) = _sizes(tmp_path)
+    assert 0.05 <= drawn <= 0.16
+    assert "part.ply: no known size; one is drawn, the same in all scenes" in line
+    assert _sizes(tmp_path)[0] == [drawn]
+
+
+@pytest.mark.parametrize(("unit", "size"), [("m", "60 m"), ("cm", "0.6001 m")])
+def test_a_stated_unit_that_makes_an_absurd_object_is_asked_about(tmp_path: Path, unit: str, size: str) -> None:
+    side = 60.0 if unit == "m" else 60.01
+    (tmp_path / "part.stl").write_bytes(trimesh.creation.box((side, 30.0, 20.0)).export(file_type="stl"))
+    with pytest.raises(InputError, match=rf"part\.stl: expected an object of 5 mm to 0\.6 m, found one of {size}"):
+        _sizes(tmp_path, unit=unit)
+
+
+def test_names_and_categories_are_included_and_excluded_by_patterns(tmp_path: Path) -> None:
+    box = trimesh.creation.box((0.1, 0.1, 0.05)).export(file_type="stl")
+    for name in ("a/Mug.stl", "a/cup.stl", "025_mug/google_16k/textured.stl"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(box)
+
+    def chosen(**choice: object) -> list[str]:
+        return [file.name for file in mesh_files(tmp_path, tmp_path, MeshChoice(**choice))]
+
+    assert chosen(include=("*mug*",)) == ["025_mug/google_16k/textured.stl", "a/Mug.stl"]
+    assert chosen(include=("mug",)) == ["025_mug/google_16k/textured.stl"]
+    assert chosen(exclude=("a/*",)) == ["025_mug/google_16k/textured.stl"]
+    with pytest.raises(InputError, match=r"props\.exclude choose, found none with x"):
+        chosen(include=("x",))
+
+
+def test_a_single_file_is_a_folder_of_one(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(CORNERS + FACES)
+    (tmp_path / "b.obj").write_text(CORNERS + FACES)
+    files, _ = usable_meshes(tmp_path / "a.obj")
+    assert [file.name for file in files] == ["a.obj"]
+
+
+def test_a_y_axis_that_points_up_is_turned_to_z(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 0.1 0 0\nv 0 0.3 0\nv 0 0 0.1\n" + FACES)
+    for up, axis in (("auto", 1), ("z", 1), ("y", 2)):
+        (file,) = mesh_files(tmp_path, tmp_path, MeshChoice(up=up))
+        assert np.ptp(read_mesh(file, "prop", 0.1).mesh.bounds, axis=0).argmax() == axis

@@ -26,7 +26,8 @@ PROBES = 2000
 #: Seeds of the proof without files, one of them quick, and of the one with real files.
 SEEDS, LONG = [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)], range(20)
 #: Skies alone: a room is most of the work of drawing, and changes nothing on the table.
-SKY = {"room_share": 0.0}
+SKY = {"room_share": 0.0, "shipped_share": 0.0}
+ROOM = SKY | {"room_share": 1.0}
 
 
 def _settings(assets: Path | None = None, environment: dict | None = None) -> SceneSettings:
@@ -132,7 +133,7 @@ def test_the_probes_see_bodies_that_overlap(rng):
         _check_apart(scene.model_copy(update={"vessels": (one, two.model_copy(update={"world_T_object": pose}))}), rng)
 
 
-@pytest.mark.parametrize("environment", [SKY, pytest.param({"room_share": 1.0}, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("environment", [SKY, pytest.param(ROOM, marks=pytest.mark.slow)])
 def test_a_scene_depends_on_its_seed_and_number_alone(environment):
     def written(scene: Scene) -> tuple[str, list[bytes]]:
         meshes: list[bytes] = []

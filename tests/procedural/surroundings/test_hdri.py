@@ -11,7 +11,7 @@ import pytest
 
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
-from glassware.procedural.surroundings.hdri import hdri_files, read_hdri
+from glassware.procedural.surroundings.hdri import hdri_files, read_hdri, usable_hdris
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "assets" / "hdri"
 PIXELS = np.random.default_rng(0).uniform(0.0, 5.0, size=(8, 16, 3)).astype(np.float32)
@@ -99,31 +99,70 @@ def test_shallow_dips_beside_bright_pixels_become_zero(tmp_path, compression):
 
 
 @pytest.mark.parametrize(
-    ("value", "expected"), [(np.nan, "1 values that are NaN"), (np.inf, "infinite"), (-3.0, r"at least 0 .*, found -3")]
+    ("value", "read", "remark"),
+    [
+        (np.nan, 0.0, "1 pixels that are no number (NaN), read as black"),
+        (np.inf, 65504.0, "1 infinite pixels, read as 65504"),
+        (-np.inf, 0.0, "1 infinite pixels, read as 65504"),
+        (-30.0, 0.0, "1 pixels far below 0, read as black"),
+    ],
 )
-def test_pixels_that_are_no_radiance_are_refused(tmp_path, value, expected):
-    pixels = PIXELS.copy()
+def test_single_pixels_that_are_no_radiance_are_replaced_and_told(tmp_path, value, read, remark):
+    pixels = np.tile(PIXELS, (2, 2, 1))
     pixels[2, 3, 1] = value
+    path = write_exr(tmp_path / "a.exr", rgb(pixels))
+    assert read_hdri(asset(path))[2, -4, 1] == read
+    _, findings = usable_hdris(tmp_path)
+    assert [(item.path, item.reason, item.used) for item in findings] == [("a.exr", remark, True)]
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(np.nan, "8 that are NaN"), (np.inf, "or infinite"), (-30.0, "8 far below, such as -30")]
+)
+def test_many_pixels_that_are_no_radiance_are_damage(tmp_path, value, expected):
+    pixels = PIXELS.copy()
+    pixels[2, :8, 1] = value
     refused(write_exr(tmp_path / "a.exr", rgb(pixels)), expected)
+
+
+def test_a_folder_with_a_bad_file_keeps_the_good_ones_and_one_without_a_good_one_is_refused(tmp_path):
+    (tmp_path / "deep" / "er").mkdir(parents=True)
+    good = write_exr(tmp_path / "deep" / "er" / "good.exr", rgb(PIXELS))
+    (tmp_path / "bad.hdr").write_bytes(b"no picture")
+    (tmp_path / "._good.exr").write_bytes(b"\0\5\x16\7")
+    files, findings = usable_hdris(tmp_path)
+    assert files == (good,)
+    assert [(item.path, item.used) for item in findings] == [("bad.hdr", False)]
+    good.unlink()
+    with pytest.raises(InputError, match=r"environment maps that can be used, found none in 1 file; .*bad\.hdr"):
+        usable_hdris(tmp_path)
+
+
+def test_a_panorama_in_jpeg_is_read_as_light_of_low_range(tmp_path):
+    cv2.imwrite(str(tmp_path / "a.jpg"), np.full((8, 16, 3), 188, np.uint8))
+    cv2.imwrite(str(tmp_path / "b.jpg"), np.full((8, 8, 3), 188, np.uint8))
+    files, findings = usable_hdris(tmp_path)
+    assert [path.name for path in files] == ["a.jpg"]
+    assert [item.path for item in findings if "low range" in item.reason] == ["a.jpg"]
+    assert read_hdri(asset(files[0])) == pytest.approx(0.5, abs=0.01)  # sRGB 188 is half of white
+
+
+def test_a_jpeg_beside_its_map_is_no_map(tmp_path):
+    write_exr(tmp_path / "hall_4k.exr", rgb(PIXELS))
+    cv2.imwrite(str(tmp_path / "hall_tonemapped.jpg"), np.full((8, 16, 3), 188, np.uint8))
+    assert [path.name for path in hdri_files(tmp_path)] == ["hall_4k.exr"]
+
+
+def test_a_map_one_column_too_wide_is_read_as_one_of_the_right_shape(tmp_path):
+    path = write_exr(tmp_path / "a.exr", rgb(np.full((32, 65, 3), 2.0, np.float32)))
+    assert read_hdri(asset(path)).shape == (32, 64, 3)
+    assert "65 x 32 pixels, read as 64 x 32" in usable_hdris(tmp_path)[1][0].reason
 
 
 def test_a_map_that_is_not_twice_as_wide_as_high_is_refused(tmp_path):
     refused(write_exr(tmp_path / "a.exr", rgb(PIXELS[:, :15])), "found 15 x 8 pixels")
     cv2.imwrite(str(tmp_path / "a.hdr"), PIXELS[:, :8])
     refused(tmp_path / "a.hdr", "found 8 x 8 pixels")
-
-
-@pytest.mark.parametrize(
-    ("channels", "expected"),
-    [
-        ({f"diffuse.{k}": v for k, v in rgb(PIXELS).items()}, "found diffuse.B, diffuse.G, diffuse.R"),
-        ({k: v for k, v in rgb(PIXELS).items() if k != "B"}, "found G, R"),
-        ({k: v.astype(np.uint32) for k, v in rgb(PIXELS).items()}, "half or float"),
-    ],
-)
-def test_channels_that_are_no_colour_are_refused(tmp_path, channels, expected):
-    # A channel's own error names it after the path.
-    refused(write_exr(tmp_path / "a.exr", channels), expected)
 
 
 @pytest.mark.parametrize("name", ["a.exr", "a.hdr"])

@@ -11,6 +11,7 @@ import pytest
 
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.description.surroundings import Table
+from glassware.procedural.materials.surface_files import SurfaceFiles
 from glassware.procedural.surroundings.table import EDGE_RADIUS, THICKNESS, TableSettings, draw_table, outline
 
 SEEDS = range(20)
@@ -80,7 +81,10 @@ def test_one_repeat_of_the_picture_has_the_width_that_is_given_and_the_pictures_
     path = tmp_path / "wide.png"
     assert cv2.imwrite(str(path), np.full((20, 40, 3), 128, np.uint8))
     settings = TableSettings.model_validate({"texture_size": "60cm"})
-    drawn, given = (draw_table(np.random.default_rng(4), one, [path]) for one in (TableSettings(), settings))
+    drawn, given = (
+        draw_table(np.random.default_rng(4), one, [SurfaceFiles(path, tmp_path, "wide")])
+        for one in (TableSettings(), settings)
+    )
     assert given.material.repeats == pytest.approx(1.0 / 0.6)
     assert given.material.repeats_v == pytest.approx(1.0 / 0.3)
     assert given.material.roughness == drawn.material.roughness

@@ -54,7 +54,12 @@ def test_the_numbers_after_a_wall_s_do_not_depend_on_its_family():
 
 def test_vessels_of_drawn_scenes_have_a_material_of_their_family():
     settings = SceneSettings.model_validate(
-        {"vessel_count": (7, 7), "prop_count": (0, 0), "environment": {"room_share": 0.0}, "cameras": {"views": 1}}
+        {
+            "vessel_count": (7, 7),
+            "prop_count": (0, 0),
+            "environment": {"room_share": 0.0, "shipped_share": 0.0},
+            "cameras": {"views": 1},
+        }
     )
     vessels = [vessel for number in range(6) for vessel in draw_scene(settings, 11, number).vessels]
     assert len({vessel.category for vessel in vessels}) == len(CATEGORIES)

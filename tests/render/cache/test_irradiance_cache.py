@@ -21,7 +21,7 @@ SAMPLES = 256
 def polished(backend, drawn):
     """A polished table that mirrors the windows of a room, its light stored."""
     camera = {"views": 1, "width": 48, "height": 32, "slack": (1.0, 1.0)}
-    room = {"room_share": 1.0}
+    room = {"room_share": 1.0, "shipped_share": 0.0}
     scene = drawn(17, vessel_count=(1, 1), prop_count=(0, 0), cameras=camera, environment=room, lights={"max_count": 0})
     material = scene.table.material.model_copy(update={"roughness": 0.15})
     scene = scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
+from glassware.core.assets import asset
+from glassware.procedural.description.material import ChannelMap, NormalMap, OpaqueMaterial, UniformTexture
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import Prop
 from glassware.render.cache.cache_points import cache_points_of
@@ -26,7 +28,7 @@ BIAS = 0.03
 
 
 @pytest.fixture(scope="module")
-def scenes(drawn, optical_bench):
+def scenes(drawn, optical_bench, tmp_path_factory):
     """Small scenes, each with what is hard for stored light."""
     one = {"views": 1, "width": 48, "height": 32, "slack": (1.0, 1.0), "lowest_elevation": 0.6}
     lamp = {"max_count": 1}
@@ -40,6 +42,9 @@ def scenes(drawn, optical_bench):
         "a prop under a slab of water": _under_water(optical_bench),
         "colours between props": drawn(12, vessel_count=(0, 0), prop_count=(4, 4), cameras=one, lights=lamp),
         "glasses with liquid over a table": drawn(31, vessel_count=(3, 3), prop_count=(1, 1), cameras=one, lights=lamp),
+        "a table with maps of roughness, metalness and normals": _mapped(
+            drawn(14, vessel_count=(1, 1), prop_count=(2, 2), cameras=one, lights=lamp), tmp_path_factory.mktemp("maps")
+        ),
         "a glossy table": _glossy(drawn(14, vessel_count=(1, 1), prop_count=(2, 2), cameras=one, lights=lamp)),
     }
 
@@ -62,12 +67,34 @@ def _glossy(scene):
     return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
 
 
+def _mapped(scene, folder):
+    """A table of tiles of 5 cm: every second one is of rough metal, with waves as steep as 1 in 5 on all of them."""
+    x, y = np.meshgrid((np.arange(64) + 0.5) / 64, (np.arange(64) + 0.5) / 64)
+    metal = ((x < 0.5) ^ (y < 0.5)).astype(np.float64)
+    slope = 0.2 * np.sin(6.0 * np.pi * x)
+    normal = np.dstack([-slope, np.zeros_like(x), np.ones_like(x)]) / np.hypot(slope, 1.0)[..., None]
+    for name, pixels in (("arm", np.dstack([x, 0.3 + 0.4 * metal, metal])), ("normal", 0.5 + 0.5 * normal)):
+        cv2.imwrite(str(folder / f"{name}.png"), np.rint(255.0 * pixels[..., ::-1]).astype(np.uint8))
+    packed, normals = asset(folder / "arm.png"), asset(folder / "normal.png")
+    maps = {
+        "roughness": 1.0,
+        "roughness_map": ChannelMap(asset=packed, channel="green"),
+        "metallic": 1.0,
+        "metallic_map": ChannelMap(asset=packed, channel="blue"),
+        "normal_map": NormalMap(asset=normals),
+        "repeats": 10.0,
+    }
+    material = scene.table.material.model_copy(update=maps)
+    return scene.model_copy(update={"table": scene.table.model_copy(update={"material": material})})
+
+
 NAMES = [
     "the caustic of a glass ball",
     "a prop under a slab of water",
     "colours between props",
     "glasses with liquid over a table",
     "a glossy table",
+    "a table with maps of roughness, metalness and normals",
 ]
 
 

@@ -1,0 +1,184 @@
+"""Mesh files as glassware reads them against a second reader, trimesh with Pillow: shape and colour.
+
+For each file of a folder that both read, silhouettes along the three axes are compared, and the mean colour of the
+surface by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours differ by at
+most `MOST_DIFFERENCE`; the others are listed with what differs.
+
+    .venv/bin/python bench/studies/mesh_files.py FOLDER
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import trimesh
+
+from glassware.core.errors import InputError
+from glassware.procedural.description.material import PictureTexture, UniformTexture
+from glassware.procedural.materials.picture_files import srgb_to_linear
+from glassware.procedural.materials.textures import bake
+from glassware.procedural.mesh_files.model import FilePart, Source
+from glassware.procedural.mesh_files.read import MESH_SUFFIXES, read_parts
+
+#: Least overlap (intersection over union) of silhouettes of this many pixels a side, and most difference of mean
+#: colours, linear [1]: a texel's interpolation and a pixel's edge.
+LEAST_OVERLAP, SIDE, MOST_DIFFERENCE = 0.97, 192, 0.04
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface as triangles with a colour each."""
+
+    corners: np.ndarray  #: (m, 3, 3)
+    colours: np.ndarray  #: (m, 3) linear Rec.709, NaN where the file states none
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean colour by area, (3,)."""
+        area = np.linalg.norm(
+            np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]), axis=1
+        )
+        known = np.isfinite(self.colours).all(1) & (area > 0)
+        return np.average(self.colours[known], axis=0, weights=area[known]) if known.any() else np.full(3, np.nan)
+
+
+def ours(path: Path, root: Path, pictures: Path) -> Surface:
+    """Return a file's surface as glassware reads it."""
+    parts = read_parts(Source(path, root, pictures))
+    return Surface(
+        np.concatenate([part.vertices[part.faces] for part in parts]), np.concatenate([_our_colours(p) for p in parts])
+    )
+
+
+def _our_colours(part: FilePart) -> np.ndarray:
+    texture = part.look.texture
+    if isinstance(texture, UniformTexture):
+        return np.tile(texture.colour, (len(part.faces), 1))
+    if isinstance(texture, PictureTexture) and part.uv is not None:
+        return _texels(bake(texture), part.uv[part.faces])
+    if part.colours is not None and texture is not None:
+        return part.colours[part.faces].mean(1)
+    return np.full((len(part.faces), 3), np.nan)
+
+
+def _texels(pixels: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Return the mean colour of faces (m, 3) at 7 places in each; the first row of pixels is at v = 0."""
+    height, width = pixels.shape[:2]
+    third, most = 1 / 3, 0.8
+    weights = np.array([[third] * 3, *np.roll([[most, 0.1, 0.1]] * 3, 0), [0.1, most, 0.1], [0.1, 0.1, most]])
+    places = np.einsum("kc,mcj->kmj", weights, np.nan_to_num(uv)) % 1.0
+    columns, rows = (np.clip((places[..., j] * n).astype(int), 0, n - 1) for j, n in ((0, width), (1, height)))
+    return pixels[rows, columns].mean(0)
+
+
+def theirs(path: Path) -> Surface:
+    """Return a file's surface as trimesh reads it."""
+    scene = trimesh.load_scene(path, process=False)
+    corners, colours = [], []
+    for node in sorted(scene.graph.nodes_geometry):
+        pose, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            corners.append(trimesh.transform_points(mesh.vertices, pose)[mesh.faces])
+            colours.append(_their_colours(mesh))
+    if not corners:
+        raise ValueError("no triangles")
+    return Surface(np.concatenate(corners), np.concatenate(colours))
+
+
+def _their_colours(mesh: trimesh.Trimesh) -> np.ndarray:
+    visual: Any = mesh.visual
+    material = getattr(visual, "material", None)
+    image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    uv = getattr(visual, "uv", None)
+    if image is not None and uv is not None:
+        pixels = np.asarray(image.convert("RGB"), np.float32)[::-1] / 255.0
+        return _texels(srgb_to_linear(pixels), np.asarray(uv)[mesh.faces])
+    if material is not None:
+        factor = getattr(material, "baseColorFactor", None)
+        diffuse = getattr(material, "diffuse", None)
+        if factor is None and diffuse is None:
+            return np.full((len(mesh.faces), 3), np.nan)
+        # A factor of glTF and a Kd are linear here.
+        colour = np.asarray(factor if factor is not None else diffuse, float)[:3]
+        return np.tile(
+            colour / 255.0 if colour.max() > 1.0 or np.asarray(diffuse).dtype == np.uint8 else colour,
+            (len(mesh.faces), 1),
+        )
+    if visual is not None and visual.kind in ("face", "vertex"):
+        return srgb_to_linear(np.asarray(visual.face_colors, np.float32)[:, :3] / 255.0)
+    return np.full((len(mesh.faces), 3), np.nan)
+
+
+def overlap(one: Surface, other: Surface) -> float:
+    """Return the least overlap of the silhouettes along the three axes."""
+    low = np.minimum(one.corners.min((0, 1)), other.corners.min((0, 1)))
+    extent = float((np.maximum(one.corners.max((0, 1)), other.corners.max((0, 1))) - low).max()) or 1.0
+    least = 1.0
+    for axis in range(3):
+        first, second = (_silhouette(surface, axis, low, extent) for surface in (one, other))
+        either = (first | second).sum()
+        least = min(least, (first & second).sum() / either if either else 1.0)
+    return least
+
+
+def _silhouette(surface: Surface, axis: int, low: np.ndarray, extent: float) -> np.ndarray:
+    flat = np.delete((surface.corners - low) / extent * (SIDE - 1), axis, axis=2)
+    picture = np.zeros((SIDE, SIDE), np.uint8)
+    for triangle in np.unique(np.round(flat).astype(np.int32), axis=0):
+        cv2.fillConvexPoly(picture, triangle, 1)
+    return picture.astype(bool)
+
+
+def compared(path: Path, root: Path, pictures: Path) -> str:
+    """Return "alike", or what differs, or who does not read the file and why."""
+    try:
+        first = ours(path, root, pictures)
+    except InputError as error:
+        return f"refused: {error}".replace(f"{path}: ", "")
+    try:
+        second = theirs(path)
+    except Exception as error:  # whatever the other reader raises
+        return f"only read here ({type(error).__name__})"
+    faults = []
+    if (found := overlap(first, second)) < LEAST_OVERLAP:
+        faults.append(f"silhouettes overlap by {found:.3f}")
+    difference = np.abs(first.mean - second.mean).max()
+    if np.isfinite(difference) and difference > MOST_DIFFERENCE:
+        ours_, theirs_ = (np.round(surface.mean, 2).tolist() for surface in (first, second))
+        faults.append(f"mean colour {ours_}, there {theirs_}")
+    return "; ".join(faults) or "alike"
+
+
+def main() -> int:
+    """Compare all files of a folder, and print the counts and the differences."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="folder of mesh files, searched with its subfolders")
+    folder = parser.parse_args().folder
+    logging.disable()
+    files = sorted(path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES and path.is_file())
+    counts: dict[str, int] = {}
+    with tempfile.TemporaryDirectory() as pictures:
+        for path in files:
+            outcome = compared(path, folder, Path(pictures))
+            kind = next(
+                (kind for kind in ("alike", "refused", "only read here") if outcome.startswith(kind)), "different"
+            )
+            counts[kind] = counts.get(kind, 0) + 1
+            if outcome != "alike":
+                sys.stdout.write(f"{path.relative_to(folder)}: {outcome}\n")
+    shown = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+    sys.stdout.write(f"{len(files)} files: {shown}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

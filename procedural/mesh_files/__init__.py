@@ -1,0 +1,1 @@
+"""Mesh files as people own them: their layouts, shapes and materials."""
