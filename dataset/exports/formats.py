@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import bop, coco, nerfstudio, ply, webdataset
+from . import bop, coco, nerfstudio, ply, syn_todd, webdataset
 from .job import Exporter
 
 FORMATS: dict[str, Exporter] = {
@@ -10,5 +10,6 @@ FORMATS: dict[str, Exporter] = {
     "bop": bop.EXPORTER,
     "nerfstudio": nerfstudio.EXPORTER,
     "ply": ply.EXPORTER,
+    "syn-todd": syn_todd.EXPORTER,
     "webdataset": webdataset.EXPORTER,
 }
