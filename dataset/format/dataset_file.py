@@ -14,6 +14,7 @@ from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...render.backend.llvm import compiler_version
+from ..cameras.model import ColourCamera
 from .file_kinds import KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
@@ -29,6 +30,13 @@ _PACKAGES = (
     "OpenEXR",
     "opencv-python-headless",
 )
+
+
+class Development(Model):
+    """By which camera the pictures of a data set were developed from their radiance."""
+
+    camera: ColourCamera = Field(description="All its figures")
+    seed: int = Field(ge=0, description="Of its errors and its noise")
 
 
 class DatasetFile(Model):
@@ -48,6 +56,11 @@ class DatasetFile(Model):
         default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
+    developed: Development | None = Field(
+        default=None,
+        exclude_if=lambda record: record is None,
+        description="Camera of `glassware develop`; absent where the pictures are as they were built",
+    )
 
 
 def installed_versions() -> dict[str, str]:
