@@ -28,6 +28,7 @@ from ..builds.scheduler import Executor, Result, run
 from ..builds.space import Need, dataset_size, estimated, measured, space_error
 from ..format import layout
 from ..format.dataset_file import DatasetFile, digest_of, new_head
+from ..format.developed import check_camera
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.scene_ranges import format_scenes, parse_scenes
@@ -125,6 +126,7 @@ def _allow(request: BuildDataset, root: Path, need: Need, console: Console) -> N
 
 def _assets(root: Path, settings: SceneSettings, overwrite: bool) -> tuple[AssetFiles, Manifest]:
     """Return the asset files and their manifest, after comparing it with the data set's."""
+    check_camera(settings)
     found, stored = scan(settings), read_manifest(root)
     if stored is not None and not overwrite:
         check_manifest(stored, found, settings)

@@ -11,6 +11,7 @@ from ...render.renderer import Renderer
 from ..builds.space import folder_size
 from ..format import layout
 from ..format.dataset_file import installed_versions, new_head, read_head
+from ..format.developed import check_camera
 from ..format.pictures import write_png
 from ..output_checks import check_output
 from ..pipeline import write_scene
@@ -37,6 +38,7 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     check_output(request.out, head, [request.scene])
     with stopwatch.stage("inputs"):
         check_inputs(settings)
+        check_camera(settings)
     if request.scene in layout.scene_ids(request.out):
         replaced = read_head(request.out).seed
         progress.say(f"{request.out}: scene {request.scene} of seed {replaced} will be replaced")
