@@ -17,7 +17,10 @@ from .colour import balance, encoded, from_sensor, to_sensor
 from .defocus import circle, defocused, focused_at, right_depth
 from .lens import Lens, falloff, warps
 from .model import ColourCamera
-from .sensor import demosaiced, exposed, mosaic
+from .sensor import demosaiced, exposed, mosaic, summed_pixels
+
+#: Light is cut here, in units of saturation: no noise brings it back below 1.
+_BRIGHTEST = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +117,12 @@ def _sensed(
     if camera.sensor is None:
         signal = np.clip(signal, 0, 1)
     else:
-        seen = np.clip(mosaic(signal), 0, 2)  # beyond twice saturation nothing changes, and Poisson's mean stays small
-        signal = demosaiced(exposed(seen, camera.sensor, control.gain, width, rng))
+        signal = np.minimum(signal, _BRIGHTEST)
+        pixels = summed_pixels(camera.sensor, width)
+        if pixels is None:
+            signal = demosaiced(exposed(mosaic(signal), camera.sensor, control.gain, rng))
+        else:
+            signal = exposed(signal, camera.sensor, control.gain, rng, pixels)
     if camera.falloff and camera.shading_correction:
         power = np.float32(-camera.falloff * camera.shading_correction)
         signal = signal * falloff(camera.distortion, light.optics, width, height) ** power

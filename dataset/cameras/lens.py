@@ -32,8 +32,8 @@ class Warp:
     inside: np.ndarray
 
     def applied(self, picture: np.ndarray) -> np.ndarray:
-        """Return the picture resampled (bilinear); pixels from outside are 0."""
-        return cv2.remap(picture, self.x, self.y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
+        """Return the picture resampled (bilinear); pixels from outside are those of its border."""
+        return cv2.remap(picture, self.x, self.y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,5 +172,6 @@ def _warp(slopes: np.ndarray, optics: Lens) -> Warp:
     height, width = slopes.shape[:2]
     fx, fy, cx, cy = optics
     x, y = slopes[..., 0] * fx + cx, slopes[..., 1] * fy + cy
-    inside = (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
+    # A pixel covers half a pixel around its centre; there the border pixels' own values count.
+    inside = (x >= -0.5) & (x <= width - 0.5) & (y >= -0.5) & (y <= height - 0.5)
     return Warp(x.astype(np.float32), y.astype(np.float32), inside)

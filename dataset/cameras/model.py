@@ -46,7 +46,7 @@ class Distortion(Model):
 class Sensor(Model):
     """Photon transfer of a sensor with a Bayer mosaic (Janesick, Photon Transfer, SPIE 2007)."""
 
-    width: int = Field(ge=1, description="Pixels across that are binned to the width of the picture [px]")
+    width: int = Field(ge=1, description="Pixels across, of which those of the picture are sums; 1: it skips them [px]")
     full_well: float = Field(gt=0.0, description="Electrons of a saturated pixel at gain 1 [e-]")
     read_noise: float = Field(ge=0.0, description="Standard deviation of the read noise of a pixel [e-]")
     gain: Annotated[tuple[float, float], Ordered] = Field(

@@ -68,7 +68,7 @@ CAMERAS: dict[str, ColourCamera] = {
         white_balance=0.8,
         white_balance_error=0.06,
         sensor=Sensor(
-            width=1, full_well=_WELL * 2.08**2, read_noise=_READ_NOISE, gain=(8.0, 32.0), bits=10, black_level=_BLACK
+            width=1, full_well=_WELL * 2.08**2, read_noise=_READ_NOISE, gain=(4.0, 16.0), bits=10, black_level=_BLACK
         ),
         contrast=0.3,
         jpeg_quality=80,

@@ -17,6 +17,9 @@ _ACROSS = np.array(
     [[0, 0, -1.5, 0, 0], [0, 2, 0, 2, 0], [-1.5, 0, 6, 0, -1.5], [0, 2, 0, 2, 0], [0, 0, -1.5, 0, 0]], np.float32
 )
 
+#: Electrons from which Poisson's distribution is drawn as a Gaussian one: its skewness is 0.05 there.
+_MANY = 400
+
 
 def mosaic(light: np.ndarray) -> np.ndarray:
     """Return what a sensor behind a Bayer mosaic sees: rows R G, G B; (H, W, 3) to (H, W)."""
@@ -26,54 +29,59 @@ def mosaic(light: np.ndarray) -> np.ndarray:
     return seen
 
 
-def electrons_at_one(sensor: Sensor, gain: float, width: int) -> tuple[float, float]:
-    """Return the electrons of the signal 1 and the read noise [e-] of a pixel of a picture that wide.
+def summed_pixels(sensor: Sensor, width: int) -> np.ndarray | None:
+    """Return how many pixels of the sensor each of red, green and blue of a picture's pixel is the sum of, (3,).
 
-    Where the sensor has more pixels, the picture's are sums of them: n pixels hold n times the charge, with sqrt(n)
-    times the read noise.
+    None where a pixel of the picture covers no whole cell of the mosaic, 2 x 2 pixels: it has one colour then.
     """
-    binned = max(1.0, (sensor.width / width) ** 2)
-    return sensor.full_well * binned / gain, sensor.read_noise * binned**0.5
+    across = sensor.width / width
+    return across**2 * np.array([0.25, 0.5, 0.25]) if across >= 2 else None
 
 
-def noise_variance(signal: np.ndarray, sensor: Sensor, gain: float, width: int) -> np.ndarray:
+def noise_variance(signal: np.ndarray, sensor: Sensor, gain: float, pixels: np.ndarray | float = 1.0) -> np.ndarray:
     """Return the variance of `exposed` below saturation (the photon-transfer curve).
 
     Shot noise, read noise, and the converter's rounding, a twelfth of a step squared.
     """
-    full, read = electrons_at_one(sensor, gain, width)
+    full, read = sensor.full_well * pixels / gain, sensor.read_noise * np.sqrt(pixels)
     return signal / full + (read / full) ** 2 + _step(sensor) ** 2 / 12
 
 
-def exposed(light: np.ndarray, sensor: Sensor, gain: float, width: int, rng: np.random.Generator) -> np.ndarray:
+def exposed(
+    light: np.ndarray, sensor: Sensor, gain: float, rng: np.random.Generator, pixels: np.ndarray | float = 1.0
+) -> np.ndarray:
     """Return the signal that a sensor reports.
 
     Parameters
     ----------
-    light : (H, W) float32
+    light : (H, W) or (H, W, 3) float32
         Light of each pixel; 1 saturates it.
     sensor : Sensor
         Its photon transfer.
     gain : float
         Analogue gain.
-    width : int
-        Width of the picture [px].
     rng : numpy.random.Generator
         Draws Poisson electrons and Gaussian read noise.
+    pixels : float or (3,) float
+        Pixels of the sensor of which each value is the sum: n of them hold n times the charge, with sqrt(n) times the
+        read noise.
 
     Returns
     -------
-    (H, W) float32
+    Same shape, float32
         Signal without the black level, at most 1. Noise below black is kept down to the converter's 0.
     """
-    full, read = electrons_at_one(sensor, gain, width)
-    noisy = rng.poisson(np.maximum(light, 0) * np.float32(full)).astype(np.float32)
-    noisy += np.float32(read) * rng.standard_normal(light.shape, np.float32)
-    step = _step(sensor)
-    counts = np.rint(noisy / np.float32(full * step) + np.float32(sensor.black_level / (1 - sensor.black_level) / step))
-    top = 2**sensor.bits - 1
-    counts = np.clip(counts, 0, top)
-    return ((counts / top - sensor.black_level) / (1 - sensor.black_level)).astype(np.float32)
+    full = np.float32(sensor.full_well / gain) * np.asarray(pixels, np.float32)
+    electrons = np.maximum(light, 0) * full
+    noise = np.sqrt(electrons + np.float32(sensor.read_noise**2) * np.asarray(pixels, np.float32))
+    noise *= rng.standard_normal(light.shape, np.float32)
+    few = electrons < _MANY
+    read = (sensor.read_noise * np.broadcast_to(np.sqrt(np.asarray(pixels, np.float32)), light.shape))[few]
+    noisy = electrons + noise
+    noisy[few] = rng.poisson(electrons[few]) + read * rng.standard_normal(len(read), np.float32)
+    black, top = sensor.black_level, 2**sensor.bits - 1
+    counts = np.clip(np.rint((noisy / full * np.float32(1 - black) + np.float32(black)) * np.float32(top)), 0, top)
+    return (counts * np.float32(1 / top) - np.float32(black)) * np.float32(1 / (1 - black))
 
 
 def demosaiced(signal: np.ndarray) -> np.ndarray:
