@@ -22,6 +22,9 @@ _ALONG = 64
 #: Halvings by which the strongest distortion that does not fold is found, to a thousandth.
 _HALVINGS = 10
 
+#: Weight of pixels that were not rendered in one that is resampled, from which it counts as one of them.
+_MOSTLY = 0.5
+
 
 @dataclass(frozen=True, eq=False)
 class Warp:
@@ -132,7 +135,7 @@ def _warps(coefficients: Coefficients, optics: Lens, width: int, height: int) ->
     distort = _warp(undistorted(slopes, lens), optics)
     rectify = _warp(distorted(slopes, lens), optics)
     outside = ~distort.inside
-    lost = ~rectify.inside | (rectify.applied(outside.astype(np.float32)) > 0)
+    lost = ~rectify.inside | (rectify.applied(outside.astype(np.float32)) > _MOSTLY)
     return Warps(distort, rectify, outside, lost)
 
 
