@@ -62,7 +62,7 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         renderer, points = Renderer(scene), scene_keypoints(scene)
         for view in views:
             place, frame = again / layout.view_name(view), renderer.frame(view)
-            write_view(place, scene.cameras[view], frame, label(scene, frame, renderer, points), head.files)
+            write_view(place, scene, frame, label(scene, frame, renderer, points), head.files, head.developed)
             yield from _unlike(place, folder / layout.view_name(view))
 
 
