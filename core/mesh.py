@@ -88,11 +88,40 @@ def check_closed(where: str, mesh: Mesh) -> None:
     count = int(index.max()) + 1
     forth, back = np.sort(start * count + end), np.sort(end * count + start)
     if (forth[1:] == forth[:-1]).any() or not np.array_equal(forth, back):
-        open_edges = len(np.setxor1d(forth, back, assume_unique=False))
-        raise InputError(where, "a closed surface, each edge between two triangles", f"{open_edges} loose edges")
+        found = _edge_faults(mesh, start, end, index)
+        raise InputError(where, "a closed surface, each edge between two triangles", found)
     volume = volume_of(mesh)
     if volume <= 0.0:
         raise InputError(where, "normals that point out of the body", f"a volume of {volume:.3e} m^3")
+
+
+def _edge_faults(mesh: Mesh, start: np.ndarray, end: np.ndarray, index: np.ndarray) -> str:
+    """Return what is wrong with the edges of a surface, and where the first fault is.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    start, end : (3 m,) int64
+        Ends of the faces' edges, as numbers of positions.
+    index : (n,) int64
+        Number of each vertex's position.
+    """
+    pairs = np.stack([np.minimum(start, end), np.maximum(start, end)], axis=1)
+    edges, which, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+    forth = np.bincount(which.reshape(-1), start < end, len(edges))
+    faults = {
+        "with one triangle (holes)": count == 1,
+        "that more than two triangles share": count > 2,
+        "between triangles of opposite turn": (count == 2) & (forth != 1),
+    }
+    faults = {what: where for what, where in faults.items() if where.any()}
+    if not faults:  # triangles with two corners at one place
+        return "triangles without area"
+    text = ", ".join(f"{int(where.sum())} edges {what}" for what, where in faults.items())
+    first = edges[np.flatnonzero(next(iter(faults.values())))[0]]
+    middle = mesh.vertices[[np.flatnonzero(index.reshape(-1) == one)[0] for one in first]].mean(axis=0)
+    return f"{text}, the first at ({', '.join(f'{x:.4g}' for x in middle)}) m"
 
 
 def volume_of(mesh: Mesh) -> float:

@@ -24,7 +24,8 @@ _DESCRIPTION = """Find objects in pictures of your own, glass included: box, mas
 
 IMAGES are two or more views of one scene; what is predicted is that of the first. The camera of left.png is in
 left.json (K and world_T_camera, as in camera.json), or in the camera.json of its folder. OUT gets prediction.json (the
-objects, with masks as run lengths), prediction.png (what was found, drawn), and depth.exr [m]."""
+objects, with masks as run lengths), prediction.png (what was found, drawn), and depth.exr [m]. Poses are in metres with
+OpenCV's axes; suspicious ones are refused."""
 
 
 class Predict(Model):
@@ -37,6 +38,9 @@ class Predict(Model):
     out: UserPath = Field(default=Path("out-predict"), description="Output folder")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
     threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
+    trust_cameras: bool = Field(
+        default=False, description="Take cameras that look wrong: of another unit, other axes, or another picture's K"
+    )
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
 
 
@@ -55,7 +59,7 @@ def _predict(arguments: Sequence[str]) -> None:
     if request.checkpoint is None:
         raise InputError("glassware predict", "a checkpoint and pictures", "neither")
     device = select_device(request.device, request.threads)
-    found = predict(request.checkpoint, request.images, request.out, device).objects
+    found = predict(request.checkpoint, request.images, request.out, device, request.trust_cameras).objects
     console = Console()
     console.print(f"{len(found)} objects; written to {request.out}", markup=False, highlight=False, soft_wrap=True)
 

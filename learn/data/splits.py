@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from ...core.errors import InputError
+from ...dataset.format import layout
 from ...dataset.reader import Dataset, StoredScene
 from ...procedural.scene.splits import Split
 
@@ -25,6 +26,9 @@ def scenes_of(data: Dataset, split: SplitName) -> tuple[StoredScene, ...]:
         raise InputError("split", f"one of {', '.join(_NAMES)}", split)
     if split == "all":
         return data.scenes
+    if not (data.root / layout.SPLITS).is_file():
+        every = "--train-split all takes every scene, with --val-split none; of evaluate, --split all"
+        raise InputError(data.root, f"a data set that is split, as build-dataset writes it ({every})", "none")
     found = data.split(split)
     numbers = [scene.scene_id for scene in found]
     if len(set(numbers)) < len(numbers):

@@ -29,6 +29,7 @@ from ..decoding.decode import Detections, decode
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
 from ..training.out_folder import make_out_folder
+from .camera_checks import check_cameras
 from .score import check_finite, eval_mode
 
 #: What a network finds: it does not tell families of vessels apart, nor vessels from opaque props.
@@ -43,7 +44,9 @@ class Prediction:
     objects: Detections
 
 
-def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "cpu") -> Prediction:
+def predict(
+    checkpoint: Path, images: Sequence[Path], out: Path, device: str = "cpu", trust_cameras: bool = False
+) -> Prediction:
     """Predict objects and depth of the first of several images of one scene, and write them.
 
     ``prediction.png`` is the image with boxes and masks, beside its depth; ``prediction.json`` has the objects,
@@ -59,17 +62,22 @@ def predict(checkpoint: Path, images: Sequence[Path], out: Path, device: str = "
         Output folder.
     device : str
         Torch's name of the device.
+    trust_cameras : bool
+        Whether to take suspicious cameras too (`camera_checks`).
 
     Raises
     ------
     InputError
-        Where an image is missing, or cannot be used, or has no camera.
+        Where an image is missing, or cannot be used, or has no camera, or the cameras are suspicious.
     """
     if len(images) < 2:
         raise InputError("pictures", "two or more views of one scene", len(images))
     network, settings = load_network(checkpoint)
     make_out_folder(out)
-    views = [scaled_view(read_image_and_camera(path), settings.views.size) for path in images]
+    stored = [read_image_and_camera(path) for path in images]
+    if not trust_cameras:
+        check_cameras(stored, images)
+    views = [scaled_view(view, settings.views.size) for view in stored]
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)

@@ -147,8 +147,9 @@ def mesh_files(folder: Path, pictures: Path | None = None, choice: MeshChoice | 
     choice : MeshChoice, optional
         Which of them are used, and what is stated about them.
     """
+    used = mesh_listing(folder, choice).used  # first, as it refuses files of other kinds
     kept, root = pictures or picture_folder(), root_of(folder)
-    return tuple(MeshFile(path, root, kept, place) for path, place in mesh_listing(folder, choice).used)
+    return tuple(MeshFile(path, root, kept, place) for path, place in used)
 
 
 def root_of(folder: Path) -> Path:
