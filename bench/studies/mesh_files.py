@@ -4,7 +4,7 @@ For each file of a folder that both read, silhouettes along the three axes are c
 of the same material by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours
 differ by at most `MOST_DIFFERENCE`; the others are listed with what differs.
 
-    .venv/bin/python bench/studies/mesh_files.py FOLDER
+    python bench/studies/mesh_files.py FOLDER
 """
 
 from __future__ import annotations
