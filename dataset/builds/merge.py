@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import errno
 import os
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...core.atomic_io import atomic_file, atomic_folder, remove_leftovers
+from ...core.atomic_io import atomic_file, atomic_folder, link_or_copy, remove_leftovers
 from ...core.errors import InputError
 from ..format import layout
 from ..format.checksums import read_checksums
@@ -91,7 +89,7 @@ def _link_scenes(source: Path, root: Path) -> None:
         (root / layout.ASSETS).mkdir(exist_ok=True)
         if not (root / layout.ASSETS / path.name).exists():
             with atomic_file(root / layout.ASSETS / path.name) as partial:
-                _link(path, partial)
+                link_or_copy(path, partial)
     for scene in layout.scene_ids(source):
         place = layout.scene_folder(root, scene)
         if not place.exists():
@@ -105,16 +103,7 @@ def _link_tree(source: Path, folder: Path) -> None:
         here = folder / Path(parent).relative_to(source)
         here.mkdir(exist_ok=True)
         for name in names:
-            _link(Path(parent, name), here / name)
-
-
-def _link(source: Path, target: Path) -> None:
-    try:
-        os.link(source, target)
-    except OSError as error:
-        if error.errno not in (errno.EXDEV, errno.EPERM, errno.ENOTSUP, errno.EMLINK):
-            raise
-        shutil.copyfile(source, target)  # another file system, or one without links
+            link_or_copy(Path(parent, name), here / name)
 
 
 def _append_log(source: Path, root: Path) -> None:

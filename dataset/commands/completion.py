@@ -16,6 +16,7 @@ from ...core.model import Model
 from ..settings.config import parse_request
 from ..settings.options import SHORT, Option, sections, switch_names
 from .build_request import BuildDataset
+from .export import Export
 from .merge import Merge
 from .scene_request import RenderScene
 from .show import Show
@@ -46,6 +47,7 @@ _REQUESTS: dict[str, type[Model]] = {
     "build": BuildDataset,
     "show": Show,
     "verify": Verify,
+    "export": Export,
     "merge": Merge,
     "completion": Completion,
 }

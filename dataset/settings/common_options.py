@@ -22,7 +22,7 @@ _SCENE: tuple[CommonSection, ...] = (
             "--prop-count",
         ),
     ),
-    ("your own files", ("--hdri-dir", "--mesh-dir", "--texture-dir", "--cameras.poses")),
+    ("your own files", ("--hdri-dir", "--mesh-dir", "--vessel-dir", "--texture-dir", "--cameras.poses")),
     ("cameras and pictures", ("--cameras.preset", "--views", "--width", "--height", "--spp")),
 )
 
@@ -36,6 +36,10 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
         ("scenes", ("--scenes", "--count", "--seed", "--preset", "--config", "--out", "--write")),
         ("work", ("--workers", "--shard", "--yes")),
         *_SCENE,
+    ),
+    "glassware export": (
+        ("export", ("DIRECTORY", "--format", "--out")),
+        ("what of it", ("--split", "--vessels-only", "--eye", "--copy-pictures", "--polygons")),
     ),
     "glassware train": (
         ("run", ("DATA", "--config", "--out", "--resume")),
