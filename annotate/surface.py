@@ -6,13 +6,15 @@ import itertools
 
 import numpy as np
 
-from ..procedural.description.scene import Prop, SceneObject, Vessel
+from ..procedural.description.scene import MeshVessel, Prop, SceneObject, Vessel
 
 
 def hull_vertices(item: SceneObject) -> np.ndarray:
     """Return vertices with the convex hull of the object, object frame, (n, 3) float64 [m]."""
     if isinstance(item, Prop):
         return item.mesh.vertices.astype(np.float64)
+    if isinstance(item, MeshVessel):
+        return item.solid.vertices.astype(np.float64)
     return np.concatenate([i.mesh.vertices for i in item.interfaces if i.part == "outside"]).astype(np.float64)
 
 
@@ -21,7 +23,7 @@ def outside_vertices(item: SceneObject) -> np.ndarray:
 
     The outside of a vessel is the outside of its glass: the vertices of its air|glass surface that are nearer to the
     outer profile than to the inner one. (The inside of an empty vessel is air|glass as well.) Of other glass bodies it
-    is the whole air|glass surface.
+    is the whole air|glass surface, of a vessel from a file that of the glass without its liquid.
     """
     if isinstance(item, Prop):
         return np.unique(item.mesh.vertices, axis=0).astype(np.float64)

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from ..core.mesh import Mesh, joined
-from ..procedural.description.scene import Prop, SceneObject, Vessel
+from ..procedural.description.scene import MeshVessel, Prop, SceneObject, Vessel
 
 #: Largest distance of a moved vertex from the nearest vertex, as a fraction of the longest side: tessellation is
 #: accurate to parts of a millimetre.
@@ -41,10 +41,15 @@ def symmetry_of(item: SceneObject) -> Symmetry:
     """Return the symmetry of an object's shape; its material is ignored."""
     if isinstance(item, Vessel):  # an open end, and often a liquid
         return REVOLUTION
-    mesh = item.mesh if isinstance(item, Prop) else joined([part.mesh for part in item.interfaces], item.name)
     turns = item.symmetric
     if isinstance(item, Prop) and item.symmetries and not turns:
         return Symmetry(turns=False, ball=False, motions=np.stack([np.eye(4), *item.symmetries]))
+    if isinstance(item, MeshVessel):
+        if turns and item.cavities:  # an open end
+            return REVOLUTION
+        mesh = item.solid
+    else:
+        mesh = item.mesh if isinstance(item, Prop) else joined([part.mesh for part in item.interfaces], item.name)
     if turns and is_ball(mesh):
         return BALL
     return Symmetry(turns=turns, ball=False, motions=motions_of(mesh, turns))

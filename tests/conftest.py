@@ -100,6 +100,12 @@ def analytic() -> ModuleType:
 
 
 @pytest.fixture(scope="session")
+def own_shapes() -> ModuleType:
+    """The module `tests/own_shapes.py`: solids as people bring them."""
+    return _module("own_shapes")
+
+
+@pytest.fixture(scope="session")
 def optical_bench() -> ModuleType:
     """The module `tests/optical_bench.py`: scenes of one glass body each."""
     return _module("optical_bench")

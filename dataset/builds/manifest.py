@@ -22,7 +22,8 @@ from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
 from ...procedural.materials.surface_files import SURFACE_SUFFIXES
-from ...procedural.props.mesh_files import MESH_SUFFIXES
+from ...procedural.own_vessels.files import vessel_files
+from ...procedural.props.mesh_files import MESH_SUFFIXES, root_of
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
 from ..format.checksums import Sha256, file_digest
@@ -30,8 +31,12 @@ from ..format.layout import MANIFEST
 
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
-Folder = Literal["hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "cameras.poses", "vessels.media"]
+Folder = Literal[
+    "hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "vessel_dir", "cameras.poses", "vessels.media"
+]
 _SINGLE_FILES = ("cameras.poses", "vessels.media")
+#: Suffixes of meshes and of what they or their layouts refer to.
+_MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
@@ -59,7 +64,7 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
-        ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
+        ("mesh_dir", settings.mesh_dir and root_of(settings.mesh_dir), _MESH_FILES, True),
         ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
         ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
     )
@@ -70,6 +75,8 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         for path in files_in(folder, "asset files", suffixes, below)
         if path.exists()  # a link to nothing is passed over
     }
+    if settings.vessel_dir is not None:
+        found |= {("vessel_dir", file.name): file.path for file in vessel_files(settings.vessel_dir)}
     for name, path in _single_files(settings).items():
         if not path.is_file():
             raise InputError(path, f"the file of {name}", "none")
@@ -143,6 +150,8 @@ def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
     single = {str(setting): path for setting, path in _single_files(settings).items()}
     if folder in _SINGLE_FILES:
         return single.get(folder, Path(name)).with_name(name)
+    if folder == "vessel_dir" and settings.vessel_dir is not None and settings.vessel_dir.is_file():
+        return settings.vessel_dir
     places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 

@@ -53,6 +53,7 @@ def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, 
     names = {
         "hdri_dir": tuple(path.relative_to(hdri).as_posix() for path in held.environments),
         "mesh_dir": tuple(file.name for file in held.meshes),
+        "vessel_dir": tuple(file.name for file in held.vessels),
         "shipped": tuple(path.name for path in held.shipped),
         "texture_dir": tuple(item.name for item in held.textures),
     }

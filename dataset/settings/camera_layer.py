@@ -63,8 +63,10 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
 
 
 def _resolved(below: dict[str, Any], user: dict[str, Any]) -> dict[str, Any]:
-    if user.get("preset") is None:
+    if user.get("preset") is None and below.get("preset") is None:
         return below | user
+    if user.get("preset") is None:
+        user = {"preset": below["preset"]} | user
     kept = {name: value for name, value in below.items() if name not in PRESET_FIELDS}
     try:
         return kept | with_preset(user)

@@ -22,7 +22,7 @@ _SCENE: tuple[CommonSection, ...] = (
             "--prop-count",
         ),
     ),
-    ("your own files", ("--hdri-dir", "--mesh-dir", "--texture-dir", "--cameras.poses")),
+    ("your own files", ("--hdri-dir", "--mesh-dir", "--vessel-dir", "--texture-dir", "--cameras.poses")),
     ("cameras and pictures", ("--cameras.preset", "--views", "--width", "--height", "--spp")),
 )
 

@@ -102,6 +102,22 @@ class Vessel(GlassBody):
     symmetric: bool = Field(default=True, exclude=True)
 
 
+class Cavity(Model):
+    """A place where a solid holds liquid as it stands."""
+
+    floor: float = Field(description="Height of its lowest point, object frame [m]")
+    brim: float = Field(description="Height at which liquid would flow out, object frame [m]")
+    volume: float = Field(gt=0.0, description="Volume up to the brim [m^3]")
+
+
+class MeshVessel(GlassBody):
+    """A glass solid of any shape, such as one from a file, with the cavities that it has as it stands."""
+
+    solid: MeshField = Field(description="The closed surface of the glass, whatever is in it")
+    wall: float | None = Field(gt=0.0, description="Smallest thickness of the wall around the cavities [m]")
+    cavities: tuple[Cavity, ...] = Field(description="Where it holds liquid, the largest first; none in solid glass")
+
+
 class PropPart(Model):
     """Faces of a prop's mesh that have a material of their own."""
 

@@ -13,7 +13,7 @@ from ..optics.wetting import contact_angle
 from ..profiles.curve import Curve
 from ..profiles.liquid import brimful_volume, level_of_volume
 from ..profiles.liquid_surface import Surface, most_volume, surface_of_volume
-from .bodies import Liquid, Vessel
+from .bodies import GlassBody, Liquid, Vessel
 from .interfaces import dry_interfaces, wet_interfaces
 
 #: How full an empty vessel becomes where nobody says it [1].
@@ -59,7 +59,8 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(update={"liquid": None, "interfaces": dry_interfaces(outer, inner, **common)})
-    amount = _volume(vessel, inner, medium, fill)
+    most = most_volume(inner, medium, vessel.glass)
+    amount = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
     surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
     interfaces = wet_interfaces(outer, inner, surface.top, liquid=medium, **common)
@@ -75,10 +76,24 @@ def with_wall(vessel: Vessel, glass: Medium, roughness: float | None) -> Vessel:
     return changed if before == after else refilled(changed, vessel.liquid.medium)
 
 
-def _volume(vessel: Vessel, inner: Curve, medium: Medium, fill: float | str | None) -> float:
-    """Return the volume of a filling [m^3]; InputError with the largest where it does not fit in."""
-    where, brimful = f"{vessel.name}, fill", brimful_volume(inner.points)
-    most = most_volume(inner, medium, vessel.glass)
+def wanted_volume(vessel: GlassBody, brimful: float, most: float, fill: float | str | None) -> float:
+    """Return the volume of a filling [m^3].
+
+    Parameters
+    ----------
+    vessel : GlassBody
+        Empty or filled.
+    brimful, most : float
+        What it holds up to the brim, and at most so that the liquid stays below [m^3].
+    fill : float or str, optional
+        As in `refilled`.
+
+    Raises
+    ------
+    InputError
+        With the largest volume, where it does not fit in.
+    """
+    where = f"{vessel.name}, fill"
     if fill is None:
         # The same volume of a liquid that climbs higher may need a little more room.
         return min(HALF_FULL * brimful if vessel.liquid is None else vessel.liquid.volume, most)

@@ -26,9 +26,11 @@ from ..optics.draw import liquid_named
 from ..optics.medium import AIR, Medium
 from .bodies import FIRST_OBJECT_ID as FIRST_OBJECT_ID
 from .bodies import TABLE_ID as TABLE_ID
+from .bodies import Cavity as Cavity
 from .bodies import GlassBody, Prop, SceneObject, Vessel
 from .bodies import Interface as Interface
 from .bodies import Liquid as Liquid
+from .bodies import MeshVessel as MeshVessel
 from .bodies import Origin as Origin
 from .bodies import PropPart as PropPart
 from .bodies import glass_solid as glass_solid
@@ -44,9 +46,13 @@ SCENE_SCHEMA = "glassware/scene/1"
 
 
 def _kind_of_body(body: object) -> str:
-    """Return the type of a glass body in a scene file, or of one made by hand: a vessel has profiles."""
+    """Return the type of a glass body in a scene file, or of one made by hand: by profiles or a solid of its own."""
     if isinstance(body, dict):
+        if body.keys() & {"solid", "cavities"}:
+            return "mesh vessel"
         return "vessel" if body.keys() & {"wall", "outer", "inner"} else "body"
+    if isinstance(body, MeshVessel):
+        return "mesh vessel"
     return "vessel" if isinstance(body, Vessel) else "body"
 
 
@@ -58,7 +64,12 @@ class Scene(Model):
     scene_id: int = Field(ge=0, description="Number of the scene in the data set")
     table: Table
     vessels: tuple[
-        Annotated[Annotated[Vessel, Tag("vessel")] | Annotated[GlassBody, Tag("body")], Discriminator(_kind_of_body)],
+        Annotated[
+            Annotated[Vessel, Tag("vessel")]
+            | Annotated[MeshVessel, Tag("mesh vessel")]
+            | Annotated[GlassBody, Tag("body")],
+            Discriminator(_kind_of_body),
+        ],
         ...,
     ] = Field(description="Vessels and other transparent bodies")
     props: tuple[Prop, ...]
@@ -124,12 +135,18 @@ class Scene(Model):
             Where there is no such vessel or liquid, the body has no inside, or the liquid does not fit in.
         """
         body = self._body(name)
-        if not isinstance(body, Vessel):
+        if not isinstance(body, Vessel) and not (isinstance(body, MeshVessel) and body.cavities):
             raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
         check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
-        from .refill import refilled  # here, as it loads SciPy, and the settings import this module
+        medium = liquid_named(liquid) if isinstance(liquid, str) else liquid
+        # Here, as these load SciPy, and the settings import this module.
+        if isinstance(body, MeshVessel):
+            from .mesh_vessel import refilled_mesh
 
-        return self._with_body(refilled(body, liquid_named(liquid) if isinstance(liquid, str) else liquid, fill))
+            return self._with_body(refilled_mesh(body, medium, fill))
+        from .refill import refilled
+
+        return self._with_body(refilled(body, medium, fill))
 
     def with_dye(self, name: str, dye: str, concentration: float) -> Scene:
         """Return a copy in which a dye is dissolved in a vessel's liquid (`optics.catalogue.dyed`).

@@ -9,6 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import InputError
+from ..description.material import PictureTexture, UniformTexture
+from ..materials.textures import bake
 from .cutouts import cut
 from .gltf import read_gltf_parts
 from .model import FilePart, Source, check_counts, content_of
@@ -34,7 +36,7 @@ def read_parts(source: Source) -> list[FilePart]:
         used = part.vertices[np.unique(part.faces)]
         if not np.isfinite(used).all():
             raise InputError(source.path, "finite vertices", "NaN or infinity")
-    parts = [cut(_with_usable(part)) for part in parts]
+    parts = [cut(_in_plain_colour(source, _with_usable(part))) for part in parts]
     parts = [part for part in parts if len(part.faces)]
     if not parts:
         raise InputError(source.path, "a mesh with faces", "none that its opacity leaves")
@@ -46,6 +48,17 @@ def _with_usable(part: FilePart) -> FilePart:
     uv = part.uv if part.uv is not None and np.isfinite(part.uv).all() else None
     normals = part.normals if part.normals is not None and np.isfinite(part.normals).all() else None
     return replace(part, uv=uv, normals=normals)
+
+
+def _in_plain_colour(source: Source, part: FilePart) -> FilePart:
+    """Return a part with a picture but no texture coordinates in its plain colour, or in the picture's mean colour."""
+    texture = part.look.texture
+    if part.uv is not None or not isinstance(texture, PictureTexture):
+        return part
+    source.notes.say(f"material {part.look.name!r} has a picture, but its faces have no texture coordinates")
+    red, green, blue = part.look.plain or np.clip(bake(texture).mean((0, 1)), 0.0, 1.0).tolist()
+    look = replace(part.look, texture=UniformTexture(colour=(red, green, blue)), maps={}, cutout=None)
+    return replace(part, look=look)
 
 
 def _read_stl(source: Source) -> list[FilePart]:

@@ -11,6 +11,8 @@ from ...core.passed_over import Finding, Progress, check_strict
 from ..materials.surface_files import SurfaceFiles, usable_surfaces
 from ..optics.draw import NO_MEDIA
 from ..optics.medium import Medium
+from ..own_vessels.files import VesselFile
+from ..own_vessels.usable import usable_vessels
 from ..props.mesh_files import MeshFile, usable_meshes
 from ..surroundings.camera_poses import poses_of
 from ..surroundings.hdri import usable_hdris
@@ -31,6 +33,7 @@ class AssetFiles:
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[SurfaceFiles, ...] = ()
     table_textures: tuple[SurfaceFiles, ...] = ()  #: those of the props, unless the table has a folder of its own
+    vessels: tuple[VesselFile, ...] = ()
     poses: tuple[FilePose, ...] = ()
     media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
     shipped: tuple[Path, ...] = ()  #: environment maps of the package
@@ -59,7 +62,8 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     if settings.table.texture_dir is not None:
         name = "table.texture_dir"
         tables, of_tables = usable_surfaces(settings.table.texture_dir, settings.texture_size, progress, name)
-    findings = (*of_light, *of_meshes, *of_textures, *of_tables)
+    vessels, of_vessels = usable_vessels(settings.vessel_dir, settings.vessels, progress)
+    findings = (*of_light, *of_meshes, *of_vessels, *of_textures, *of_tables)
     if settings.strict:
         check_strict(findings)
     return AssetFiles(
@@ -67,6 +71,7 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
         meshes=meshes,
         textures=textures,
         table_textures=tables,
+        vessels=vessels,
         poses=poses_of(settings.cameras),
         media=own_media(settings.vessels),
         shipped=shipped_maps(),
@@ -87,5 +92,6 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda item: item.name),
         table_textures=kept(files.table_textures, lambda item: item.name),
+        vessels=kept(files.vessels, lambda file: file.name),
         shipped=kept(files.shipped, lambda path: path.name),
     )

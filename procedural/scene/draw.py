@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene, SceneObject, Vessel
-from ..optics.medium import Medium
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
+from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
@@ -54,7 +52,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     kinds = settings.vessels.model_copy(update={"categories": families})
-    vessels = _vessels(kinds, seed, scene_id, vessel_count, files.media)
+    vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
     objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
@@ -82,15 +80,23 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, own: Mapping[str, Medium]) -> list[Vessel]:
-    vessels = []
-    for i in range(count):
-        # The family is the first that a vessel's stream gives; the wall's material follows it.
-        category, *_ = draw_size(stream(seed, scene_id, f"vessels/{i}"), settings)
-        glass, liquid = draw_media(stream(seed, scene_id, f"media/{i}"), settings, category, own)
-        rng, name = stream(seed, scene_id, f"vessels/{i}"), f"vessel-{i:02d}"
-        vessels.append(draw_vessel(rng, settings, id=FIRST_OBJECT_ID + i, name=name, glass=glass, liquid_medium=liquid))
-    return vessels
+def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, files: AssetFiles) -> list[GlassBody]:
+    return [_vessel(settings, seed, scene_id, i, files) for i in range(count)]
+
+
+def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, files: AssetFiles) -> GlassBody:
+    place, media = f"vessels/{number}", stream(seed, scene_id, f"media/{number}")
+    id, name = FIRST_OBJECT_ID + number, f"vessel-{number:02d}"
+    if files.vessels:
+        choice = stream(seed, scene_id, f"vessel-file/{number}")
+        file = files.vessels[int(choice.integers(len(files.vessels)))]
+        if choice.random() < settings.file_probability:
+            rng = stream(seed, scene_id, place)
+            return draw_own_vessel(rng, media, settings, file, id=id, name=name, own=files.media)
+    # The family is the first that a vessel's stream gives; the wall's material follows it.
+    category, *_ = draw_size(stream(seed, scene_id, place), settings)
+    glass, liquid = draw_media(media, settings, category, files.media)
+    return draw_vessel(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
 
 
 def _props(
@@ -125,6 +131,6 @@ def _placed(
 
 
 def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if not isinstance(item, Vessel):
+    if not isinstance(item, Vessel | MeshVessel):
         return resting_pose(body_mesh(item), rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

@@ -35,6 +35,10 @@ class SceneSettings(Model):
         default=(0, 8), description="Fewest and most opaque props, within 0 and 24 (Syn-TODD: up to 8)"
     )
     mesh_dir: UserPath | None = Field(default=None, description="Folder of meshes for props (OBJ, PLY, GLB, STL)")
+    vessel_dir: UserPath | None = Field(
+        default=None,
+        description="Folder of vessels, or one file: closed meshes that are taken as glass (OBJ, PLY, GLB, STL)",
+    )
     texture_dir: UserPath | None = Field(
         default=None,
         description="Folder of pictures and of materials with maps for plain props, and for the table without "
@@ -58,5 +62,6 @@ class SceneSettings(Model):
 
     @model_validator(mode="after")
     def _volumes_fit(self) -> SceneSettings:
-        check_volumes(self.vessels)
+        if self.vessel_dir is None or self.vessels.file_probability < 1.0:  # files have the sizes that they have
+            check_volumes(self.vessels)
         return self

@@ -17,6 +17,7 @@ from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
     Liquid,
+    MeshVessel,
     Prop,
     Scene,
     Vessel,
@@ -33,6 +34,9 @@ from .validate_light import check_lamp, check_sun
 #: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
 #: most of that, and the default ones a twentieth of a percent.
 VOLUME_TOLERANCE = 0.01
+#: Largest relative difference between a solid's volume and that of its surfaces when these are cut: rounding of single
+#: precision at the contact line.
+SOLID_TOLERANCE = 1e-4
 #: Largest instance id: `instances.png` holds 16 bits a pixel.
 LARGEST_ID = (1 << 16) - 1
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
@@ -74,6 +78,8 @@ def check_scene(scene: Scene) -> None:
             _check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
+        if isinstance(item, MeshVessel):
+            _check_solid(item)
         if isinstance(item, Prop):
             _check_pieces(item)
         _check_size(f"{item.name}, size", body_mesh(item), np.array(item.size))
@@ -135,6 +141,18 @@ def _check_profiles(vessel: Vessel) -> None:
         count = len(getattr(vessel, field))
         if count < 2:
             raise InputError(f"{vessel.name}, {field}", "a profile of at least 2 points", count)
+
+
+def _check_solid(vessel: MeshVessel) -> None:
+    """Refuse a solid that is not the glass between the interfaces: its cavities would be those of another one."""
+    where = f"{vessel.name}, solid"
+    check_closed(where, vessel.solid)
+    _check_size(where, vessel.solid, np.array(vessel.size))
+    stated, found = volume_of(vessel.solid), volume_of(glass_solid(vessel))
+    if not abs(stated - found) <= SOLID_TOLERANCE * found:
+        raise InputError(where, f"the glass between its interfaces, {found:.4g} m^3", f"{stated:.4g} m^3")
+    if vessel.liquid is not None and not vessel.cavities:
+        raise InputError(f"{vessel.name}, cavities", "one that holds its liquid", "none")
 
 
 def _check_size(where: str, mesh: Mesh, size: np.ndarray, top: bool = False) -> None:

@@ -17,6 +17,9 @@ from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
 Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
+#: Units of mesh files, and axes of theirs that point up.
+Unit = Literal["m", "cm", "mm", "in"]
+UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
 _Height = Annotated[float, Field(ge=0.04, le=0.30), LENGTH]
@@ -95,6 +98,23 @@ class VesselSettings(Model):
     rough_probability: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that the glass is rough")
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
+    )
+    file_probability: float = Field(
+        default=1.0, ge=0.0, le=1.0, description="Probability that a vessel comes from `vessel_dir`, if that is given"
+    )
+    unit: Unit | None = Field(
+        default=None,
+        description="Unit of the files in `vessel_dir`; by default metres, where that gives a vessel's size",
+    )
+    up: UpAxis | Literal["fullest"] | None = Field(
+        default=None,
+        description="Axis of the files in `vessel_dir` that points up, or 'fullest', the one along which a vessel "
+        "holds most; by default y in GLB and z in other files",
+    )
+    shell: Annotated[float, Field(ge=0.0003, le=0.02), LENGTH] | None = Field(
+        default=None,
+        description="Thickness that surfaces without one get in `vessel_dir`, inwards, 0.0003 to 0.02 [m]; by default "
+        "they are refused",
     )
     chord_error: Length = Field(
         default=15e-6,

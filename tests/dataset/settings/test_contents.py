@@ -18,7 +18,7 @@ def test_the_catalogue_has_what_settings_can_name():
     assert tuple(found.families) == CATEGORIES
     assert {*found.liquids, *found.mixtures} == set(liquid_names())
     assert found.glasses["lead crystal"].eta > found.glasses["fused silica"].eta
-    assert found.presets == ("fast", "standard", "syn-todd")
+    assert found.presets == ("fast", "keypose", "standard", "syn-todd")
 
 
 def test_the_catalogue_prints_every_name_with_its_figures():

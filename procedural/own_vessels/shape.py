@@ -1,0 +1,121 @@
+"""A vessel of the user, understood: its solid, whether it is one of revolution, and the glass that its file says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...core.errors import InputError, cause_of
+from ...core.mesh import Mesh, volume_of
+from ..cavities.interior import interior_of
+from ..cavities.wall import spread
+from ..optics.medium import Medium
+from ..props.normals import creased
+from ..vessels.settings import Unit, UpAxis, VesselSettings
+from .files import VesselFile
+from .points import solid_of_points
+from .read import UP, default_up, in_metres, read_triangles, turned_up
+from .repair import closed_solid
+
+#: Shapes that are remembered between scenes [1].
+_REMEMBERED = 32
+#: Points of the surface, sectors about the axis, and largest distance between the sections of two sectors, as a
+#: fraction of the longest side [1], for a solid of revolution: a ring of 24 edges is off by 0.9 % of its radius.
+_POINTS, _SECTORS, _ROUND = 40_000, 16, 0.012
+#: Part of the points that has to be so near [1]: near the axis a sector has few. The smallest handle is more.
+_ALIKE = 0.995
+#: Least part of its box that a body holds the right way up [1]: less is a hollow under a foot.
+_LEAST_HELD = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class OwnShape:
+    """A vessel of the user.
+
+    Parameters
+    ----------
+    solid : Mesh
+        Closed, z up, its box about the origin, with normals.
+    glass : Medium or None
+        What its file says that it is made of.
+    symmetric : bool
+        Whether it is a solid of revolution about z.
+    """
+
+    solid: Mesh
+    glass: Medium | None
+    symmetric: bool
+
+
+def own_shape(file: VesselFile, settings: VesselSettings) -> OwnShape:
+    """Return the shape in a file; InputError with what is wrong with it and where."""
+    try:
+        stamp = file.path.stat()
+    except OSError as error:
+        raise InputError(file.path, "a readable mesh", cause_of(error)) from error
+    choice = (settings.unit, settings.up, settings.shell)
+    return _own_shape(file.path, *choice, stamp.st_size, stamp.st_mtime_ns)
+
+
+@lru_cache(_REMEMBERED)
+def _own_shape(
+    path: Path,
+    unit: Unit | None,
+    up: UpAxis | Literal["fullest"] | None,
+    shell: float | None,
+    _size: int,
+    _changed: int,
+) -> OwnShape:
+    found = read_triangles(path)
+    vertices = in_metres(path, found.vertices, unit)
+    faces = found.faces
+    if not len(faces):
+        if shell is None:
+            expected = "faces, or a thickness for a surface through the points (--vessels.shell 3mm)"
+            raise InputError(path, expected, f"{len(vertices):,} points alone")
+        vertices, faces = solid_of_points(path, vertices, shell)
+    surface = closed_solid(path, vertices, faces, shell)
+    axis = _fullest(surface.vertices, surface.faces) if up == "fullest" else up or default_up(path)
+    placed = turned_up(surface.vertices, axis)
+    solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
+    if volume_of(solid) <= 0.0:
+        raise InputError(path, "a solid", "a surface around nothing")
+    return OwnShape(solid, found.glass, is_round(solid))
+
+
+def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+    single = vertices.astype(np.float32).astype(np.float64)
+    points, corners, normals, _ = creased(single, faces)
+    return Mesh("solid", points, corners, normals)
+
+
+def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
+    """Return the axis that has to point up so that a solid holds most; z where it holds next to nothing."""
+    turned: dict[UpAxis, Mesh] = {axis: Mesh(f"up {axis}", turned_up(vertices, axis), faces) for axis in UP}
+    held = {axis: interior_of(mesh).volume for axis, mesh in turned.items()}
+    best = max(turned, key=lambda axis: held[axis])
+    box = float(np.prod(np.ptp(vertices, axis=0)))
+    return best if held[best] > _LEAST_HELD * box else "z"
+
+
+def is_round(solid: Mesh) -> bool:
+    """Return whether a solid is one of revolution about z: its sections at all angles are the same."""
+    points, _ = spread(solid.vertices[solid.faces].astype(np.float64), _POINTS)
+    section = np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
+    turns = np.arctan2(points[:, 1], points[:, 0]) / (2.0 * np.pi)
+    sector = np.floor(turns * _SECTORS).astype(int) % _SECTORS
+    reach = _ROUND * float(np.ptp(solid.bounds, axis=0).max())
+    everything = cKDTree(section)
+    for number in range(_SECTORS):
+        some = section[sector == number]
+        if len(some) < _POINTS // (4 * _SECTORS):
+            return False
+        # From everywhere to the sector, and back: a handle is in few sectors, a notch is missing in few.
+        if np.quantile(cKDTree(some).query(everything.data)[0], _ALIKE) > reach:
+            return False
+    return True
