@@ -29,6 +29,7 @@ class ExportOptions(Model):
     eye: Eyes = Field(default="left", description="Pictures of the left camera, the right one, or both")
     vessels_only: bool = Field(default=False, description="Leave out opaque props")
     polygons: bool = Field(default=False, description="Of coco: masks as polygons instead of run lengths")
+    layers: bool = Field(default=False, description="Of ply: all surfaces along the rays; needs --write layers")
     copy_pictures: bool = Field(default=False, description="Copy pictures instead of making hard links")
 
 

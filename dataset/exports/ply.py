@@ -27,7 +27,7 @@ def write(job: Job, scene: StoredScene) -> None:
     ids = frozenset(chosen_ids(job, scene.objects())) if job.options.vessels_only else None
     with atomic_folder(place(job, scene)) as folder, cloud_file(folder / "scene.ply") as add:
         for view in scene.views:
-            cloud = cloud_of(view, ids)
+            cloud = cloud_of(view, ids, job.options.layers)
             write_cloud(folder / f"{layout.view_name(view.number)}.ply", cloud)
             add(cloud)
 

@@ -51,7 +51,7 @@ def export(
     track : callable, optional
         (finished scenes, their total) -> the same, to show progress.
     options
-        The fields of `ExportOptions`: split, eye, vessels_only, polygons, copy_pictures.
+        The fields of `ExportOptions`: split, eye, vessels_only, polygons, layers, copy_pictures.
 
     Raises
     ------
@@ -97,8 +97,9 @@ def _checked(options: dict[str, Any]) -> ExportOptions:
 def _check_options(job: Job, name: str, exporter: Exporter) -> None:
     if job.options.eye != "left" and not exporter.eyes:
         raise InputError("--eye", f"left, because {name} holds labels, which are the left camera's", job.options.eye)
-    if job.options.polygons and name != "coco":
-        raise InputError("--polygons", "the format coco", name)
+    for option, format_name in (("polygons", "coco"), ("layers", "ply")):
+        if getattr(job.options, option) and name != format_name:
+            raise InputError(f"--{option}", f"the format {format_name}", name)
 
 
 def _begin(out: Path) -> None:

@@ -28,7 +28,7 @@ from ...core.atomic_io import atomic_folder
 from ...core.json_file import json_text
 from ...core.mesh import Mesh
 from ...procedural.description.camera import Camera
-from ...render.frame import Geometry
+from ...render.frame import EYES, Geometry
 from ..format.exr import write_exr
 from ..format.pictures import write_png
 from ..reader import StoredScene, StoredView
@@ -123,7 +123,7 @@ def _numbers(scene: StoredScene) -> list[int]:
 
 def _write_pictures(view: StoredView, geometry: Geometry, folder: Path, number: int) -> None:
     stem = f"Camera_{number}_EmptyVessel_Frame_0"
-    for eye, letter in (("left", "L"), ("right", "R")):
+    for eye, letter in zip(EYES, "LR", strict=True):
         colours = np.ascontiguousarray(view.picture(eye)[..., ::-1])
         done, data = cv2.imencode(".jpg", colours, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
         if not done:

@@ -39,7 +39,7 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
     ),
     "glassware export": (
         ("export", ("DIRECTORY", "--format", "--out")),
-        ("what of it", ("--split", "--vessels-only", "--eye", "--copy-pictures", "--polygons")),
+        ("what of it", ("--split", "--vessels-only", "--eye", "--copy-pictures", "--polygons", "--layers")),
     ),
     "glassware train": (
         ("run", ("DATA", "--config", "--out", "--resume")),

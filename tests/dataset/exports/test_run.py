@@ -43,6 +43,18 @@ def test_a_stopped_export_keeps_what_is_complete_and_ends_the_same(two_scenes, t
 
 
 @pytest.mark.parametrize("name", FORMATS)
+def test_scenes_that_are_added_later_are_exported_as_well(made, head, stored, write_scene, tmp_path, name):
+    export(stored, name, tmp_path / "out")
+    scene, points, views = made
+    start_dataset(stored, head, [1])
+    write_scene(stored, scene.model_copy(update={"scene_id": 1}), points, views[:1])
+    finish_dataset(stored)
+    assert export(stored, name, tmp_path / "out").scenes == 2
+    export(stored, name, tmp_path / "whole")
+    assert _files(tmp_path / "out") == _files(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("name", FORMATS)
 def test_a_damaged_picture_is_one_line_and_leaves_nothing_behind(stored, tmp_path, capsys, name):
     for view in ("000", "001"):
         (stored / "scenes/000000" / view / "left.png").write_bytes(b"\x89PNG\r\n\x1a\n")
@@ -85,6 +97,7 @@ def test_an_export_of_another_choice_or_data_set_is_not_mixed_in(stored, tmp_pat
         ({"eye": "right"}, "--eye: expected left, because coco holds labels"),
         ({"split": "val"}, "expected a data set that is split"),
         ({"views": 3}, "views"),
+        ({"layers": True}, "--layers: expected the format ply, found coco"),
     ],
 )
 def test_options_that_make_no_sense_are_refused(stored, tmp_path, options, says):
