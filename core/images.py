@@ -46,9 +46,12 @@ def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
     (H, W, 3) uint8
         Red, green, blue.
     """
-    value = np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)
-    encoded = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
-    return np.rint(encoded * 255.0).astype(np.uint8)
+    return np.rint(srgb_curve(np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)) * 255.0).astype(np.uint8)
+
+
+def srgb_curve(value: np.ndarray) -> np.ndarray:
+    """Return linear values in [0, 1] through the sRGB curve (IEC 61966-2-1:1999)."""
+    return np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
 
 
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:

@@ -90,5 +90,7 @@ def _changes(found: DatasetFile, head: DatasetFile) -> Iterator[tuple[str, objec
         yield from differences(getattr(head, field), getattr(found, field), "" if field == "config" else field)
     if found.files != head.files:
         yield "write", ",".join(head.files) or "none", ",".join(found.files) or "none"
+    wanted, there = (record.developed and record.developed.model_dump(mode="json") for record in (head, found))
+    yield from differences(wanted, there, "developed")
     if "assets" in found.hashes and found.hashes.get("assets") != head.hashes.get("assets"):
         yield "hash of the assets", head.hashes.get("assets"), found.hashes["assets"]

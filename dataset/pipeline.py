@@ -12,14 +12,13 @@ from pathlib import Path
 from typing import cast
 
 from ..annotate.keypoints import scene_keypoints
-from ..annotate.labels import Labels, label
+from ..annotate.labels import label
 from ..core.arguments import as_path, check_type
 from ..core.errors import InputError
-from ..core.images import srgb8
 from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import load_scene, scene_digest
-from ..render.frame import Frame, LightCheck
+from ..render.frame import LightCheck
 from ..render.renderer import Renderer
 from .format import layout
 from .format.dataset_file import installed_versions, new_head
@@ -80,9 +79,9 @@ def write_scene(
                 labels = label(scene, frame, renderer, points)
             on_view(view)
             with stopwatch.stage("writing"):
-                writer.add(frame, labels)
+                picture = writer.add(frame, labels)
             if view in previews:
-                shown.append(_preview_row(scene, frame, labels))
+                shown.append(PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels))
     return WrittenScene(writer.rows, shown, renderer.light_check)
 
 
@@ -158,9 +157,3 @@ def _check_not_another(root: Path, scene: Scene) -> None:
     if not same:
         expected = "a folder without another scene of this number; write to another folder, or pass replace=True"
         raise InputError(root, expected, f"another scene {scene.scene_id}")
-
-
-def _preview_row(scene: Scene, frame: Frame, labels: Labels) -> PreviewRow:
-    camera = scene.cameras[frame.view]
-    picture = srgb8(frame.left, camera.exposure)
-    return PreviewRow(layout.view_name(frame.view), picture, camera, frame.geometry, labels)

@@ -10,23 +10,23 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
 from ..core.errors import InputError, cause_of
-from ..core.images import srgb8
 from ..core.json_file import json_text
 from ..core.model import Model
-from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..procedural.surroundings.photometry import photometry
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
-from .format.camera_file import camera_file
 from .format.checksums import write_checksums
-from .format.dataset_file import DatasetFile, read_head, write_head
+from .format.dataset_file import DatasetFile, Development, read_head, write_head
+from .format.developed import development_of, write_developed
 from .format.exr import unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
@@ -122,11 +122,11 @@ class SceneWriter:
         self._folder, self._scene, self._files = folder, scene, files
         self.rows: list[ViewRow] = []  #: of the index, one per view written
 
-    def add(self, frame: Frame, labels: Labels) -> None:
-        """Write all files of a view."""
-        view = frame.view
-        write_view(self._folder / layout.view_name(view), self._scene.cameras[view], frame, labels, self._files)
-        self.rows.append(view_row(self._scene, view, frame, labels))
+    def add(self, frame: Frame, labels: Labels) -> np.ndarray:
+        """Write all files of a view; return its left picture, (H, W, 3) uint8."""
+        picture = write_view(self._folder / layout.view_name(frame.view), self._scene, frame, labels, self._files)
+        self.rows.append(view_row(self._scene, frame.view, frame, labels))
+        return picture
 
 
 def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
@@ -179,23 +179,51 @@ def write_json(path: Path, record: Model) -> None:
     path.write_text(json_text(record.model_dump(mode="json")), encoding="utf-8")
 
 
-def write_view(folder: Path, camera: Camera, frame: Frame, labels: Labels, files: FileKinds = KINDS) -> None:
-    """Write the files of a view into a new folder: those that every view has, and the kinds that are named."""
+def write_view(
+    folder: Path,
+    scene: Scene,
+    frame: Frame,
+    labels: Labels,
+    files: FileKinds = KINDS,
+    development: Development | None = None,
+) -> np.ndarray:
+    """Write the files of a view into a new folder; return its left picture, (H, W, 3) uint8.
+
+    Parameters
+    ----------
+    folder : Path
+        The view's folder.
+    scene : Scene
+        The scene.
+    frame, labels : Frame, Labels
+        The view, rendered and labelled.
+    files : collection of str
+        Kinds of files beside those that every view has.
+    development : Development, optional
+        The camera of the pictures, and its seed; by default the scene's.
+    """
     folder.mkdir()
-    write_json(folder / layout.CAMERA, camera_file(camera))
     write_json(folder / layout.LABELS, labels)
     for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
         channels = unstacked(picture, "RGB") if "radiance" in files else {}
         channels |= unstacked(noisy, "noisy.RGB") if "noisy" in files and noisy is not None else {}
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
-        write_png(folder / f"{eye}.png", srgb8(picture, camera.exposure))
+    left = write_developed(
+        folder,
+        scene.cameras[frame.view],
+        (frame.left, frame.right),
+        frame.geometry.Z,
+        development or development_of(scene),
+        (scene.scene_id, frame.view),
+    )
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)
     if frame.layers is not None and "layers" in files:
         write_layers(folder / layout.LAYERS, frame.layers)
     if frame.refraction is not None and "refraction" in files:
         write_refraction(folder / layout.REFRACTION, frame.refraction)
+    return left
 
 
 def _channels(geometry: Geometry) -> dict:

@@ -5,6 +5,7 @@
 
 Each object of each view is one annotation. Its mask is what no opaque surface hides: what is visible, and what is seen
 through glass. Masks are run-length codes of COCO, as `pycocotools` reads them.
+`glassware export --format coco` does this for large data sets, with amodal masks, keypoints and splits.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Mesh files as glassware reads them against a second reader, trimesh with Pillow: shape and colour.
 
-For each file of a folder that both read, silhouettes along the three axes are compared, and the mean colour of the
-surface by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours differ by at
-most `MOST_DIFFERENCE`; the others are listed with what differs.
+For each file of a folder that both read, silhouettes along the three axes are compared, and the mean colours of parts
+of the same material by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours
+differ by at most `MOST_DIFFERENCE`; the others are listed with what differs.
 
-    .venv/bin/python bench/studies/mesh_files.py FOLDER
+    python bench/studies/mesh_files.py FOLDER
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ class Surface:
 
     corners: np.ndarray  #: (m, 3, 3)
     colours: np.ndarray  #: (m, 3) linear Rec.709, NaN where the file states none
+    names: np.ndarray  #: (m,) names of their materials
 
-    @property
-    def mean(self) -> np.ndarray:
-        """Mean colour by area, (3,)."""
+    def mean(self, name: str) -> np.ndarray:
+        """Mean colour by area of the faces of one material, (3,); NaN where the file states none."""
         area = np.linalg.norm(
             np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]), axis=1
         )
-        known = np.isfinite(self.colours).all(1) & (area > 0)
+        known = np.isfinite(self.colours).all(1) & (area > 0) & (self.names == name)
         return np.average(self.colours[known], axis=0, weights=area[known]) if known.any() else np.full(3, np.nan)
 
 
@@ -54,7 +54,9 @@ def ours(path: Path, root: Path, pictures: Path) -> Surface:
     """Return a file's surface as glassware reads it."""
     parts = read_parts(Source(path, root, pictures))
     return Surface(
-        np.concatenate([part.vertices[part.faces] for part in parts]), np.concatenate([_our_colours(p) for p in parts])
+        np.concatenate([part.vertices[part.faces] for part in parts]),
+        np.concatenate([_our_colours(part) for part in parts]),
+        np.concatenate([np.full(len(part.faces), part.look.name, object) for part in parts]),
     )
 
 
@@ -82,16 +84,18 @@ def _texels(pixels: np.ndarray, uv: np.ndarray) -> np.ndarray:
 def theirs(path: Path) -> Surface:
     """Return a file's surface as trimesh reads it."""
     scene = trimesh.load_scene(path, process=False)
-    corners, colours = [], []
+    corners, colours, names = [], [], []
     for node in sorted(scene.graph.nodes_geometry):
         pose, name = scene.graph[node]
         mesh = scene.geometry[name]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             corners.append(trimesh.transform_points(mesh.vertices, pose)[mesh.faces])
             colours.append(_their_colours(mesh))
+            name = getattr(getattr(mesh.visual, "material", None), "name", None) or ""
+            names.append(np.full(len(mesh.faces), name, object))
     if not corners:
         raise ValueError("no triangles")
-    return Surface(np.concatenate(corners), np.concatenate(colours))
+    return Surface(np.concatenate(corners), np.concatenate(colours), np.concatenate(names))
 
 
 def _their_colours(mesh: trimesh.Trimesh) -> np.ndarray:
@@ -151,10 +155,11 @@ def compared(path: Path, root: Path, pictures: Path) -> str:
     faults = []
     if (found := overlap(first, second)) < LEAST_OVERLAP:
         faults.append(f"silhouettes overlap by {found:.3f}")
-    difference = np.abs(first.mean - second.mean).max()
-    if np.isfinite(difference) and difference > MOST_DIFFERENCE:
-        ours_, theirs_ = (np.round(surface.mean, 2).tolist() for surface in (first, second))
-        faults.append(f"mean colour {ours_}, there {theirs_}")
+    for name in sorted(set(first.names) & set(second.names)):
+        here, there = first.mean(name), second.mean(name)
+        difference = np.abs(here - there).max()
+        if np.isfinite(difference) and difference > MOST_DIFFERENCE:
+            faults.append(f"{name or 'colour'} {np.round(here, 2).tolist()}, there {np.round(there, 2).tolist()}")
     return "; ".join(faults) or "alike"
 
 

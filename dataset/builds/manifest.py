@@ -23,7 +23,7 @@ from ...core.model import Model
 from ...procedural.materials.picture_files import PICTURE_SUFFIXES
 from ...procedural.materials.surface_files import SURFACE_SUFFIXES
 from ...procedural.own_vessels.files import vessel_files
-from ...procedural.props.mesh_files import MESH_SUFFIXES
+from ...procedural.props.mesh_files import MESH_SUFFIXES, root_of
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
 from ..format.checksums import Sha256, file_digest
@@ -35,6 +35,8 @@ Folder = Literal[
     "hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "vessel_dir", "cameras.poses", "vessels.media"
 ]
 _SINGLE_FILES = ("cameras.poses", "vessels.media")
+#: Suffixes of meshes and of what they or their layouts refer to.
+_MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
 Stamp = tuple[int, int]
 
@@ -62,7 +64,7 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
     """
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
-        ("mesh_dir", settings.mesh_dir, (*MESH_SUFFIXES, ".mtl", *PICTURE_SUFFIXES), True),
+        ("mesh_dir", settings.mesh_dir and root_of(settings.mesh_dir), _MESH_FILES, True),
         ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
         ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
     )

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import errno
-import os
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...core.atomic_io import atomic_file, atomic_folder, remove_leftovers
+from ...core.atomic_io import atomic_folder, remove_leftovers
 from ...core.errors import InputError
 from ..format import layout
 from ..format.checksums import read_checksums
@@ -17,6 +14,7 @@ from ..format.split_file import SplitsFile, merged_splits, read_splits
 from ..format.views_table import scene_views
 from ..output_checks import check_same_head
 from ..settings.scene_ranges import format_scenes, parse_scenes
+from .links import link_assets, link_tree
 from .manifest import read_manifest, write_manifest
 from .output_folder import finalize_output
 
@@ -87,34 +85,13 @@ def _merged_head(heads: Sequence[DatasetFile]) -> DatasetFile:
 
 
 def _link_scenes(source: Path, root: Path) -> None:
-    for path in sorted((source / layout.ASSETS).glob("*")) if (source / layout.ASSETS).is_dir() else ():
-        (root / layout.ASSETS).mkdir(exist_ok=True)
-        if not (root / layout.ASSETS / path.name).exists():
-            with atomic_file(root / layout.ASSETS / path.name) as partial:
-                _link(path, partial)
+    link_assets(source, root)
     for scene in layout.scene_ids(source):
         place = layout.scene_folder(root, scene)
         if not place.exists():
             with atomic_folder(place) as partial:
-                _link_tree(layout.scene_folder(source, scene), partial)
+                link_tree(layout.scene_folder(source, scene), partial)
     _append_log(source, root)
-
-
-def _link_tree(source: Path, folder: Path) -> None:
-    for parent, _, names in os.walk(source):
-        here = folder / Path(parent).relative_to(source)
-        here.mkdir(exist_ok=True)
-        for name in names:
-            _link(Path(parent, name), here / name)
-
-
-def _link(source: Path, target: Path) -> None:
-    try:
-        os.link(source, target)
-    except OSError as error:
-        if error.errno not in (errno.EXDEV, errno.EPERM, errno.ENOTSUP, errno.EMLINK):
-            raise
-        shutil.copyfile(source, target)  # another file system, or one without links
 
 
 def _append_log(source: Path, root: Path) -> None:

@@ -62,14 +62,14 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         renderer, points = Renderer(scene), scene_keypoints(scene)
         for view in views:
             place, frame = again / layout.view_name(view), renderer.frame(view)
-            write_view(place, scene.cameras[view], frame, label(scene, frame, renderer, points), head.files)
+            write_view(place, scene, frame, label(scene, frame, renderer, points), head.files, head.developed)
             yield from _unlike(place, folder / layout.view_name(view))
 
 
 def _folders_are_there(settings: SceneSettings) -> bool:
     folders = (settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir, settings.table.texture_dir)
     poses, vessels = settings.cameras.poses, settings.vessel_dir
-    there = all(folder is None or folder.is_dir() for folder in folders) and (vessels is None or vessels.exists())
+    there = all(folder is None or folder.exists() for folder in folders) and (vessels is None or vessels.exists())
     return there and (poses is None or poses.is_file())
 
 

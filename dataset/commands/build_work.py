@@ -29,6 +29,7 @@ from ..builds.scheduler import Executor, Result, run
 from ..builds.space import Need, dataset_size, estimated, measured, space_error
 from ..format import layout
 from ..format.dataset_file import DatasetFile, digest_of, new_head, with_files
+from ..format.developed import check_camera
 from ..format.split_file import splits_file
 from ..output_checks import check_request
 from ..settings.scene_ranges import format_scenes, parse_scenes
@@ -129,6 +130,7 @@ def _assets(
     root: Path, settings: SceneSettings, overwrite: bool, progress: SceneProgress
 ) -> tuple[AssetFiles, Manifest]:
     """Return the asset files and their manifest, after comparing it with the data set's; say what is passed over."""
+    check_camera(settings)
     found, stored = scan(settings), read_manifest(root)
     if stored is not None and not overwrite:
         check_manifest(stored, found, settings)

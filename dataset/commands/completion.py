@@ -16,6 +16,8 @@ from ...core.model import Model
 from ..settings.config import parse_request
 from ..settings.options import SHORT, Option, sections, switch_names
 from .build_request import BuildDataset
+from .develop import Develop
+from .export import Export
 from .merge import Merge
 from .scene_request import RenderScene
 from .show import Show
@@ -46,6 +48,8 @@ _REQUESTS: dict[str, type[Model]] = {
     "build": BuildDataset,
     "show": Show,
     "verify": Verify,
+    "export": Export,
+    "develop": Develop,
     "merge": Merge,
     "completion": Completion,
 }

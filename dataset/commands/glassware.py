@@ -19,7 +19,9 @@ _COMMANDS = {
     "build": ("many scenes, by worker processes or a cluster (also: build-dataset)", "build_dataset"),
     "show": ("the contact sheet of a data set: opens it, or prints where it is", "show"),
     "verify": ("check a data set: files, labels, or by rendering views again", "verify"),
+    "export": ("a data set in another project's layout: coco, bop, nerfstudio, ply, syn-todd, webdataset", "export"),
     "assets": ("what is in a folder of meshes, with a contact sheet, and what cannot be used", "assets"),
+    "develop": ("the pictures of a data set by another camera: a phone, a webcam, or your own", "develop"),
     "merge": ("merge the shards of a build into one data set", "merge"),
     "completion": ("a script that completes commands and options: bash, zsh or fish", "completion"),
 }

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, track
 from rich.table import Table
 
 from ...core.stopping import check_stop
@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # the first line is printed before the renderer's types are l
     from ...render.frame import LightCheck
     from ..builds.messages import Attempt
 
+T = TypeVar("T")
 #: Steps of a renderer (`Renderer.on_stage`) in words.
 STEPS = {
     "loading": "compiling and loading the scene",
@@ -124,6 +125,13 @@ class SceneProgress:
         for stage, seconds in (*measured.items(), ("other", total - known), ("total", total)):
             table.add_row(stage, f"{seconds:.2f}", f"{seconds / views:.3f}", f"{seconds / total:.1%}")
         self._console.print(table)
+
+
+def tracked(items: Iterable[T], what: str, total: int, console: Console) -> Iterator[T]:
+    """Return items one by one; on a terminal a line shows how many there were."""
+    if not console.is_terminal:
+        return iter(items)
+    return iter(track(items, what, total, console=console, transient=True))
 
 
 def remaining(ends: list[float], total: int) -> str:

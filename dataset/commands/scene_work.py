@@ -12,6 +12,7 @@ from ...render.renderer import Renderer
 from ..builds.space import folder_size
 from ..format import layout
 from ..format.dataset_file import installed_versions, new_head, read_head, with_files
+from ..format.developed import check_camera
 from ..format.pictures import write_png
 from ..output_checks import check_output
 from ..pipeline import write_scene
@@ -37,6 +38,7 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     )
     check_output(request.out, head, [request.scene])
     with stopwatch.stage("inputs"):
+        check_camera(settings)
         files = asset_files(settings, progress.checking)
     progress.say_all(report(files.findings))
     head = with_files(head, files)

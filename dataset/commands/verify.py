@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +13,6 @@ import numpy as np
 import tyro
 from pydantic import Field
 from rich.console import Console
-from rich.progress import track
 
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed, run_command
@@ -25,6 +24,7 @@ from ..builds.verify import head_faults, index_faults, label_faults, scene_fault
 from ..format import layout
 from ..format.dataset_file import DatasetFile, read_head
 from ..settings.config import parse_request
+from .progress import tracked
 
 _DESCRIPTION = """Check a data set: schema, completeness, checksums and index from its files alone.
 
@@ -91,21 +91,15 @@ def _faults(request: Verify, head: DatasetFile, picked: dict[int, list[int]], co
     scenes = layout.scene_ids(root)
     with ThreadPoolExecutor(cores) as pool:
         found = pool.map(lambda scene: list(scene_faults(root, head, scene)), scenes)
-        for faults in _tracked(found, "checking scenes", len(scenes), console):
+        for faults in tracked(found, "checking scenes", len(scenes), console):
             yield from faults
         yield from index_faults(root)
         if request.labels:
             found = pool.map(lambda scene: list(label_faults(root, scene)), scenes)
-            for faults in _tracked(found, "checking labels", len(scenes), console):
+            for faults in tracked(found, "checking labels", len(scenes), console):
                 yield from faults
-    for scene, views in _tracked(picked.items(), "rendering views again", len(picked), console):
+    for scene, views in tracked(picked.items(), "rendering views again", len(picked), console):
         yield from rerendered(root, head, scene, views)
-
-
-def _tracked(items: Iterable, what: str, total: int, console: Console) -> Iterator:
-    if not console.is_terminal:
-        return iter(items)
-    return iter(track(items, what, total, console=console, transient=True))
 
 
 if __name__ == "__main__":

@@ -6,8 +6,10 @@ from typing import Literal
 
 from pydantic import Field
 
+from ...annotate.labels import Rle
 from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
+from ..cameras.model import Distortion
 
 CAMERA_SCHEMA = "glassware/camera/1"
 #: Written into every file, because conventions differ between projects.
@@ -34,7 +36,17 @@ class CameraFile(Model):
     world_T_camera: Matrix4 = Field(description="Pose of the left camera")
     world_T_right: Matrix4 = Field(description="Pose of the right camera")
     baseline: float = Field(gt=0.0, description="[m]")
-    distortion: Literal["none"] = Field(default="none", description="The lens is a pinhole")
+    distortion: Literal["none"] | Distortion = Field(
+        default="none",
+        description="none: the pictures are those of pinholes. Else what the lens has done to the pictures, by the "
+        "same K; all labels, depths and ids stay those of the pinhole",
+    )
+    colour_camera: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="What took the pictures; absent: the ideal one"
+    )
+    lost: Rle | None = Field(
+        default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"
+    )
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
     grid_index: int | None = Field(
         description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"

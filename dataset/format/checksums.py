@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -40,11 +41,15 @@ def file_digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def write_checksums(folder: Path) -> None:
-    """Write ``checksums.json`` for all files in a scene's folder."""
-    files = {name: FileSum(size=path.stat().st_size, sha256=file_digest(path)) for name, path in _files(folder)}
+def write_checksums(folder: Path, known: Mapping[str, FileSum] = MappingProxyType({})) -> None:
+    """Write ``checksums.json`` for all files in a scene's folder; those that are known already are not read."""
+    files = {name: known.get(name) or _file_sum(path) for name, path in _files(folder)}
     text = json_text(Checksums(files=files).model_dump(mode="json"))
     (folder / layout.CHECKSUMS).write_text(text, encoding="utf-8")
+
+
+def _file_sum(path: Path) -> FileSum:
+    return FileSum(size=path.stat().st_size, sha256=file_digest(path))
 
 
 def read_checksums(folder: Path) -> Checksums:

@@ -16,6 +16,7 @@ from ...core.model import Model
 from ...core.passed_over import Finding
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
+from ..cameras.model import ColourCamera
 from .file_kinds import KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
@@ -42,6 +43,13 @@ class MeshRecord(Model):
     licence: str = Field(description="As the file or its folder states it, or unknown")
 
 
+class Development(Model):
+    """By which camera the pictures of a data set were developed from their radiance."""
+
+    camera: ColourCamera = Field(description="All its figures")
+    seed: int = Field(ge=0, description="Of its errors and its noise")
+
+
 class DatasetFile(Model):
     """Describes a data set, and everything that its content depends on."""
 
@@ -62,6 +70,11 @@ class DatasetFile(Model):
     meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
     findings: tuple[Finding, ...] = Field(
         default=(), description="Files of the asset folders that were passed over, or of which something is not used"
+    )
+    developed: Development | None = Field(
+        default=None,
+        exclude_if=lambda record: record is None,
+        description="Camera of `glassware develop`; absent where the pictures are as they were built",
     )
 
 

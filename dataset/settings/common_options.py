@@ -37,6 +37,10 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
         ("work", ("--workers", "--shard", "--yes")),
         *_SCENE,
     ),
+    "glassware export": (
+        ("export", ("DIRECTORY", "--format", "--out")),
+        ("what of it", ("--split", "--vessels-only", "--eye", "--copy-pictures", "--polygons", "--layers")),
+    ),
     "glassware train": (
         ("run", ("DATA", "--config", "--out", "--resume")),
         ("training", ("--seed", "--steps", "--batch", "--views.count", "--machine.accelerator", "--machine.workers")),

@@ -112,8 +112,13 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
         check_booleans(model, loaded, path)
         where = path
-    settings = merged(settings, loaded) | with_cameras(settings, loaded, _with_full_names(arguments))
-    return validated(model, settings, where)
+    cameras = with_cameras(settings, loaded, _with_full_names(arguments)) if _draws_scenes(model) else {}
+    return validated(model, merged(settings, loaded) | cameras, where)
+
+
+def _draws_scenes(model: type[BaseModel]) -> bool:
+    """Return whether a request has settings of scenes, and so of cameras; that of training has none."""
+    return any("cameras" in one.model_fields for one in (model, *flat_groups(model).values()))
 
 
 def check_booleans(model: type[BaseModel], settings: dict[str, Any], where: str, prefix: str = "") -> None:

@@ -38,6 +38,8 @@ def read_camera(view: StoredView) -> CameraFile:
     check_schema(path, data, CAMERA_SCHEMA)
     record = parsed(CameraFile, data, path)
     check_camera(np.array(record.K), record.world_T_camera, path)
+    if record.distortion != "none":
+        raise InputError(f"{path}: distortion", "none, to which labels belong (a camera that is `rectified`)", "a lens")
     return record
 
 

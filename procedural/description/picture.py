@@ -40,6 +40,11 @@ class Picture(Model):
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
     refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
     spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
+    camera: Literal["ideal", "d435", "phone", "webcam"] = Field(
+        default="ideal",
+        exclude_if=lambda name: name == "ideal",
+        description="What takes the pictures: the ideal camera, or one with lens, noise and processing",
+    )
     dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
 
     @model_validator(mode="after")

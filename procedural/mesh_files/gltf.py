@@ -157,7 +157,8 @@ def _coloured(gltf: Gltf, part: FilePart, stored: np.ndarray) -> FilePart:
     """Return the part with the colours of its vertices, times the factor of its material."""
     colours = np.clip(stored[:, :3].astype(np.float64), 0.0, 1.0)
     texture = part.look.texture
-    if not np.isfinite(colours).all() or (colours == 1.0).all() or part.look.glass is not None:
+    fits = len(colours) == len(part.vertices) and np.isfinite(colours).all()
+    if not fits or (colours == 1.0).all() or part.look.glass is not None:
         return part
     if texture is not None and not isinstance(texture, UniformTexture):
         gltf.source.notes.say("colours of vertices beside a picture are not used")

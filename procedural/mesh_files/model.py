@@ -51,6 +51,7 @@ class Look:
     maps: dict[str, object] = field(default_factory=dict)  #: further fields of `OpaqueMaterial`
     glass: GlassLook | None = None
     cutout: Cutout | None = None
+    plain: tuple[float, float, float] | None = None  #: colour where there are no texture coordinates for a picture
 
     @property
     def is_bare(self) -> bool:

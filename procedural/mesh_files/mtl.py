@@ -107,6 +107,7 @@ def look_of(source: Source, file: Path, entries: Entries, name: str) -> Look:
         metallic=_unit(_number(source, entries, "pm", name)),
         glass=glass,
         cutout=_cutout(source, file, entries, name),
+        plain=colour,
     )
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import io
+import re
 import struct
 from dataclasses import replace
 
 import numpy as np
 
 from ...core.errors import InputError
+from ..description.material import PictureTexture, UniformTexture
+from ..materials.textures import bake
 from .cutouts import cut
 from .gltf import read_gltf_parts
 from .model import FilePart, Source, check_counts, content_of
@@ -17,8 +19,9 @@ from .ply import read_ply
 
 #: Formats that are read.
 MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl")
-#: Bytes of a binary STL file before its triangles, and of one triangle.
-_STL_HEAD, _STL_TRIANGLE = 84, 50
+#: Bytes of a binary STL file before its triangles, and one triangle: normal, corners and two bytes that mean nothing.
+_STL_HEAD = 84
+_STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
 
 
 def read_parts(source: Source) -> list[FilePart]:
@@ -34,7 +37,7 @@ def read_parts(source: Source) -> list[FilePart]:
         used = part.vertices[np.unique(part.faces)]
         if not np.isfinite(used).all():
             raise InputError(source.path, "finite vertices", "NaN or infinity")
-    parts = [cut(_with_usable(part)) for part in parts]
+    parts = [cut(_in_plain_colour(source, _with_usable(part))) for part in parts]
     parts = [part for part in parts if len(part.faces)]
     if not parts:
         raise InputError(source.path, "a mesh with faces", "none that its opacity leaves")
@@ -42,29 +45,46 @@ def read_parts(source: Source) -> list[FilePart]:
 
 
 def _with_usable(part: FilePart) -> FilePart:
-    """Return the part without texture coordinates or normals that are not finite."""
-    uv = part.uv if part.uv is not None and np.isfinite(part.uv).all() else None
-    normals = part.normals if part.normals is not None and np.isfinite(part.normals).all() else None
-    return replace(part, uv=uv, normals=normals)
+    """Return the part without texture coordinates or normals that are not finite, or not one for each vertex."""
+
+    def usable(values: np.ndarray | None) -> np.ndarray | None:
+        fits = values is not None and len(values) == len(part.vertices) and np.isfinite(values).all()
+        return values if fits else None
+
+    return replace(part, uv=usable(part.uv), normals=usable(part.normals))
+
+
+def _in_plain_colour(source: Source, part: FilePart) -> FilePart:
+    """Return a part with a picture but no texture coordinates in its plain colour, or in the picture's mean colour."""
+    texture = part.look.texture
+    if part.uv is not None or not isinstance(texture, PictureTexture):
+        return part
+    source.notes.say(f"material {part.look.name!r} has a picture, but its faces have no texture coordinates")
+    red, green, blue = part.look.plain or np.clip(bake(texture).mean((0, 1)), 0.0, 1.0).tolist()
+    look = replace(part.look, texture=UniformTexture(colour=(red, green, blue)), maps={}, cutout=None)
+    return replace(part, look=look)
 
 
 def _read_stl(source: Source) -> list[FilePart]:
-    """Return an STL file's surface, binary or text."""
+    """Return an STL file's surface, binary or text (M. Burns, "Automated Fabrication", 1993, section 6.5)."""
     content = content_of(source)
-    count = struct.unpack_from("<I", content, 80)[0] if len(content) >= _STL_HEAD else 0
-    binary = len(content) == _STL_HEAD + _STL_TRIANGLE * count
+    count = struct.unpack_from("<I", content, _STL_HEAD - 4)[0] if len(content) >= _STL_HEAD else 0
+    # Text begins with "solid"; so do some binary files, which have the length that they state.
+    fits = len(content) >= _STL_HEAD + _STL_TRIANGLE.itemsize * count
+    binary = count > 0 and fits and (not content.lstrip().startswith(b"solid") or b"facet" not in content[:1000])
     check_counts(source.path, count if binary else content.count(b"facet normal"))
-    try:
-        # From memory and without a resolver: no other file is opened here.
-        import trimesh  # here, as it takes half a second to load
-
-        mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl", process=False)
-        vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
-    except Exception as error:  # the reader raises exceptions of many types for malformed files
-        raise InputError(source.path, "a readable STL mesh", "one that cannot be read") from error
-    if not len(faces):
-        raise InputError(source.path, "a mesh with faces", "none")
-    return [FilePart(vertices, faces)]
+    if binary:
+        corners = np.frombuffer(content, _STL_TRIANGLE, count, _STL_HEAD)["corners"].reshape(-1, 3)
+    else:
+        rows = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", content)
+        try:
+            corners = np.array(rows[: len(rows) // 3 * 3], dtype=object).astype(np.float64).reshape(-1, 3)
+        except ValueError as error:
+            raise InputError(source.path, "a readable STL mesh", "one with letters for numbers") from error
+    if not len(corners):
+        found = "none" if content.lstrip().startswith(b"solid") else f"a file that is too short for {count:,}"
+        raise InputError(source.path, "a mesh with faces", found)
+    return [FilePart(corners.astype(np.float64), np.arange(len(corners)).reshape(-1, 3))]
 
 
 _READERS = {

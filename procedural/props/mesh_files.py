@@ -23,7 +23,7 @@ from ..mesh_files.read import MESH_SUFFIXES, read_parts
 from .pieces import Piece, joined_pieces, sewn, without_ground
 
 #: Number of the check; what was remembered of another one is forgotten.
-CHECK_VERSION = 4
+CHECK_VERSION = 6
 #: A file of unknown unit whose longest side is in this range is taken to be in metres and keeps its size [m]: objects
 #: on tables. Any other such file gets a drawn size.
 TRUE_SIZES = (0.01, 0.5)
@@ -147,8 +147,9 @@ def mesh_files(folder: Path, pictures: Path | None = None, choice: MeshChoice | 
     choice : MeshChoice, optional
         Which of them are used, and what is stated about them.
     """
+    used = mesh_listing(folder, choice).used  # first, as it refuses files of other kinds
     kept, root = pictures or picture_folder(), root_of(folder)
-    return tuple(MeshFile(path, root, kept, place) for path, place in mesh_listing(folder, choice).used)
+    return tuple(MeshFile(path, root, kept, place) for path, place in used)
 
 
 def root_of(folder: Path) -> Path:
@@ -331,7 +332,8 @@ def _check_glass(file: MeshFile, mesh: Mesh) -> None:
     try:
         check_closed(str(file.path), mesh)
     except InputError as error:
-        raise InputError(file.path, "a closed surface, as its material is glass", "an open one") from error
+        found = str(error).rpartition("found ")[2]
+        raise InputError(file.path, "a closed surface, as its material is glass", found) from error
 
 
 def _kind(look: Look) -> str:

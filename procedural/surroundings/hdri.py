@@ -20,6 +20,7 @@ from ...core.exr_picture import read_exr_picture
 from ...core.folders import files_in
 from ...core.passed_over import Finding, Progress, checked_files
 from ...core.remembered import Checked
+from ...core.user_text import counted
 from ..materials.picture_files import read_picture
 from .colour import luminance
 from .metering import irradiance
@@ -147,10 +148,12 @@ def _limit_bright(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
     limit = max(_LARGEST_HALF, float(sound.max(initial=0.0)))
     if endless.any():
         pixels[endless] = np.where(pixels[endless] > 0.0, np.float32(limit), np.float32(0.0))
-        remarks.append(f"{np.count_nonzero(endless.any(axis=2))} infinite pixels, read as {limit:g}")
+        number = int(np.count_nonzero(endless.any(axis=2)))
+        remarks.append(f"{counted(number, 'infinite pixel')}, read as {limit:g}")
     if unknown.any():
         pixels[unknown] = 0.0
-        remarks.append(f"{np.count_nonzero(unknown.any(axis=2))} pixels that are no number (NaN), read as black")
+        number = int(np.count_nonzero(unknown.any(axis=2)))
+        remarks.append(f"{counted(number, 'pixel')} without a number (NaN), read as black")
 
 
 def _limit_dark(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
@@ -166,7 +169,7 @@ def _limit_dark(path: Path, pixels: np.ndarray, remarks: list[str]) -> None:
         value = pixels.flat[int(np.argmin(excess))]
         raise InputError(path, "pixels of at least 0", f"{deep} far below, such as {value:.6g}")
     if deep:
-        remarks.append(f"{deep} pixels far below 0, read as black")
+        remarks.append(f"{counted(deep, 'pixel')} far below 0, read as black")
     np.maximum(pixels, 0.0, out=pixels)
 
 

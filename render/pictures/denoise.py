@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 _BLEND_SIGMA, _BLEND_REACH = 2.5, 7
 #: Standard deviation of the window in which the mean of glass is kept [px].
 _MEAN_SIGMA = 8.0
+#: Fraction that black pixels have of what is returned to glass, over the window's mean luminance [1]: without one, a
+#: glint beside black glass would stay where it was.
+_FLAT = 0.1
+#: Nothing lies beyond a border: only then is the sum of a window's weights the same from both sides.
+_ZERO_BORDER = cv2.BORDER_CONSTANT
 #: Factor on the noise in the weight [1]. The denoised picture keeps a part of the noise, which makes the difference
 #: smaller. Measured on glass of eight pictures at 32 samples (seeds 101, 103, 107): PSNR 0.6 dB higher where the noise
 #: is high than with 1, and 0.1 to 0.5 dB lower where it is low.
@@ -82,28 +87,43 @@ def blend(noisy: np.ndarray, variance: np.ndarray, clean: np.ndarray) -> np.ndar
     return noisy + weight[..., None] * (clean - noisy)
 
 
-def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return a denoised picture with the noisy one's light in wide windows of a region, and so in all of it.
+def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray, instance: np.ndarray) -> np.ndarray:
+    """Return a denoised picture with the noisy one's light in wide windows of each object, and so in all of it.
 
-    The denoiser is biased where it has little to go by: it takes up to some per cent of the light off glass. The mean
-    of the noisy picture is right, and over some hundred pixels nearly without noise.
+    The denoiser is biased where it has little to go by: it takes up to some per cent of the light off glass, and all of
+    a glint. The mean of the noisy picture is right, and over some hundred pixels nearly without noise. What differs is
+    returned around where it was, in proportion to the light that is there: a dark drink stays dark beside a lit rim.
 
     Parameters
     ----------
     noisy, clean : (H, W, 3) float32
         Both pictures.
     inside : (H, W) bool
-        The region; other pixels are not changed, and do not count.
+        The pixels that are corrected; others are not changed, and do not count.
+    instance : (H, W) int
+        The object of each pixel. No light passes from one to another.
     """
-    weight = np.ascontiguousarray(np.broadcast_to(inside[..., None], clean.shape), np.float32)
-    count = _window(weight)
-    # Divided before it is spread: the sum over the region stays.
-    mean = weight * _window(np.divide(noisy - clean, count, out=np.zeros_like(weight), where=weight > 0.0))
-    return np.maximum(clean + mean, 0.0)
+    result = clean.copy()
+    for number in np.unique(instance[inside]):
+        pixels = inside & (instance == number)
+        rows, columns = (np.flatnonzero(pixels.any(axis=axis)) for axis in (1, 0))
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        mask = pixels[part][..., None].astype(np.float32)
+        result[part] += _returned(noisy[part], clean[part], mask)
+    return np.maximum(result, 0.0)
+
+
+def _returned(noisy: np.ndarray, clean: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return what the pixels of a mask, (H, W, 1), get back, (H, W, 3); its sum is that of noisy less clean."""
+    level = _window(mask * (clean @ _LUMINANCE)[..., None]) / np.maximum(_window(mask), 1e-6)
+    weight = mask * (np.maximum(clean, 0.0) + _FLAT * level + 1e-12)
+    # Divided before it is spread, by a symmetric window: the sum stays.
+    return weight * _window(mask * (noisy - clean) / np.maximum(_window(weight), 1e-20))
 
 
 def _window(values: np.ndarray) -> np.ndarray:
-    return cv2.GaussianBlur(values, (0, 0), _MEAN_SIGMA, borderType=cv2.BORDER_REFLECT)
+    blurred = cv2.GaussianBlur(np.ascontiguousarray(values, np.float32), (0, 0), _MEAN_SIGMA, borderType=_ZERO_BORDER)
+    return blurred.reshape(values.shape)
 
 
 def _averaged(values: np.ndarray) -> np.ndarray:

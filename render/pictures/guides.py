@@ -24,7 +24,7 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import to_guide
 from ..scene.surface_maps import mapped_normal, values_at
-from ..scene.surfaces import relative_index_d, surface_media, transmittance_rgb
+from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
 from .sampler import sample_4d, sobol_sampler
 
 #: Rays of every pixel, and additional rays of a pixel that, like one of its neighbours, has first rays that differ by
@@ -45,6 +45,7 @@ class Guides:
     glass: np.ndarray  #: (H, W) bool, whether any ray hits glass first ...
     polished: np.ndarray  #: ... and whether any ray hits a polished opaque surface first
     background: np.ndarray  #: (H, W) bool, whether all rays see the surroundings directly: there is no noise
+    instance: np.ndarray  #: (H, W) uint32, id of the object at the pixel's centre
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,15 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         glass=glass.reshape(shape) > 0.0,
         polished=polished.reshape(shape) > 0.0,
         background=background.reshape(shape) == 1.0,
+        instance=_centre_instances(loaded, view, every).reshape(shape),
     )
+
+
+def _centre_instances(loaded: LoadedScene, view: Pinhole, pixel: np.ndarray) -> np.ndarray:
+    """Return the ids of what the rays through the centres of pixels hit first, 0 for the surroundings."""
+    ray, _ = pixel_rays(view, mi.UInt32(pixel), dr.opaque(mi.Point2f, 0.0))
+    pi = loaded.mi_scene.ray_intersect_preliminary(ray, True)
+    return np.array(dr.gather(mi.UInt32, loaded.surfaces.instance, registry_id(pi.shape), pi.is_valid()))
 
 
 def _pixel_guides(

@@ -115,7 +115,7 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     guides = image.guides
     radiance, variance = spread_fireflies(image.radiance, image.variance, guides)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass)
+    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance)
     return np.where(guides.background[..., None], image.radiance, clean)
 
 

@@ -156,3 +156,10 @@ def test_help_names_the_commands(capsys):
     printed = capsys.readouterr().out
     for name in ("evaluate", "predict", "render", "train"):
         assert f"  {name} " in printed
+
+
+def test_a_data_set_without_splits_points_at_the_split_of_all_scenes(copied, tmp_path, capsys):
+    (copied / "splits.json").unlink()
+    quick = ["--machine.accelerator", "cpu", "--out", str(tmp_path / "out")]
+    assert main(["train", str(copied), *quick]) == 2
+    assert "--train-split all takes every scene" in error_line(capsys)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from glassware.procedural.description.material import OpaqueMaterial, PictureTexture, UniformTexture
+from glassware.procedural.description.material import OpaqueMaterial, ProceduralTexture, UniformTexture
 from glassware.procedural.materials.draw import draw_material, draw_plain_material, draw_table_material
 from glassware.procedural.materials.surface_files import SurfaceFiles
 
@@ -19,7 +19,7 @@ DRAWS = 300
 
 def _colours(material: OpaqueMaterial) -> np.ndarray:
     texture = material.base_colour
-    assert not isinstance(texture, PictureTexture)
+    assert isinstance(texture, UniformTexture | ProceduralTexture)
     return np.array([texture.colour] if isinstance(texture, UniformTexture) else texture.colours)
 
 

@@ -221,3 +221,12 @@ def test_a_file_that_is_no_glb_is_one_line(makers: ModuleType, tmp_path: Path, c
 def test_a_factor_that_is_no_number_is_refused(makers: ModuleType, tmp_path: Path, field: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"a\.glb: expected (a finite number|finite numbers) for {field}"):
         _parts(makers, tmp_path, makers.glb([makers.surface(**{field: value})]))
+
+
+def test_an_attribute_with_another_number_of_rows_is_not_used(makers: ModuleType, tmp_path: Path) -> None:
+    columns = {"NORMAL": makers.POSITIONS + 0.1, "COLOR_0": np.full((4, 3), 0.5)}
+    content = makers.glb([makers.surface(**PICTURED)], makers.png(), columns).replace(b'"count": 4', b'"count": 3')
+    content = content.replace(b'"count": 3', b'"count": 4', 1)  # the positions'
+    (part,), _ = _parts(makers, tmp_path, content)
+    assert part.uv is part.normals is None
+    assert part.look.texture.kind == "uniform"

@@ -207,3 +207,14 @@ def test_relative_indices_continued_lines_and_comments_are_read(makers: ModuleTy
     parts, notes = _read(makers, tmp_path, {"a.obj": obj})
     assert len(parts[0].faces) == 4
     assert notes.remarks == ["its points have no surface and are left out"]
+
+
+def test_a_picture_without_texture_coordinates_gives_way_to_the_plain_colour(
+    makers: ModuleType, tmp_path: Path
+) -> None:
+    obj = makers.CORNERS + "mtllib look.mtl\nusemtl skin\n" + makers.FACES
+    for mtl, colour in (("Kd 0.2 0.4 0.6\n", (0.2, 0.4, 0.6)), ("", (1.0, 0.0, 0.0))):
+        files = {"a.obj": obj, "look.mtl": f"newmtl skin\n{mtl}map_Kd a.png\n", "a.png": makers.png()}
+        parts, notes = _read(makers, tmp_path, files)
+        assert parts[0].look.texture.colour == pytest.approx(colour)
+        assert notes.remarks == ["material 'skin' has a picture, but its faces have no texture coordinates"]

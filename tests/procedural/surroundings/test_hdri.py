@@ -101,10 +101,10 @@ def test_shallow_dips_beside_bright_pixels_become_zero(tmp_path, compression):
 @pytest.mark.parametrize(
     ("value", "read", "remark"),
     [
-        (np.nan, 0.0, "1 pixels that are no number (NaN), read as black"),
-        (np.inf, 65504.0, "1 infinite pixels, read as 65504"),
-        (-np.inf, 0.0, "1 infinite pixels, read as 65504"),
-        (-30.0, 0.0, "1 pixels far below 0, read as black"),
+        (np.nan, 0.0, "1 pixel without a number (NaN), read as black"),
+        (np.inf, 65504.0, "1 infinite pixel, read as 65504"),
+        (-np.inf, 0.0, "1 infinite pixel, read as 65504"),
+        (-30.0, 0.0, "1 pixel far below 0, read as black"),
     ],
 )
 def test_single_pixels_that_are_no_radiance_are_replaced_and_told(tmp_path, value, read, remark):

@@ -52,8 +52,32 @@ def test_a_region_keeps_the_mean_of_the_noisy_picture(rng) -> None:
     inside[16:48, 16:48] = True
     noisy = np.where(inside[..., None], rng.gamma(4.0, 0.25, (64, 64, 3)), 0.5).astype(np.float32)
     clean = np.where(inside[..., None], _even(64, 64, 0.9), 0.45).astype(np.float32)  # too dark
-    found = with_mean_of(noisy, clean, inside)
+    found = with_mean_of(noisy, clean, inside, np.zeros((64, 64), int))
     assert found[inside].sum(0) == pytest.approx(noisy[inside].sum(0), rel=1e-5)
     # Gamma of shape 4 has a deviation of a half; a window averages some hundred pixels.
     assert found[inside].std() < 0.05
     np.testing.assert_array_equal(found[~inside], clean[~inside])
+
+
+def test_light_that_the_denoiser_takes_off_one_object_is_not_given_to_another(rng) -> None:
+    inside, instance = np.zeros((64, 64), bool), np.full((64, 64), 2)
+    inside[16:48, 8:56] = True
+    instance[:, 32:] = 3
+    noisy = np.where(instance[..., None] == 2, 0.02, 1.0) * np.ones((64, 64, 3), np.float32)
+    clean = noisy.copy()
+    noisy[32, 34] = 200.0  # a glint beside the border
+    found = with_mean_of(noisy.astype(np.float32), clean.astype(np.float32), inside, instance)
+    np.testing.assert_array_equal(found[instance == 2], clean[instance == 2].astype(np.float32))
+    lit = inside & (instance == 3)
+    assert found[lit].sum() == pytest.approx(noisy[lit].sum(), rel=1e-5)
+
+
+def test_what_is_returned_to_glass_goes_where_light_is() -> None:
+    inside = np.ones((64, 64), bool)
+    clean = np.full((64, 64, 3), 0.01, np.float32)
+    clean[:, 32:] = 1.0
+    noisy = clean * 1.1
+    found = with_mean_of(noisy, clean, inside, np.zeros((64, 64), int))
+    # 0.1 of the window's mean, which is nearly 1 there, is what black gets beside light: a hundredth of it.
+    assert found[:, 24:32].max() < 0.03
+    assert found.sum() == pytest.approx(noisy.sum(), rel=1e-4)

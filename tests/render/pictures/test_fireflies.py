@@ -28,7 +28,14 @@ def plain() -> Guides:
 
 def grey(height: int, width: int) -> Guides:
     none = np.zeros((height, width), bool)
-    return Guides(np.full((height, width, 3), 0.5), np.full((height, width, 3), 0.577), none, none, none)
+    return Guides(
+        np.full((height, width, 3), 0.5),
+        np.full((height, width, 3), 0.577),
+        none,
+        none,
+        none,
+        np.zeros((height, width), np.uint32),
+    )
 
 
 @pytest.mark.parametrize("place", [(20, 30), (0, 0), (47, 63), (0, 31)])

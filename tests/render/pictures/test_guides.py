@@ -117,3 +117,8 @@ def test_polish_is_where_a_smooth_or_metal_prop_is_seen_first(backend, drawn, ro
 
 def test_a_polished_table_counts_as_any_other(on_table):
     assert not _guides(on_table(UniformTexture(colour=PLAIN), roughness=0.1)).polished.any()
+
+
+def test_the_object_at_the_centre_of_each_pixel_is_that_of_the_geometry(on_table):
+    kernel = on_table(UniformTexture(colour=PLAIN))
+    np.testing.assert_array_equal(_guides(kernel).instance, _ids(kernel))

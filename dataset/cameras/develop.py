@@ -1,0 +1,153 @@
+"""From radiance to the pictures of a camera: the steps, in the order in which light takes them.
+
+Lens: defocus, distortion, fall-off. Sensor: exposure, filters and mosaic, shot and read noise, converter. Processing:
+demosaicing, shading correction, white balance, colour matrix, tone curve, 8 bits, JPEG. Rectification is last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ...core.images import srgb8
+from ...core.randomness import stream
+from .colour import balance, encoded, from_sensor, to_sensor
+from .defocus import circle, defocused, focused_at, right_depth
+from .lens import Lens, falloff, warps
+from .model import ColourCamera
+from .sensor import demosaiced, exposed, mosaic, summed_pixels
+
+#: Light is cut here, in units of saturation: no noise brings it back below 1.
+_BRIGHTEST = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class PairLight:
+    """What a stereo pair sees, and its geometry."""
+
+    left: np.ndarray  #: (H, W, 3) float32, linear Rec.709 radiance
+    right: np.ndarray  #: the same of the right camera
+    Z: np.ndarray  #: (H, W) float32, planar depth of the first surface of the left camera [m]; +inf without one
+    optics: Lens  #: fx, fy, cx, cy of both cameras [px]
+    baseline: float  #: [m]
+    exposure: float  #: factor from radiance to the linear value that saturates at 1
+
+
+@dataclass(frozen=True)
+class Control:
+    """What a camera sets for one view; both eyes have the same."""
+
+    exposure: float  #: factor from radiance to the light of the sensor, error included
+    gain: float  #: analogue gain
+    focus: float  #: distance in focus [m]
+
+
+def develop(
+    camera: ColourCamera, light: PairLight, seed: int, scene_id: int, view: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pictures of the left and the right eye, (H, W, 3) uint8 each, sRGB.
+
+    Exposure, gain, focus and white balance are those of the left picture for both. Each eye has its own noise.
+
+    Parameters
+    ----------
+    camera : ColourCamera
+        The camera; the ideal one gives `core.images.srgb8`, bit for bit.
+    light : PairLight
+        The rendered pair.
+    seed, scene_id, view : int
+        Of the random streams: ``camera/<view>`` and ``camera/<view>/<eye>``.
+    """
+    if camera.ideal:
+        return srgb8(light.left, light.exposure), srgb8(light.right, light.exposure)
+    rng = stream(seed, scene_id, f"camera/{view}")
+    control = _control(camera, light, rng)
+    signals = []
+    for eye, picture in (("left", light.left), ("right", light.right)):
+        seen = _through_lens(camera, light, control, picture, eye == "left")
+        signals.append(_sensed(camera, light, control, seen, stream(seed, scene_id, f"camera/{view}/{eye}")))
+    gains = balance(camera, signals[0], rng)
+    left, right = (_processed(camera, light, gains, signal) for signal in signals)
+    return left, right
+
+
+def lost_pixels(camera: ColourCamera, optics: Lens, width: int, height: int) -> np.ndarray | None:
+    """Return the pixels of a camera's picture that the rendered one cannot fill, (H, W) bool; None without any."""
+    if camera.distortion.absent:
+        return None
+    maps = warps(camera.distortion, optics, width, height)
+    lost = maps.lost if camera.rectified else maps.outside
+    return lost if lost.any() else None
+
+
+def _control(camera: ColourCamera, light: PairLight, rng: np.random.Generator) -> Control:
+    stops = camera.exposure_error * rng.standard_normal()
+    low, high = camera.sensor.gain if camera.sensor else (1.0, 1.0)
+    return Control(
+        exposure=light.exposure * 2**stops,
+        gain=float(low * (high / low) ** rng.random()),
+        focus=camera.focus or focused_at(light.Z),
+    )
+
+
+def _through_lens(
+    camera: ColourCamera, light: PairLight, control: Control, picture: np.ndarray, left: bool
+) -> np.ndarray:
+    """Return the light that the lens puts on the sensor, (H, W, 3) float32."""
+    fx = light.optics[0]
+    height, width = picture.shape[:2]
+    if camera.aperture:
+        Z = light.Z if left else right_depth(light.Z, fx * light.baseline)
+        picture = defocused(picture, circle(Z, camera.aperture, control.focus, fx))
+    if not camera.distortion.absent:
+        picture = warps(camera.distortion, light.optics, width, height).distort.applied(picture)
+    if camera.falloff:
+        picture = picture * falloff(camera.distortion, light.optics, width, height) ** np.float32(camera.falloff)
+    return picture
+
+
+def _sensed(
+    camera: ColourCamera, light: PairLight, control: Control, picture: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """Return the colours of the sensor, demosaiced and corrected for shading, (H, W, 3) float32."""
+    height, width = picture.shape[:2]
+    signal = cv2.transform(picture, (to_sensor(camera) * control.exposure).astype(np.float32))
+    if camera.sensor is None:
+        signal = np.clip(signal, 0, 1)
+    else:
+        signal = np.minimum(signal, _BRIGHTEST)
+        pixels = summed_pixels(camera.sensor, width)
+        if pixels is None:
+            signal = demosaiced(exposed(mosaic(signal), camera.sensor, control.gain, rng))
+        else:
+            signal = exposed(signal, camera.sensor, control.gain, rng, pixels)
+    if camera.falloff and camera.shading_correction:
+        power = np.float32(-camera.falloff * camera.shading_correction)
+        signal = signal * falloff(camera.distortion, light.optics, width, height) ** power
+    return signal
+
+
+def _processed(camera: ColourCamera, light: PairLight, gains: np.ndarray, signal: np.ndarray) -> np.ndarray:
+    """Return the 8-bit picture of demosaiced colours."""
+    height, width = signal.shape[:2]
+    top = min(1.0, float(gains.min()))  # where the first channel saturates: brighter light is white
+    balanced = np.clip(signal * (gains / top).astype(np.float32), 0, 1)
+    picture = encoded(cv2.transform(balanced, from_sensor(camera)[1].astype(np.float32)), camera.contrast)
+    if camera.jpeg_quality is not None:
+        picture = _compressed(picture, camera.jpeg_quality)
+    if camera.rectified and not camera.distortion.absent:
+        picture = warps(camera.distortion, light.optics, width, height).rectify.applied(picture)
+    lost = lost_pixels(camera, light.optics, width, height)
+    if lost is not None:
+        picture = np.where(lost[..., None], np.uint8(0), picture)
+    return picture
+
+
+def _compressed(picture: np.ndarray, quality: int) -> np.ndarray:
+    """Return a picture after JPEG with chroma at half the resolution."""
+    done, data = cv2.imencode(".jpg", np.ascontiguousarray(picture[..., ::-1]), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not done:
+        raise ValueError(f"a picture of shape {picture.shape} could not be compressed")
+    return np.ascontiguousarray(np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR))[..., ::-1])

@@ -1,0 +1,44 @@
+"""Files that exporters have in common: pictures by link or copy, 8-bit masks, JSON on one line."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ...core.atomic_io import atomic_file, link_or_copy
+from ..format.pictures import read_png
+from .job import Job
+
+
+def add_picture(job: Job, source: Path, target: Path) -> None:
+    """Give a whole PNG file of the data set a second name in the export, or copy it; InputError where it is damaged."""
+    if target.exists():
+        return
+    read_png(source)
+    with atomic_file(target) as partial:
+        (shutil.copyfile if job.options.copy_pictures else link_or_copy)(source, partial)
+
+
+def write_grey_png(path: Path, picture: np.ndarray) -> None:
+    """Write one channel, (H, W) uint8 or uint16, or a mask, (H, W) bool, as 0 and 255."""
+    path.write_bytes(grey_png(picture))
+
+
+def grey_png(picture: np.ndarray) -> bytes:
+    """Return the bytes of such a file."""
+    stored = picture.astype(np.uint8) * np.uint8(255) if picture.dtype == bool else picture
+    if stored.dtype not in (np.uint8, np.uint16) or stored.ndim != 2:
+        raise ValueError(f"expected (H, W) uint8, uint16 or bool, got {picture.shape} {picture.dtype}")
+    done, data = cv2.imencode(".png", np.ascontiguousarray(stored))
+    if not done:
+        raise ValueError("the picture could not be encoded")
+    return data.tobytes()
+
+
+def compact_json(data: object) -> str:
+    """Return JSON on one line; floats read back exactly, NaN and infinity are refused."""
+    return json.dumps(data, ensure_ascii=False, allow_nan=False)

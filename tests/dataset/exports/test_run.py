@@ -1,0 +1,111 @@
+"""`glassware export`: bad requests are one line, and what is complete is kept."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+from glassware.core.errors import InputError
+from glassware.dataset.commands.export import main
+from glassware.dataset.exports.formats import FORMATS
+from glassware.dataset.exports.run import Exported, export
+from glassware.dataset.writer import finish_dataset, start_dataset
+
+
+@pytest.fixture
+def two_scenes(made, head, stored, write_scene):
+    """The stored data set with a second scene, of one view."""
+    scene, points, views = made
+    start_dataset(stored, head, [1])
+    write_scene(stored, scene.model_copy(update={"scene_id": 1}), points, views[:1])
+    finish_dataset(stored)
+    return stored
+
+
+def _files(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_stopped_export_keeps_what_is_complete_and_ends_the_same(two_scenes, tmp_path, name):
+    export(two_scenes, name, tmp_path / "whole")
+    labels = two_scenes / "scenes/000001/000/labels.json"
+    good = labels.read_bytes()
+    labels.write_text("{")
+    with pytest.raises(InputError, match=r"000001/000/labels\.json"):
+        export(two_scenes, name, tmp_path / "out")
+    labels.write_bytes(good)
+    assert export(two_scenes, name, tmp_path / "out") == Exported(scenes=2, written=1)
+    assert export(two_scenes, name, tmp_path / "out") == Exported(scenes=2, written=0)
+    assert _files(tmp_path / "out") == _files(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_scenes_that_are_added_later_are_exported_as_well(made, head, stored, write_scene, tmp_path, name):
+    export(stored, name, tmp_path / "out")
+    scene, points, views = made
+    start_dataset(stored, head, [1])
+    write_scene(stored, scene.model_copy(update={"scene_id": 1}), points, views[:1])
+    finish_dataset(stored)
+    assert export(stored, name, tmp_path / "out").scenes == 2
+    export(stored, name, tmp_path / "whole")
+    assert _files(tmp_path / "out") == _files(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_damaged_picture_is_one_line_and_leaves_nothing_behind(stored, tmp_path, capsys, name):
+    for view in ("000", "001"):
+        (stored / "scenes/000000" / view / "left.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    assert main([str(stored), "--format", name, "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "left.png: expected a whole PNG file" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_format_names_the_known_ones(stored, tmp_path, capsys):
+    assert main([str(stored), "--format", "cocoo", "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.startswith("--format: expected one of coco")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_holds_something_else_is_left_as_it_is(stored, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.tex").write_text("mine")
+    with pytest.raises(InputError, match=r"expected an empty folder or an earlier export, found something else"):
+        export(stored, "coco", tmp_path / "out")
+    with pytest.raises(InputError, match="a folder outside of the data set"):
+        export(stored, "coco", stored / "coco")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["thesis.tex"]
+
+
+def test_an_export_of_another_choice_or_data_set_is_not_mixed_in(stored, tmp_path):
+    export(stored, "coco", tmp_path / "out")
+    with pytest.raises(InputError, match=r"option vessels-only: expected True, or another --out, found an export with"):
+        export(stored, "coco", tmp_path / "out", vessels_only=True)
+    shutil.copytree(stored, tmp_path / "other")
+    head = json.loads((stored / "dataset.json").read_text())
+    (tmp_path / "other" / "dataset.json").write_text(json.dumps(head | {"seed": 8}))
+    with pytest.raises(InputError, match="data set's seed: expected 8"):
+        export(tmp_path / "other", "coco", tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"eye": "right"}, "--eye: expected left, because coco holds labels"),
+        ({"split": "val"}, "expected a data set that is split"),
+        ({"views": 3}, "views"),
+        ({"layers": True}, "--layers: expected the format ply, found coco"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(stored, tmp_path, options, says):
+    with pytest.raises(InputError, match=says):
+        export(stored, "coco", tmp_path / "out", **options)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_no_data_set_is_one_line(tmp_path, capsys):
+    assert main([str(tmp_path), "--format", "coco", "--out", str(tmp_path / "out")]) == 2
+    assert "the folder of a data set" in capsys.readouterr().err
