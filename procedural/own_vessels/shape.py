@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, cKDTree
 
 from ...core.errors import InputError, cause_of
 from ...core.mesh import Mesh, volume_of
@@ -31,6 +31,8 @@ _POINTS, _SECTORS, _ROUND = 40_000, 16, 0.012
 _ALIKE = 0.995
 #: Least part of its box that a body holds the right way up [1]: less is a hollow under a foot.
 _LEAST_HELD = 0.02
+#: Lowest part of a body that stands on the table [1 of its height].
+_FOOT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,12 +97,23 @@ def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
 
 
 def _fullest(vertices: np.ndarray, faces: np.ndarray) -> UpAxis:
-    """Return the axis that has to point up so that a solid holds most; z where it holds next to nothing."""
+    """Return the axis that has to point up so that a solid holds most, or stands on most where it holds nothing."""
     turned: dict[UpAxis, Mesh] = {axis: Mesh(f"up {axis}", turned_up(vertices, axis), faces) for axis in UP}
     held = {axis: interior_of(mesh).volume for axis, mesh in turned.items()}
     best = max(turned, key=lambda axis: held[axis])
     box = float(np.prod(np.ptp(vertices, axis=0)))
-    return best if held[best] > _LEAST_HELD * box else "z"
+    if held[best] > _LEAST_HELD * box:
+        return best
+    return max(turned, key=lambda axis: _foot(turned[axis].vertices.astype(np.float64)))
+
+
+def _foot(points: np.ndarray) -> float:
+    """Return the area that a solid stands on [m^2]: the hull, from above, of what is lowest."""
+    low, high = points[:, 2].min(), points[:, 2].max()
+    lowest = points[points[:, 2] <= low + _FOOT * (high - low), :2]
+    if np.linalg.matrix_rank(lowest - lowest[0]) < 2:
+        return 0.0
+    return float(ConvexHull(lowest).volume)
 
 
 def is_round(solid: Mesh) -> bool:

@@ -109,7 +109,7 @@ class VesselSettings(Model):
     up: UpAxis | Literal["fullest"] | None = Field(
         default=None,
         description="Axis of the files in `vessel_dir` that points up, or 'fullest', the one along which a vessel "
-        "holds most; by default y in GLB and z in other files",
+        "holds most, or stands on most where it holds nothing; by default y in GLB and z in other files",
     )
     shell: Annotated[float, Field(ge=0.0003, le=0.02), LENGTH] | None = Field(
         default=None,
