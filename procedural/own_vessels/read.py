@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from ...core.errors import InputError, cause_of
 from ..optics.medium import Medium
 from ..vessels.settings import Unit, UpAxis
 from .gltf_glass import gltf_glass
-
-if TYPE_CHECKING:
-    pass
 
 #: Longest side of a vessel [m]: from a vial to a demijohn. Other sizes are mistakes of the unit.
 SIZES = (0.01, 0.7)
