@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from reprlib import Repr
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -170,7 +170,14 @@ def _is_pair(model: type[BaseModel] | None, place: Sequence[str]) -> bool:
     if field is None:
         return False
     inner = _model_of(field)
-    return _is_pair(inner, place[1:]) if inner else Ordered in field.metadata
+    if inner:
+        return _is_pair(inner, place[1:])
+    return any(Ordered in kind for kind in (field.metadata, *_metadata_of_choices(field)))
+
+
+def _metadata_of_choices(field: Any) -> list[tuple[Any, ...]]:
+    """Return the metadata of each type of a union, such as ``Annotated[..., Ordered] | None``."""
+    return [getattr(kind, "__metadata__", ()) for kind in get_args(field.annotation)]
 
 
 def _depth(model: type[BaseModel] | None, place: Sequence[str]) -> int:

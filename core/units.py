@@ -131,8 +131,18 @@ def _within_limits(value: object, handler: ValidatorFunctionWrapHandler, dimensi
         if limit is None or not isinstance(found, int | float):
             raise
         words = first["msg"].removeprefix("Input should be ").rpartition(" ")[0]
-        typed = repr(value) if isinstance(value, str) else shown(found, dimension)
+        typed = (
+            repr(value) if isinstance(value, str) else shown(found, dimension) + _with_a_unit(found, limit, dimension)
+        )
         raise ValueError(f"expected {words} {shown(limit, dimension)}, found {typed}") from error
+
+
+def _with_a_unit(found: float, limit: float, dimension: Dimension) -> str:
+    """Return a hint at the unit that a plain number too large was meant in, such as `` (is it 30deg?)``, or ''."""
+    for suffix in {"angle": ("deg",), "length": ("cm", "mm"), "volume": ()}[dimension]:
+        if abs(found) > abs(limit) >= abs(found) * SUFFIXES[suffix][1]:
+            return f" (is it {found:g}{suffix}?)"
+    return ""
 
 
 #: Validators of a field's type, by which its dimension is known (`dimension_of`). In an `Annotated` type they stand

@@ -13,9 +13,10 @@ from argparse import ArgumentParser
 from pathlib import Path
 
 import glassware as gw
+from glassware.core.exit_codes import run_command
 
 
-def main() -> int:
+def main() -> None:
     """Change the first vessel of a scene, and print what its picture and labels hold."""
     parser = ArgumentParser(description="Change a scene, and render it again.")
     parser.add_argument("scene", type=Path, nargs="?", default=Path("out/scenes/000000/scene.json"))
@@ -33,8 +34,7 @@ def main() -> int:
     for other, mask in masks.items():
         nearest = f", {depth[mask].min():.3f} m away" if mask.any() else ""
         print(f"{other}: {int(mask.sum())} px{nearest}")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

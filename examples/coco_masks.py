@@ -21,10 +21,11 @@ from pycocotools import mask as coco
 
 import glassware as gw
 from glassware.annotate.labels import ObjectLabel
+from glassware.core.exit_codes import run_command
 from glassware.dataset.reader import Dataset
 
 
-def main() -> int:
+def main() -> None:
     """Read the data set and write the file."""
     parser = ArgumentParser(description="Write the masks of a data set as a COCO file.")
     parser.add_argument("data", type=Path, help="folder of the data set")
@@ -35,7 +36,6 @@ def main() -> int:
     out = given.out or given.data / "coco.json"
     out.write_text(json.dumps(file), "utf-8")
     print(f"{out}: {len(file['images'])} images, {len(file['annotations'])} objects of {len(file['categories'])} kinds")
-    return 0
 
 
 def coco_file(dataset: Dataset, root: Path, vessels_only: bool) -> dict[str, Any]:
@@ -67,4 +67,4 @@ def annotation(label: ObjectLabel) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

@@ -18,9 +18,10 @@ import trimesh
 
 import glassware as gw
 from glassware.annotate.projection import transformed, unproject
+from glassware.core.exit_codes import run_command
 
 
-def main() -> int:
+def main() -> None:
     """Read the view and write its points in the world frame [m]."""
     parser = ArgumentParser(description="Write a view as a coloured point cloud.")
     parser.add_argument("data", type=Path, help="folder of the data set")
@@ -35,8 +36,7 @@ def main() -> int:
     points = transformed(camera.world_T_camera, places[hit])
     trimesh.PointCloud(points, view.picture("left")[hit]).export(given.out)
     print(f"{given.out}: {len(points)} points")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

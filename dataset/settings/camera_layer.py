@@ -36,7 +36,7 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
     Returns
     -------
     dict
-        ``cameras`` alone; nothing where the settings are not valid, which their validation will report.
+        ``cameras`` alone; settings that are not valid are in it, for their validation to report.
 
     Raises
     ------
@@ -59,7 +59,8 @@ def with_cameras(below: dict[str, Any], given: dict[str, Any], arguments: Sequen
         if checked.poses is not None and user.get("views") is None:
             resolved["views"] = _number_of_poses(checked)
         return {"cameras": resolved}
-    return {}
+    # Not valid, whatever the options: with the preset in between, validation reports the user's own fault.
+    return {"cameras": _resolved(below.get("cameras", {}), cameras)}
 
 
 def _resolved(below: dict[str, Any], user: dict[str, Any]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -218,7 +219,10 @@ def _option_hint(option: str, model: type[BaseModel]) -> str:
     name = option.removeprefix("--").replace("_", "-")
     known = option_names(model)
     short = [alias.removeprefix("--") for alias, full in SHORT.items() if full in known]
-    hint = suggest(name, short) or suggest_setting(name, [full.removeprefix("--") for full in known])
+    dashed = {full.removeprefix("--").replace(".", "-"): full.removeprefix("--") for full in [*known, *SHORT]}
+    whole = get_close_matches(name.replace(".", "-"), dashed, n=1, cutoff=0.85)
+    hint = f" (is it {dashed[whole[0]]}?)" if whole else suggest(name, short)
+    hint = hint or suggest_setting(name, [full.removeprefix("--") for full in known])
     return hint.replace("(is it ", "(is it --")
 
 

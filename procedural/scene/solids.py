@@ -51,9 +51,16 @@ def _blocked(camera: Camera, solids: dict[str, Solid]) -> Blocked | None:
         low, high = body.points.min(0), body.points.max(0)
         near = eyes[((eyes >= low) & (eyes <= high)).all(1)]
         for eye in near[contains(body, near)] if len(near) else near:
-            place = ", ".join(f"{x:.3f}" for x in eye)
-            return Blocked(f"({place}), in {name}", float(high[2]))
+            return Blocked(f"{_place(eye)}, in {name}", float(high[2]))
+    low, high = (getattr(solids["the table"].points, end)(0) for end in ("min", "max"))
+    for eye in eyes:
+        if eye[2] < low[2] and (low[:2] <= eye[:2]).all() and (eye[:2] <= high[:2]).all():
+            return Blocked(f"{_place(eye)}, under the table", float(high[2]))
     return None
+
+
+def _place(eye: np.ndarray) -> str:
+    return f"({', '.join(f'{x:.3f}' for x in eye)})"
 
 
 def _in_both_pictures(camera: Camera, points: np.ndarray) -> np.ndarray:
