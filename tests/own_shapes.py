@@ -34,7 +34,9 @@ def handle(radius: float = 0.004, reach: float = 0.02) -> trimesh.Trimesh:
 
 def with_bodies(*bodies: trimesh.Trimesh) -> trimesh.Trimesh:
     """Return bodies as one mesh, as they are."""
-    return trimesh.util.concatenate(list(bodies))
+    joined = trimesh.util.concatenate(list(bodies))
+    assert isinstance(joined, trimesh.Trimesh)
+    return joined
 
 
 def sheet() -> trimesh.Trimesh:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 #: Largest magnitude of two-dimensional gradient noise with unit gradients (at a cell's centre, all four pointing to
 #: it: four corners, each with weight 1/4 and dot product sqrt(1/2)).
@@ -123,6 +122,8 @@ def cellular(u: np.ndarray, v: np.ndarray, points: np.ndarray) -> tuple[np.ndarr
     (...) float
         Distance from the cell's edge, as second nearest minus nearest distance [tile].
     """
+    from scipy.spatial import cKDTree  # requests are parsed without it
+
     distance, index = cKDTree(points, boxsize=1.0).query(np.stack([u % 1.0, v % 1.0], -1), k=2)
     return index[..., 0], distance[..., 1] - distance[..., 0]
 

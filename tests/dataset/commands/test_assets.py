@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -15,6 +16,7 @@ def test_a_folder_is_listed_with_what_is_left_out_and_what_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     box = trimesh.creation.box((0.1, 0.05, 0.04)).export(file_type="stl")
+    assert isinstance(box, bytes)
     for name in ("025_mug/google_16k/textured.stl", "025_mug/tsdf/textured.stl", "toy.stl"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_bytes(box)
@@ -40,7 +42,7 @@ def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path, capsys: pytest.C
     assert "gone: expected a folder of meshes, found no such folder" in capsys.readouterr().err
 
 
-def test_a_sheet_has_a_cell_for_each_picture(rng: object) -> None:
+def test_a_sheet_has_a_cell_for_each_picture(rng: np.random.Generator) -> None:
     pictures = [rng.integers(0, 255, (20, 30, 3)).astype("uint8") for _ in range(5)]
     sheet = asset_sheet(pictures, [("a name that is long", "10 mm")] * 5)
     for picture in pictures:

@@ -28,6 +28,7 @@ def test_a_card_keeps_the_area_that_its_opacity_leaves(repeats: int) -> None:
     corners = part.vertices[part.faces]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     assert area.sum() == pytest.approx(np.pi * 0.4**2, rel=0.04)
+    assert part.uv is not None
     assert np.allclose(part.uv, repeats * part.vertices[:, :2])
 
 

@@ -44,7 +44,7 @@ def test_a_picture_inside_is_kept_by_its_content(makers: ModuleType, tmp_path: P
 
 
 def test_coordinates_point_up_and_follow_the_transform_of_the_texture(makers: ModuleType, tmp_path: Path) -> None:
-    reference = {"index": 0}
+    reference: dict[str, object] = {"index": 0}
     (part,), _ = _parts(makers, tmp_path, makers.glb([makers.surface(baseColorTexture=reference)], makers.png()))
     assert part.uv.tolist() == [[0, 1], [1, 1], [0, 0], [1, 0]]
     change = {"offset": [0.1, 0.2], "scale": [0.5, 2.0], "rotation": np.pi / 2}

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
 from glassware.procedural.materials.textures import bake
-from glassware.procedural.mesh_files.model import FilePart, Look, Notes
+from glassware.procedural.mesh_files.model import Notes
 from glassware.procedural.mesh_files.mtl import picture_name
 
 
 def _read(
     makers: ModuleType, folder: Path, files: dict[str, str | bytes], name: str = "a.obj"
-) -> tuple[list[FilePart], Notes]:
+) -> tuple[list[Any], Notes]:
     return makers.parts_of(makers.written(folder, files) / name)
 
 
 def _look(
     makers: ModuleType, folder: Path, mtl: str, files: dict[str, str | bytes] | None = None
-) -> tuple[Look, list[str]]:
+) -> tuple[Any, list[str]]:
     """Return the look of a material, and the remarks."""
     parts, notes = _read(makers, folder, {"a.obj": makers.MAPPED, "look.mtl": f"newmtl skin\n{mtl}\n", **(files or {})})
     return parts[0].look, notes.remarks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -94,7 +95,9 @@ def test_coordinates_of_corners_and_polygons_of_any_size_are_read(
     ],
 )
 @pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
-def test_a_damaged_file_is_one_line(makers: ModuleType, tmp_path: Path, order: str, change: object, said: str) -> None:
+def test_a_damaged_file_is_one_line(
+    makers: ModuleType, tmp_path: Path, order: str, change: Callable[[bytes], bytes], said: str
+) -> None:
     content = change(_ply(order, XYZ, makers.POSITIONS.tolist(), PLAIN_FACES))
     with pytest.raises(InputError, match=said) as caught:
         makers.parts_of(makers.written(tmp_path, {"a.ply": content}) / "a.ply")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.procedural.description.scene import SceneObject
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives.bodies import ball, box_mesh
 from glassware.procedural.primitives.display import display
@@ -14,7 +15,9 @@ from glassware.procedural.scene.validate import check_scene
 
 @pytest.mark.parametrize("count", [1, 5])
 def test_each_object_stands_alone_before_a_camera_of_its_own(count: int) -> None:
-    objects = [block(box_mesh((0.1, 0.06, 0.04), f"box-{i}"), matte(), id=2 + i) for i in range(count)]
+    objects: list[SceneObject] = [
+        block(box_mesh((0.1, 0.06, 0.04), f"box-{i}"), matte(), id=2 + i) for i in range(count)
+    ]
     objects.append(ball(0.05, Medium(name="glass", eta=1.5), id=2 + count, name="ball"))
     scene = display(objects, width=48, height=40)
     check_scene(scene)

@@ -58,6 +58,8 @@ def test_the_texture_of_coloured_vertices_is_linear_between_them(seed: int) -> N
     colours = rng.random((len(mesh.vertices), 1)) * [[0.9, 0.5, 0.2]]
     mesh = Mesh("prop", mesh.vertices, mesh.faces, mesh.normals, None, colours)
     found, pixels = coloured(mesh)
+    assert found.uv is not None
+    assert mesh.colours is not None
     height, width = pixels.shape[:2]
     for face in range(len(mesh.faces)):
         weights = rng.dirichlet(np.ones(3))
