@@ -4,8 +4,8 @@ Light that reaches a pixel by rare paths (a lamp seen through two glasses) arriv
 all pixels is right, and clamping such samples would darken the picture (bias). So the excess is not clamped but spread
 over the pixels around it that the same rare paths reach: those that show the same kind of surface and have noise. The
 mean stays, and the denoiser can handle the result. Pixels that are bright in every group of samples are not changed.
-Neither are those that show glass: a bright spot there is most often a glint at its right place, and what the denoiser
-takes off glass is returned to it (`denoise.with_mean_of`).
+In glass fireflies stay where they are, and are kept from the denoiser: a bright spot there is most often a glint at its
+right place, and spread it would bleach a drink.
 """
 
 from __future__ import annotations
@@ -47,18 +47,44 @@ def spread_fireflies(radiance: np.ndarray, variance: np.ndarray, guides: Guides)
     guides : Guides
         What pixels show.
     """
-    level = radiance.mean(axis=2)
-    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), MEDIAN_SIDE)
-    # The variance of the mean colour is at most that of fully correlated channels, as those of a firefly are.
-    error = np.sqrt(variance).mean(axis=2)
-    is_firefly = (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around) & ~guides.glass
+    is_firefly, kept, error = _fireflies(radiance, variance, ~guides.glass)
     if not is_firefly.any():
         return radiance, variance
-    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[..., None]
+    level = radiance.mean(axis=2)
     excess = (radiance * (1.0 - kept)).astype(np.float64)
     noisy = error / (error + _NOISE_SCALE * np.maximum(level, 1e-12))
     spread = _spread(excess, np.argwhere(is_firefly), noisy, guides)
     return (radiance * kept + spread).astype(np.float32), (variance * kept**2).astype(np.float32)
+
+
+def without_glints(
+    radiance: np.ndarray, variance: np.ndarray, guides: Guides
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the picture without the excess of fireflies in glass, its variance, and that excess, (H, W, 3) each.
+
+    Parameters
+    ----------
+    radiance, variance : (H, W, 3) float32
+        Noisy picture, and the estimated variance of each value.
+    guides : Guides
+        What pixels show.
+    """
+    _, kept, _ = _fireflies(radiance, variance, guides.glass)
+    rest = radiance * kept
+    return rest, variance * kept**2, radiance - rest
+
+
+def _fireflies(
+    radiance: np.ndarray, variance: np.ndarray, among: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return which pixels are fireflies (H, W), what part of each pixel is no excess (H, W, 1), and errors (H, W)."""
+    level = radiance.mean(axis=2)
+    around = cv2.medianBlur(np.ascontiguousarray(level, np.float32), MEDIAN_SIDE)
+    # The variance of the mean colour is at most that of fully correlated channels, as those of a firefly are.
+    error = np.sqrt(variance).mean(axis=2)
+    is_firefly = among & (error >= MIN_RELATIVE_ERROR * level) & (level > MIN_CONTRAST * around)
+    kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)
+    return is_firefly, kept[..., None], error
 
 
 def _spread(excess: np.ndarray, fireflies: np.ndarray, noisy: np.ndarray, guides: Guides) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
 from .denoise import blend, denoise, with_mean_of
 from .film import Film
-from .fireflies import spread_fireflies
+from .fireflies import spread_fireflies, without_glints
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import SampleWeights, group_counts
@@ -114,8 +114,9 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     """
     guides = image.guides
     radiance, variance = spread_fireflies(image.radiance, image.variance, guides)
+    radiance, variance, glints = without_glints(radiance, variance, guides)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance)
+    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance) + glints
     return np.where(guides.background[..., None], image.radiance, clean)
 
 

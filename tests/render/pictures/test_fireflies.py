@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from glassware.render.pictures.fireflies import spread_fireflies
+from glassware.render.pictures.fireflies import spread_fireflies, without_glints
 from glassware.render.pictures.guides import Guides
 
 #: float32 sums over a picture of 64 x 48.
@@ -83,7 +83,7 @@ def test_pixels_without_noise_get_no_light(with_firefly, plain):
     np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
 
 
-def test_glass_keeps_its_fireflies_and_gets_none(with_firefly, plain):
+def test_glass_keeps_its_fireflies_and_gets_none_of_others(with_firefly, plain):
     radiance, variance = with_firefly
     glass = np.zeros((48, 64), bool)
     glass[16:24, 26:34] = True
@@ -91,6 +91,20 @@ def test_glass_keeps_its_fireflies_and_gets_none(with_firefly, plain):
     beside, _ = spread_fireflies(radiance, variance, replace(plain, glass=np.roll(glass, 8, axis=1)))
     np.testing.assert_array_equal(beside[16:24, 34:42], radiance[16:24, 34:42])
     assert beside[20, 27].sum() > radiance[20, 27].sum()
+
+
+def test_fireflies_in_glass_are_taken_apart_whole(with_firefly, plain):
+    radiance, variance = with_firefly
+    glass = np.zeros((48, 64), bool)
+    glass[16:24, 26:34] = True
+    rest, less, glints = without_glints(radiance, variance, replace(plain, glass=glass))
+    np.testing.assert_allclose(rest + glints, radiance, rtol=1e-6)
+    assert rest[20, 30].mean() == pytest.approx(np.median(radiance[18:23, 28:33].mean(axis=2)), rel=1e-5)
+    assert less[20, 30].max() < 1e-4 * variance[20, 30].max()
+    others = np.ones((48, 64), bool)
+    others[20, 30] = False
+    assert not glints[others].any()
+    assert not without_glints(radiance, variance, plain)[2].any()
 
 
 def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
