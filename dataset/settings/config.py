@@ -89,9 +89,10 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
         raise SystemExit(0)
 
     def refuse(event: tyro_errors.ParseErrorEvent) -> None:
-        raise _argument_error(prog, event, model, full)
+        raise _argument_error(prog, event, model, words)
 
-    full = without_units(prog, model, _with_full_names(arguments), FLAT)
+    words = _with_full_names(arguments)  # as they were typed, for error lines
+    full = without_units(prog, model, words, FLAT)
     try:
         with tyro_errors.on_parse_error(refuse):
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
@@ -252,7 +253,8 @@ def _validation_error(prog: str, message: str, model: type[BaseModel]) -> InputE
 
 def _form(argument: Any) -> str:
     """Return the form of an argument's value as the help text has it, such as INT; without the word for none."""
-    return (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
+    form = (argument.lowered.metavar or "no value").removeprefix("{None}|").strip("{}")
+    return f"two numbers ({form})" if form in ("INT INT", "FLOAT FLOAT") else form
 
 
 def _place(prog: str, argument: Any) -> str:

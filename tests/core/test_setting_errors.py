@@ -41,7 +41,7 @@ def test_a_wrong_setting_is_said_in_plain_words(settings, line):
         ("--fill-probability 1", "(is it --vessels.fill-probability?)"),
         ("--sed 1", "(is it --seed?)"),
         ("--views abc", "render-scene: cameras.views: expected INT, found 'abc'"),
-        ("--vessel-count a b --views 2", "render-scene: vessel_count: expected INT INT, found 'a b'"),
+        ("--vessel-count a b --views 2", "render-scene: vessel_count: expected two numbers (INT INT), found 'a b'"),
         ("--seed=1.5", "render-scene: seed: expected INT, found '1.5'"),
     ],
 )

@@ -68,7 +68,7 @@ def test_the_command_line_and_the_file_make_one_camera(cameras):
         (f"--cameras.K {K}", r"cameras\.K: expected cx of 127\.5 to 191\.5 px in a picture of width 320 .*, found 322"),
         (f"--cameras.preset d415 --cameras.K {K}", r"cameras\.K: expected cx of .* in a picture of width 1280"),
         ("--cameras.preset d435 --width abc", r"cameras\.width: expected INT, found 'abc'"),
-        ("--cameras.distance 40cm", r"cameras\.distance: expected FLOAT FLOAT, found"),
+        ("--cameras.distance 40cm", r"cameras\.distance: expected two numbers \(FLOAT FLOAT\), found '40cm'"),
         ("--cameras.poses none.txt", r"none\.txt: expected a readable file of camera poses, found none"),
     ],
 )
@@ -111,3 +111,22 @@ def test_a_distance_at_which_the_vessel_is_out_of_the_picture_names_one_that_wor
     works = float(str(error.value).split("from ")[1].split()[0])
     scene = draw(3, vessel_count=[1, 1], prop_count=[0, 0], cameras=near | {"distance": [works, works], "views": 1})
     assert len(scene.cameras) == 1
+
+
+@pytest.mark.parametrize(
+    ("cameras", "said"),
+    [
+        (
+            {"elevation": [30, 60]},
+            "cameras.elevation.0: expected less than or equal to 1.5708 rad (90deg), found 30",
+        ),
+        ({"elevation": "45deg"}, "cameras.elevation: expected a pair (smallest, largest), found '45deg'"),
+        ({"distance": [40, 80]}, r"found 40 m (is it 40cm?)"),
+        ({"baseline": 120}, "found 120 m (is it 120mm?)"),
+        ({"views": 0}, "cameras.views: expected greater than or equal to 1, found 0"),
+    ],
+)
+def test_beside_a_camera_preset_a_fault_is_named_as_the_users_own(cameras, said):
+    with pytest.raises(InputError) as caught:
+        draw(7, cameras={"preset": "d435", **cameras})
+    assert said in str(caught.value)

@@ -37,6 +37,9 @@ def test_an_eye_in_a_body_or_in_the_table_is_blocked_and_says_how_high_it_is(spa
     below = space.blocked(camera((0.0, 0.0, -0.005), (1.0, 0.0, 0.3)))
     assert below is not None
     assert below.found.endswith("in the table")
+    under = space.blocked(camera((0.1, 0.0, -0.3), (0.0, 0.0, 0.0)))
+    assert under is not None
+    assert under.found.endswith("under the table")
     assert space.blocked(camera((0.0, -0.3, 0.3))) is None
 
 
