@@ -87,7 +87,8 @@ def test_a_setting_that_cannot_be_is_named_with_what_is_allowed(refused, argumen
         (("--lights.aim", "3"), "lights.aim: expected less than or equal to 2 m, found 3 m (is it 3cm?)"),
         (
             ("--cameras.roll", "45"),
-            "cameras.roll: expected less than or equal to 3.14159 rad (180deg), found 45 rad (2578.31deg) (is it 45deg?)",
+            "cameras.roll: expected less than or equal to 3.14159 rad (180deg), found 45 rad (2578.31deg) "
+            "(is it 45deg?)",
         ),
         (("--cameras.focal", "1e9"), "cameras.focal: expected less than or equal to 20000, found 1000000000.0"),
         (
