@@ -172,19 +172,21 @@ def light_line(check: LightCheck) -> str:
 
 
 def failed_lines(check: LightCheck) -> list[str]:
-    """Return a line for each region where the irradiance cache differs too much, with what is done instead."""
-    lines = []
+    """Return a line for each remedy of regions where the irradiance cache differs too much, with these regions."""
+    remedies: dict[str, list[str]] = {}
     for region in check.failed:
-        where = f"object {region.id}" + ("" if region.part == "all" else f", {region.part} part")
         if check.mode == "path":
-            done = "the whole scene is path traced"
+            remedy = "the whole scene is path traced instead"
+        elif region.id in check.traced:
+            remedy = "they are path traced instead"
         else:
-            done = "its light is path traced" if region.id in check.traced else "within the bound once props are traced"
-        lines.append(
-            f"{where}: {region.difference:+.1%} (standard error {region.standard_error:.1%}), more than "
-            f"{check.bound:.0%}: {done}"
-        )
-    return lines
+            remedy = "they are within it once the props above are path traced"
+        place = f"object {region.id}" + ("" if region.part == "all" else f" ({region.part} part)")
+        remedies.setdefault(remedy, []).append(f"{place} {region.difference:+.1%} +- {region.standard_error:.1%}")
+    return [
+        f"checked: the irradiance cache is off by more than {check.bound:.0%} at {', '.join(places)}; {remedy}"
+        for remedy, places in remedies.items()
+    ]
 
 
 class BuildProgress:

@@ -13,10 +13,11 @@ from glassware.core.user_text import sized
 from glassware.dataset.builds.space import FILLED, Need, dataset_size, estimated, free_space, space_error
 from glassware.dataset.commands import build_work
 from glassware.dataset.commands.build_request import BuildDataset
-from glassware.dataset.commands.progress import BuildProgress, SceneProgress, clock, remaining
+from glassware.dataset.commands.progress import BuildProgress, SceneProgress, clock, failed_lines, remaining
 from glassware.dataset.commands.show import main as show
 from glassware.dataset.format.file_kinds import KINDS, costs, pair_bytes
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.frame import LightCheck, RegionCheck
 
 
 @pytest.mark.parametrize(
@@ -130,3 +131,32 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
     (tmp_path / "preview.png").write_bytes(b"")
     assert show([str(tmp_path)]) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'preview.png'}\n"
+
+
+@pytest.mark.parametrize(
+    ("mode", "traced", "said"),
+    [
+        (
+            "path",
+            (),
+            [
+                "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%, object 1 "
+                "(caustic part) -4.1% +- 0.5%; the whole scene is path traced instead"
+            ],
+        ),
+        (
+            "shared",
+            (5,),
+            [
+                "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%; they are "
+                "path traced instead",
+                "checked: the irradiance cache is off by more than 2% at object 1 (caustic part) -4.1% +- 0.5%; they "
+                "are within it once the props above are path traced",
+            ],
+        ),
+    ],
+)
+def test_regions_beyond_the_bound_are_one_line_for_each_remedy(mode, traced, said):
+    failed = (RegionCheck(5, "lit", 512, 0.258, 0.002), RegionCheck(1, "caustic", 512, -0.041, 0.005))
+    check = LightCheck(0, mode, 0.01, 0.002, 0.02, 2048, 1000, 1000, failed=failed, traced=traced)
+    assert failed_lines(check) == said
