@@ -78,6 +78,8 @@ class Options(Output):
     """`picture.light`."""
     assets: Path | None = None
     """Folder with `meshes`, `textures` and `hdri`; own surfaces and rooms without it."""
+    shipped_share: float = 0.0
+    """`environment.shipped_share`: the probability of one of the maps that ship with the package."""
     reference_spp: int = 1024
     """Samples per pixel of the references."""
     cache: Path = Path(".scratch/references")
@@ -132,9 +134,9 @@ def main(options: Options) -> int:
 
 def _made(seed: int, options: Options) -> _Made:
     picture: dict = {"light": options.light} | ({} if options.spp is None else {"spp": options.spp})
-    groups: dict = {}
+    groups: dict = {"environment": {"shipped_share": options.shipped_share}}
     if options.assets is not None:
-        groups = {"mesh_dir": options.assets / "meshes", "texture_dir": options.assets / "textures"}
+        groups |= {"mesh_dir": options.assets / "meshes", "texture_dir": options.assets / "textures"}
         groups["environment"] = {"hdri_dir": options.assets / "hdri"}
     scene = draw(seed, preset=options.preset, picture=picture, **groups)
     camera, seed_of = (
