@@ -230,7 +230,7 @@ def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
         return
     radii = np.hypot(*surface.vertices[:, :2].T)
     stated = {"contact": liquid.contact, "centre": liquid.centre}
-    found = {"contact": surface.vertices[radii.argmax(), 2], "centre": surface.vertices[radii.argmin(), 2]}
+    found = {"contact": _rim_height(surface), "centre": surface.vertices[radii.argmin(), 2]}
     if isinstance(body, Vessel):
         inner = np.array(body.inner)
         stated |= {"level": liquid.level}
@@ -244,6 +244,15 @@ def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
         if not abs(stated[field] - height) <= SIZE_TOLERANCE:
             expected = f"that of its surface, {height:.4f} m"
             raise InputError(f"{body.name}, liquid, {field}", expected, f"{stated[field]:.4f} m")
+
+
+def _rim_height(surface: Mesh) -> float:
+    """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring."""
+    positions, index = np.unique(surface.vertices, axis=0, return_inverse=True)
+    corners = index.reshape(-1)[surface.faces]
+    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    border, count = np.unique(edges, axis=0, return_counts=True)
+    return float(positions[np.unique(border[count == 1]), 2].mean())
 
 
 def _check_places(scene: Scene) -> None:

@@ -128,6 +128,12 @@ def test_a_liquid_above_the_rim_is_refused(scene):
         check_scene(_with(scene, liquid=liquid.model_copy(update={"contact": rim + 1e-3})))
 
 
+@pytest.mark.parametrize("seed", [6, 15])
+def test_a_liquid_under_a_neck_meets_the_wall_at_the_border_of_its_surface(seed):
+    # There the wall leans inwards, and the surface is widest below its border.
+    check_scene(draw_scene(SceneSettings(prop_count=(0, 0)), seed, 0))
+
+
 def test_an_object_in_the_table_is_refused(scene):
     pose = _moved(scene.vessels[0].world_T_object, np.array([0.0, 0.0, -0.002]))
     with pytest.raises(InputError, match=r"^vessel-00: expected an object above the table's top.*found 1.9 mm below"):
