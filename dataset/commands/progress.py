@@ -29,6 +29,18 @@ STEPS = {
 _CHECK_INTERVAL = 3.0
 
 
+def _one_line(console: Console) -> Progress:
+    """Return a bar that is one changing line: what is done, how far it is, the time that is left and that passed."""
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(bar_width=24),
+        TextColumn("{task.fields[left]}"),
+        TimeElapsedColumn(),
+    )
+    return Progress(*columns, console=console, transient=True)
+
+
 class SceneProgress:
     """The progress of one scene: each step, then the views with the time that is left."""
 
@@ -69,14 +81,7 @@ class SceneProgress:
         if not self._console.is_terminal:
             yield
             return
-        columns = (
-            SpinnerColumn(),
-            TextColumn("{task.description}", markup=False),
-            BarColumn(bar_width=24),
-            TextColumn("{task.fields[left]}"),
-            TimeElapsedColumn(),
-        )
-        with Progress(*columns, console=self._console, transient=True) as self._bar:
+        with _one_line(self._console) as self._bar:
             self._bar.add_task("starting", total=None, left="")
             yield
         self._bar = None
@@ -207,14 +212,7 @@ class BuildProgress:
         if not self._console.is_terminal:
             yield
             return
-        columns = (
-            SpinnerColumn(),
-            TextColumn("{task.description}", markup=False),
-            BarColumn(bar_width=24),
-            TextColumn("{task.fields[left]}"),
-            TimeElapsedColumn(),
-        )
-        with Progress(*columns, console=self._console, transient=True) as self._bar:
+        with _one_line(self._console) as self._bar:
             self._bar.add_task(self._text(), total=self._all_views, left="")
             yield
         self._bar = None
