@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -61,3 +62,34 @@ def _entries(folder: Path, below: bool) -> Iterator[Path]:
             elif below and path.resolve() not in seen:
                 seen.add(path.resolve())
                 waiting.append(path)
+
+
+def regular_content(path: Path, content: str, most: int, size: str) -> bytes:
+    """Return the bytes of a file that a user named, without opening what is no file or is too large.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    content : str
+        What it holds, for the message, such as ``"YAML"``.
+    most : int
+        Largest size [bytes].
+    size : str
+        What is expected of a smaller one, for the message.
+
+    Raises
+    ------
+    InputError
+        Where it is a folder, a device or a pipe, is too large, or cannot be read.
+    """
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
+            raise InputError(path, f"a regular file {content}", kind)
+        if status.st_size > most:
+            raise InputError(path, size, f"{status.st_size} bytes")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(path, f"a readable file {content}", cause_of(error)) from error

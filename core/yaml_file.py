@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,8 @@ from typing import Any
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from .errors import InputError, cause_of
+from .errors import InputError
+from .folders import regular_content
 from .setting_errors import setting_error
 from .user_text import UserPath
 
@@ -62,15 +62,8 @@ def _checked(path: str | Path, where: str) -> Path:
 
 
 def _text(path: Path) -> str:
+    content = regular_content(path, "with YAML", MAX_SIZE, f"a YAML file of at most {MAX_SIZE} bytes")
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
-            raise InputError(path, "a regular file with YAML", kind)
-        if status.st_size > MAX_SIZE:
-            raise InputError(path, f"a YAML file of at most {MAX_SIZE} bytes", status.st_size)
-        return path.read_text("utf-8")
-    except OSError as error:
-        raise InputError(path, "a readable YAML file", cause_of(error)) from error
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(path, "a YAML file in UTF-8", "other bytes") from error

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import json
 import re
-import stat
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -31,7 +30,8 @@ import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
 
-from ...core.errors import InputError, cause_of
+from ...core.errors import InputError
+from ...core.folders import regular_content
 from ...core.setting_errors import shortened
 
 #: Largest file that is read [bytes]: a hundred thousand poses as text.
@@ -68,7 +68,8 @@ def read_poses(path: Path, world_T_file: Sequence[Sequence[float]] | None = None
         Naming the file, the row and the reason: a file that cannot be read or is too large, no poses, a row of another
         length, values that are no finite numbers, a rotation that is none, a position beyond `FARTHEST`.
     """
-    content = _content(path)
+    size = f"a file of camera poses of at most {MAX_SIZE >> 20} MiB"
+    content = regular_content(path, "of camera poses", MAX_SIZE, size)
     kind = path.suffix.lower()
     if kind == ".npy":
         found = _from_array(path, content)
@@ -82,19 +83,6 @@ def read_poses(path: Path, world_T_file: Sequence[Sequence[float]] | None = None
     if world_T_file is not None:
         frame = _rigid("cameras.world_T_poses", np.array(world_T_file, np.float64))
     return tuple(FilePose(where, frame @ _rigid(where, matrix)) for where, matrix in found)
-
-
-def _content(path: Path) -> bytes:
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
-            raise InputError(path, "a regular file of camera poses", kind)
-        if status.st_size > MAX_SIZE:
-            raise InputError(path, f"a file of camera poses of at most {MAX_SIZE >> 20} MiB", f"{status.st_size} bytes")
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(path, "a readable file of camera poses", cause_of(error)) from error
 
 
 def _from_array(path: Path, content: bytes) -> list[tuple[str, np.ndarray]]:
