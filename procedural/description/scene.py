@@ -39,6 +39,7 @@ from .camera import Camera
 from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
 from .picture import Picture
+from .rest import Rest
 from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
@@ -77,6 +78,10 @@ class Scene(Model):
     lights: tuple[AreaLight, ...]
     cameras: tuple[Camera, ...] = Field(min_length=1)
     picture: Picture
+    # Left out of files where there is none: scenes whose objects stand apart stay what they were.
+    rest: Rest | None = Field(
+        default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
+    )
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..own_vessels.draw import draw_own_vessel
-from ..placement.placement import CONTACT_GAP, draw_positions, footprint
-from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings, draw_prop
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.shipped_light import with_shipped_light
-from ..surroundings.table import draw_table, outline
+from ..surroundings.table import draw_table
 from ..vessels.draw import draw_vessel
 from ..vessels.media import draw_media
 from ..vessels.settings import VesselSettings
 from ..vessels.sizes import draw_size
+from .arrange import arranged
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
-from .solids import body_mesh, workspace
+from .solids import workspace
 from .splits import families_of, split_of
 
 
@@ -43,7 +40,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     Raises
     ------
     InputError
-        Where a folder of the settings or a file in it cannot be used, or the objects do not fit on the table.
+        Where a folder of the settings or a file in it cannot be used, the objects do not fit on the table, or no pile of
+        them comes to rest.
     """
     split = split_of(settings.splits, seed, scene_id)
     files = files_for(settings, files or asset_files(settings), seed, split)
@@ -55,7 +53,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
+    objects, rest = arranged([*vessels, *props], table, settings, seed, scene_id)
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
@@ -77,6 +75,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         lights=lights,
         cameras=cameras,
         picture=settings.picture,
+        rest=rest,
     )
 
 
@@ -114,23 +113,3 @@ def _props(
         for i in range(count)
     ]
 
-
-def _placed(
-    objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
-) -> list[SceneObject]:
-    """Return the objects in their places: vessels upright, props in a stable pose."""
-    poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
-    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
-    placed = []
-    for item, pose, shift in zip(objects, poses, shifts, strict=True):
-        world_T_object = pose.copy()
-        world_T_object[:3, 3] += [*shift, CONTACT_GAP]
-        placed.append(item.model_copy(update={"world_T_object": world_T_object}))
-    return placed
-
-
-def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if not isinstance(item, Vessel | MeshVessel):
-        return resting_pose(body_mesh(item), rng)
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

@@ -1,0 +1,99 @@
+"""Convex parts of bodies of any shape, by approximate convex decomposition; remembered by the content of the mesh.
+
+Wei et al. 2022, "Approximate Convex Decomposition for 3D Meshes with Collision-Aware Concavity and Tree Search" (ACM
+TOG 41(4)), by its authors' library. Its seed is fixed, and its result does not depend on the number of threads. It
+takes seconds, so results are kept in the user's cache folder; where that cannot be written they are found again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+from ...core.atomic_io import write_atomically
+from ...core.cache_folder import cache_folder
+
+#: Concavity at which a part is convex enough, of the body's size [1]; resolution of the sampling of surfaces, nodes and
+#: iterations of the search for cuts, and resolution of the closed surface that stands for an open one [1]: half of the
+#: library's defaults or less, which takes a third of their time and gives a fifth more parts on our sample files.
+THRESHOLD, RESOLUTION, NODES, ITERATIONS, PREPARATION = 0.05, 1000, 10, 60, 30
+#: Most corners of a part [1]: what a part of some centimetres needs to be off by less than the concavity.
+MOST_CORNERS = 64
+_SEED = 0
+
+
+def convex_parts(points: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
+    """Return the corners (n, 3) of convex bodies that together are about a body [m].
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Vertices, each place once [m].
+    faces : (m, 3) int
+        Triangles; the surface may be open.
+    """
+    points, faces = np.ascontiguousarray(points, np.float64), np.ascontiguousarray(faces, np.int32)
+    digest = hashlib.sha256(repr((points.shape, faces.shape, _version(), _options())).encode())
+    digest.update(points.tobytes() + faces.tobytes())
+    key = digest.hexdigest()
+    known = _read(key)
+    if known is None:
+        known = _decomposed(points, faces)
+        _write(key, known)
+    return known
+
+
+def _decomposed(points: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
+    import coacd  # here, as most scenes have no such body
+
+    coacd.set_log_level("off")
+    parts = coacd.run_coacd(coacd.Mesh(points, faces), **_options())
+    return [np.asarray(corners, np.float64) for corners, _ in parts]
+
+
+def _options() -> dict[str, float]:
+    return {
+        "threshold": THRESHOLD,
+        "resolution": RESOLUTION,
+        "mcts_nodes": NODES,
+        "mcts_iterations": ITERATIONS,
+        "preprocess_resolution": PREPARATION,
+        "decimate": True,
+        "max_ch_vertex": MOST_CORNERS,
+        "seed": _SEED,
+    }
+
+
+@lru_cache(maxsize=1)
+def _version() -> str:
+    return metadata.version("coacd")
+
+
+def _read(key: str) -> list[np.ndarray] | None:
+    try:
+        with np.load(_file(key), allow_pickle=False) as stored:
+            corners, counts = stored["corners"], stored["counts"]
+    except (OSError, ValueError, KeyError, EOFError, RuntimeError, zipfile.BadZipFile):
+        return None  # missing, damaged, or no home: found again
+    return np.split(corners, np.cumsum(counts)[:-1])
+
+
+def _write(key: str, parts: list[np.ndarray]) -> None:
+    data = io.BytesIO()
+    np.savez(data, corners=np.concatenate(parts), counts=np.array([len(part) for part in parts]))
+    try:
+        path = _file(key)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, data.getvalue())
+    except (OSError, RuntimeError):  # a folder that cannot be written: found again next time
+        return
+
+
+def _file(key: str) -> Path:
+    return cache_folder() / "convex-parts" / f"{key}.npz"
