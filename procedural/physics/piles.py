@@ -14,7 +14,7 @@ from ..description.bodies import TABLE_ID, GlassBody, SceneObject, liquid_solid
 from ..description.edits import in_world, solid_of
 from ..description.material import OpaqueMaterial
 from ..description.rest import Rest
-from ..placement.overlap import ALLOWANCE, overlap
+from ..placement.overlap import ALLOWANCE, Solid, overlap
 from ..placement.placement import CONTACT_GAP, PlacementSettings, apart, draw_positions, inside
 from ..placement.resting import resting_turn, turn_about_z
 from .bodies import mechanics_of
@@ -287,7 +287,7 @@ def _strays(run: _Run) -> list[int]:
         lost = middles[number] < -LOST
         if not lost and number in run.case.falls and liquids:
             body = solid_of(run.case.objects[number].model_copy(update={"world_T_object": current[number]}))
-            lost = any(overlap(body, liquid) for liquid in liquids)
+            lost = any(_meet(body, liquid) for liquid in liquids)
         if lost:
             found.append(number)
             put_away(run.world, number)
@@ -295,10 +295,17 @@ def _strays(run: _Run) -> list[int]:
     return found
 
 
+def _meet(a: Solid, b: Solid) -> bool:
+    """Return whether bodies have anything in common."""
+    if (np.maximum(a.points.min(0), b.points.min(0)) > np.minimum(a.points.max(0), b.points.max(0))).any():
+        return False
+    return overlap(a, b) if a.exact is None or b.exact is None else not (a.exact ^ b.exact).is_empty()
+
+
 def _upset(case: _Case, found: np.ndarray) -> str:
     """Make filled vessels exactly upright; return which one is not nearly so, or nothing."""
     for number in case.filled:
-        pose = found[number]
+        pose = found[number].copy()
         tilt = float(np.arccos(np.clip(pose[2, 2], -1.0, 1.0)))
         standing = CONTACT_GAP - float(case.bodies[number].parts.hull[:, 2].min())
         if tilt > _UPRIGHT or abs(pose[2, 3] - standing) > CONTACT_GAP + _UPRIGHT:
