@@ -11,8 +11,10 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.rest import Rest, touched
 from ...procedural.description.scene import Liquid, Origin, Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
+from ...procedural.physics.bodies import Mechanics, mechanics_of
 
 OBJECTS_SCHEMA = "glassware/objects/1"
 
@@ -78,6 +80,13 @@ class ObjectRecord(Model):
         default=(), description="Other motions that leave the shape unchanged, without the identity, object frame [m]"
     )
     keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
+    mechanics: Mechanics | None = Field(
+        default=None, description="Mass, centre of gravity, inertia and friction; null in data sets of earlier versions"
+    )
+    touches: tuple[int, ...] | None = Field(
+        default=None,
+        description="Ids of what it touches where its scene has a pile, 1 is the table; null where objects stand apart",
+    )
 
 
 class ObjectsFile(Model):
@@ -95,7 +104,7 @@ def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
     """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
-        objects=tuple(_record(item, local) for item, local in rows),
+        objects=tuple(_record(item, local, scene.rest) for item, local in rows),
         materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
@@ -104,7 +113,7 @@ def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | Opaque
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
-def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
+def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRecord:
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -120,6 +129,8 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
         symmetries_discrete=tuple(symmetry.motions[1:]),
         keypoints=tuple(tuple(point) for point in local.tolist()),
+        mechanics=mechanics_of(item),
+        touches=None if rest is None else touched(rest, item.id),
     )
 
 

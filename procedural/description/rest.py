@@ -19,3 +19,8 @@ class Rest(Model):
     contacts: tuple[tuple[int, int], ...] = Field(
         description="Pairs of objects that touch, by instance id, the smaller first; 1 is the table"
     )
+
+
+def touched(rest: Rest, id: int) -> tuple[int, ...]:
+    """Return the ids of what an object touches, sorted; 1 is the table."""
+    return tuple(sorted({one for pair in rest.contacts if id in pair for one in pair if one != id}))

@@ -19,7 +19,7 @@ from ..placement.placement import CONTACT_GAP, PlacementSettings, apart, draw_po
 from ..placement.resting import resting_turn, turn_about_z
 from .bodies import mechanics_of
 from .parts import body_parts
-from .rest import LOST, comes_to_rest
+from .rest import comes_to_rest
 from .sections import hull
 from .settings import PhysicsSettings
 from .substances import substance_of
@@ -32,6 +32,7 @@ from .world import (
     contacts,
     is_broken,
     let_go,
+    place,
     poses,
     put_away,
     speeds,
@@ -45,6 +46,10 @@ _SLOW, _HOLD_TIME = 0.05, 2.0
 _TRIES, _GROWTH = 30, 1.2
 #: How often each prop that leaves the table, or falls into a liquid, may fall again on average [1].
 _FALLS_AGAIN = 3
+#: Depth below the table's top at which an object has left it [m].
+_LOST = 0.05
+#: Tilt at which a filled vessel is upset [rad], whatever follows.
+_SPILT = 0.1
 #: Largest tilt of a filled vessel at rest [rad], which is then made upright: at a height of 0.3 m the rim moves by as
 #: much as the gap of contacts.
 _UPRIGHT = 3e-4
@@ -79,6 +84,7 @@ class _Run:
     fell_again: int = 0
     seconds: float = 0.0
     moved: float = 0.0
+    standing: dict[int, np.ndarray] = field(default_factory=dict)  #: poses of vessels as they were placed
     here: set[int] = field(default_factory=set)  #: numbers of the objects that are in the scene
 
 
@@ -184,6 +190,7 @@ def _begun(case: _Case, rng: np.random.Generator) -> _Run:
         rng=rng,
         centre=0.5 * distance * np.array([np.cos(angle), np.sin(angle)]),
         radius=float(rng.uniform(*case.settings.pile_radius)),
+        standing={number: pose for number in case.stands if (pose := bodies[number].pose) is not None},
         here=set(case.stands),
     )
 
@@ -206,7 +213,9 @@ def _settled(run: _Run) -> str:
                 let_go(world, number)
             held = False
         among = np.array([number in run.here for number in range(len(case.objects))])
-        still, seconds, moved = comes_to_rest(world, among, case.settings.longest_time)
+        still, seconds, moved = comes_to_rest(
+            world, among, case.settings.longest_time, lambda now, among=among: _is_spoilt(case, now[among], now)
+        )
         run.seconds += seconds
         if is_broken(world):
             return "broke off"
@@ -216,8 +225,15 @@ def _settled(run: _Run) -> str:
             return "" if still else f"still moved after {case.settings.longest_time:g} s"
         run.fell_again += len(order)
         if run.fell_again > _FALLS_AGAIN * max(len(case.falls), 1) or set(order) & set(case.stands):
-            return f"lost {case.objects[order[0]].name} from the table or in a liquid"
+            return (
+                f"lost {case.objects[order[0]].name} again and again, from the table, in a liquid or off a full vessel"
+            )
         run.radius *= 0.8
+
+
+def _is_spoilt(case: _Case, there: np.ndarray, every: np.ndarray) -> bool:
+    """Return whether an object has left the table, or a filled vessel is upset."""
+    return bool((there[:, 2, 3] < -_LOST).any() or (every[case.filled, 2, 2] < np.cos(_SPILT)).any())
 
 
 def _calm(run: _Run) -> None:
@@ -279,12 +295,18 @@ def _spot(run: _Run, outline: np.ndarray) -> np.ndarray:
 
 
 def _strays(run: _Run) -> list[int]:
-    """Return the objects that left the table or lie in a liquid, and put them away."""
+    """Put away and return the objects that left the table, lie in a liquid, or have upset a filled vessel.
+
+    Such a vessel is put upright again where it stood.
+    """
     found, current = [], poses(run.world)
+    touching = contacts(run.world)
+    upset = [number for number in run.case.filled if _tilt(current[number]) > _UPRIGHT]
+    culprits = {one for number in upset for pair in touching if number in pair for one in pair} & set(run.case.falls)
     middles = current[:, 2, 3]
     liquids = [in_world(liquid_solid(run.case.objects[i]), current[i]) for i in run.case.filled]  # pyright: ignore
     for number in sorted(run.here):
-        lost = middles[number] < -LOST
+        lost = middles[number] < -_LOST or number in culprits or not _is_over_table(run.case, number, current[number])
         if not lost and number in run.case.falls and liquids:
             body = solid_of(run.case.objects[number].model_copy(update={"world_T_object": current[number]}))
             lost = any(_meet(body, liquid) for liquid in liquids)
@@ -292,7 +314,21 @@ def _strays(run: _Run) -> list[int]:
             found.append(number)
             put_away(run.world, number)
             run.here.discard(number)
+    if found:
+        for number in upset:
+            place(run.world, number, run.standing[number])
     return found
+
+
+def _is_over_table(case: _Case, number: int, pose: np.ndarray) -> bool:
+    """Return whether an object's centre of gravity is over the table, whose corners are round where it is."""
+    centre = pose[:3, :3] @ np.array(case.bodies[number].mechanics.whole.centre_of_mass) + pose[:3, 3]
+    return inside(centre[None, :2], case.board, 0.0)
+
+
+def _tilt(pose: np.ndarray) -> float:
+    """Return the angle of an object's z axis to the vertical [rad]."""
+    return float(np.arctan2(np.hypot(*pose[:2, 2]), pose[2, 2]))
 
 
 def _meet(a: Solid, b: Solid) -> bool:
@@ -306,9 +342,8 @@ def _upset(case: _Case, found: np.ndarray) -> str:
     """Make filled vessels exactly upright; return which one is not nearly so, or nothing."""
     for number in case.filled:
         pose = found[number].copy()
-        tilt = float(np.arccos(np.clip(pose[2, 2], -1.0, 1.0)))
         standing = CONTACT_GAP - float(case.bodies[number].parts.hull[:, 2].min())
-        if tilt > _UPRIGHT or abs(pose[2, 3] - standing) > CONTACT_GAP + _UPRIGHT:
+        if _tilt(pose) > _UPRIGHT or abs(pose[2, 3] - standing) > CONTACT_GAP + _UPRIGHT:
             return f"upset {case.objects[number].name}, which holds a liquid"
         found[number] = turn_about_z(float(np.arctan2(pose[1, 0], pose[0, 0])))
         found[number, :3, 3] = [*pose[:2, 3], standing]

@@ -2,15 +2,17 @@
 
 A speed below a bound is not enough. A pendulum stands still where it turns, a cylinder that rolls at 1 mm/s is as slow
 as one whose contacts tremble, and a tower on a wedge gives way after a while. So every body has to be slow all the
-time and no point of it may have moved, over a time in which anything that is out of balance by a thousandth of its
-weight moves by five millimetres.
+time and no point of it may have moved over a second, in which a body that is out of balance by a thousandth of its
+weight moves by a millimetre under the damping of this stage.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from .world import World, advance, poses, speeds
+from .world import World, advance, poses, slow_down, speeds
 
 #: Speed of a body at rest [m/s]: contacts of light bodies tremble by a centimetre a second for single steps, which is
 #: some micrometres of way.
@@ -36,7 +38,9 @@ def moved(before: np.ndarray, after: np.ndarray, radii: np.ndarray) -> np.ndarra
     return shift + turn * radii
 
 
-def comes_to_rest(world: World, among: np.ndarray, seconds: float) -> tuple[bool, float, float]:
+def comes_to_rest(
+    world: World, among: np.ndarray, seconds: float, stops: Callable[[np.ndarray], bool]
+) -> tuple[bool, float, float]:
     """Simulate until the bodies are at rest.
 
     Parameters
@@ -47,6 +51,8 @@ def comes_to_rest(world: World, among: np.ndarray, seconds: float) -> tuple[bool
         The bodies that count.
     seconds : float
         Longest simulated time [s].
+    stops : callable
+        Poses (n, 4, 4) -> whether it makes no sense to go on.
 
     Returns
     -------
@@ -60,6 +66,8 @@ def comes_to_rest(world: World, among: np.ndarray, seconds: float) -> tuple[bool
     """
     time, since, reference = 0.0, 0.0, poses(world)
     distance = 0.0
+    for number in np.flatnonzero(among):
+        slow_down(world, int(number))
     while time < seconds:
         advance(world, LOOK)
         time += LOOK
@@ -69,10 +77,6 @@ def comes_to_rest(world: World, among: np.ndarray, seconds: float) -> tuple[bool
             since, reference = time, now
         elif time - since >= STILL_TIME - 0.5 * LOOK:
             return True, time, distance
-        if not np.isfinite(now).all() or (now[among, 2, 3] < -LOST).any():
-            return False, time, distance
+        if not np.isfinite(now).all() or stops(now):
+            break
     return False, time, distance
-
-
-#: Depth below the table's top at which a body has left it [m].
-LOST = 0.05

@@ -28,10 +28,10 @@ _CONTACT = (0.01, 1.0)
 #: millimetre on (MuJoCo's documentation, "Solver parameters").
 _IMPEDANCE = (0.95, 0.99, 5e-4, 0.5, 2.0)
 #: Stiffness of friction over that of contacts [1]: what leans does not creep.
-_FRICTION_STIFFNESS = 10.0
-#: Damping of motion and of turning [1/s]: brings rolling balls to rest within a second or two. Poses at rest do not
-#: depend on it.
-_DAMPING = (0.5, 3.0)
+_FRICTION_STIFFNESS = 100.0
+#: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling within a second
+#: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
+_DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
 #: Damping of bodies that are held [1/s]: they move by less than a micrometre under an impact.
 _HELD = 1e6
 #: Thickness of the table top [m]: nothing falls through it.
@@ -89,8 +89,9 @@ def build_world(bodies: Sequence[RigidBody], board: np.ndarray, friction: float)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, _FRICTION_STIFFNESS
     spec.compiler.balanceinertia = True
-    corners = np.concatenate([np.column_stack([board, np.full(len(board), z)]) for z in (-_TOP, 0.0)])
-    _add_part(spec, spec.worldbody, "table", ConvexPart(corners), friction, (_TABLE, 0))
+    half = np.abs(board).max(0)
+    table = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": [*half, 0.5 * _TOP], "pos": [0.0, 0.0, -0.5 * _TOP]}
+    spec.worldbody.add_geom(**table, **_contact(friction, (_TABLE, 0)))
     for number, body in enumerate(bodies):
         _add_body(spec, number, body)
     model = spec.compile()
@@ -115,6 +116,11 @@ def let_go(world: World, number: int, pose: np.ndarray | None = None) -> None:
     _set_damping(world, number, _DAMPING)
     if pose is not None:
         place(world, number, pose)
+
+
+def slow_down(world: World, number: int) -> None:
+    """Damp a body that is free more than before, so that it comes to rest soon."""
+    _set_damping(world, number, _LATE_DAMPING)
 
 
 def place(world: World, number: int, pose: np.ndarray) -> None:
@@ -198,15 +204,21 @@ def _add_part(spec: Any, frame: Any, name: str, part: ConvexPart, friction: floa
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
             quat=[np.cos(half), 0.0, 0.0, np.sin(half)],
-            contype=kinds[0],
-            conaffinity=kinds[1],
-            condim=6,
-            friction=[friction, TURNING_ARM, ROLLING_ARM],
-            # A pair keeps the sum of both margins.
-            margin=CONTACT_GAP,
-            solref=_CONTACT,
-            solimp=_IMPEDANCE,
+            **_contact(friction, kinds),
         )
+
+
+def _contact(friction: float, kinds: tuple[int, int]) -> dict[str, Any]:
+    """Return what a geometry does in contacts: its kind, and the kinds that it meets."""
+    return {
+        "contype": kinds[0],
+        "conaffinity": kinds[1],
+        "condim": 6,
+        "friction": [friction, TURNING_ARM, ROLLING_ARM],
+        "margin": CONTACT_GAP,  # a pair keeps the sum of both
+        "solref": _CONTACT,
+        "solimp": _IMPEDANCE,
+    }
 
 
 def _set_damping(world: World, number: int, rates: tuple[float, float]) -> None:

@@ -89,7 +89,8 @@ def draw_positions(
         shifts = _attempt(footprints, order, board, settings, rng)
         if shifts is not None:
             return shifts
-    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
+    expected = "objects that fit on the table (fewer, smaller, or a larger table.smallest)"
+    raise InputError("vessel_count, prop_count", expected, f"{len(footprints)} that do not")
 
 
 def _attempt(
@@ -122,6 +123,7 @@ def _attempt(
 
 
 def inside(outline: np.ndarray, board: np.ndarray, edge: float) -> bool:
+    """Return whether a convex polygon lies in another one, at least a distance [m] from its sides."""
     sides = np.roll(board, -1, axis=0) - board
     normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

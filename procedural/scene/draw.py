@@ -40,8 +40,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     Raises
     ------
     InputError
-        Where a folder of the settings or a file in it cannot be used, the objects do not fit on the table, or no pile of
-        them comes to rest.
+        Where a folder of the settings or a file in it cannot be used, the objects do not fit on the table, or no pile
+        of them comes to rest.
     """
     split = split_of(settings.splits, seed, scene_id)
     files = files_for(settings, files or asset_files(settings), seed, split)
@@ -112,4 +112,3 @@ def _props(
         )
         for i in range(count)
     ]
-
