@@ -83,9 +83,9 @@ def load_pretrained_context(state: TrainState) -> None:
 
 def with_network_of(settings: TrainSettings, start: Checkpoint, where: Path) -> TrainSettings:
     """Return settings with the network of a checkpoint; InputError where they ask for another one."""
-    asked, found = settings.network.model_dump(), start.settings.network.model_dump()
+    wanted, found = settings.network.model_dump(), start.settings.network.model_dump()
     default = NetworkSettings().model_dump()
-    for name, value in asked.items():
+    for name, value in wanted.items():
         if value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     return settings.model_copy(update={"network": start.settings.network})
