@@ -100,10 +100,10 @@ def glass_section(outline: Outline, shape: WallShape, chord_error: float) -> Sec
     floor = max(shape.punt + max(shape.base, clearance[0] + DENSE_MARGIN), outline.solid_below)
     inside, last = rolled(side, clearance, shape.corner, floor)
     side = Curve(side.points[: last + 1], side.normals[: last + 1])
-    return _closed(_underside(float(side.points[0, 0]), shape.punt, chord_error), side, inside, chord_error)
+    return _closed(underside(float(side.points[0, 0]), shape.punt, chord_error), side, inside, chord_error)
 
 
-def _underside(radius: float, punt: float, chord_error: float) -> Curve:
+def underside(radius: float, punt: float, chord_error: float) -> Curve:
     """Return the base from the axis to `radius`: a hollow with a standing ring around it; normals out of the glass."""
     if punt == 0.0:
         return Curve(np.array([[0.0, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]]))
