@@ -55,6 +55,12 @@ class GlassBody(Model):
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    symmetries: tuple[Matrix4, ...] = Field(
+        default=(),
+        exclude_if=lambda symmetries: not symmetries,
+        description="Motions that leave it unchanged but for small irregularities, without the identity [m]; where there "
+        "are none they are found from the shape",
+    )
     world_T_object: Matrix4
 
     def __repr__(self) -> str:

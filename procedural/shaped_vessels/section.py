@@ -49,20 +49,18 @@ def _part(curve: Curve, start: int, stop: int | None) -> Curve:
     return Curve(curve.points[start:stop], curve.normals[start:stop])
 
 
-def irregular(solid: Solid, rng: np.random.Generator) -> Solid:
-    """Return a solid that is a little elliptical and leans a little: an affine map near the identity.
-
-    The plane that it stands on stays; the thickness changes by less than `OVAL`.
-    """
-    matrix, _ = irregularity(rng)
-    inverse = np.linalg.inv(matrix)
-    normals = solid.normals @ inverse
+def moved(solid: Solid, matrix: np.ndarray) -> Solid:
+    """Return a solid under a linear map, (3, 3), that does not turn it inside out."""
+    normals = solid.normals @ np.linalg.inv(matrix)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return Solid(solid.vertices @ matrix.T, normals, solid.faces, solid.inner)
 
 
-def irregularity(rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    """Draw the matrix of `irregular`, (3, 3), and the angle of its longer axis [rad]."""
+def irregularity(rng: np.random.Generator) -> np.ndarray:
+    """Draw a map near the identity, (3, 3), that makes a vessel a little elliptical and lets it lean a little.
+
+    The plane that it stands on stays, and the wall's thickness changes by less than `OVAL`.
+    """
     angle, oval = rng.uniform(0.0, np.pi), 0.5 * OVAL * rng.uniform()
     lean, towards = LEAN * rng.uniform(), rng.uniform(0.0, 2.0 * np.pi)
     c, s = np.cos(angle), np.sin(angle)
@@ -70,4 +68,4 @@ def irregularity(rng: np.random.Generator) -> tuple[np.ndarray, float]:
     matrix = np.eye(3)
     matrix[:2, :2] = turn @ np.diag([1.0 + oval, 1.0 - oval]) @ turn.T
     matrix[:2, 2] = lean * np.cos(towards), lean * np.sin(towards)
-    return matrix, float(angle)
+    return matrix

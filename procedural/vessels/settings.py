@@ -15,7 +15,23 @@ from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution
 from ..optics.dyes import DYES
 from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
-Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
+Category = Literal[
+    "tumbler",
+    "beaker",
+    "bowl",
+    "bottle",
+    "stem glass",
+    "flask",
+    "vase",
+    "freeform",
+    "faceted glass",
+    "fluted glass",
+    "ribbed glass",
+    "square glass",
+    "mug",
+    "cup",
+    "jug",
+]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
 #: Units of mesh files, and axes of theirs that point up.
 Unit = Literal["m", "cm", "mm", "in"]

@@ -7,7 +7,8 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.units import volume_text
 from .amounts import fill_volumes, volume_limits
-from .families import FAMILIES, Family, Limits
+from .families import FAMILIES
+from .family_pieces import Family, Limits
 from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings, family_weights
 
 #: Nominal volume over the brimful one [1]. Laboratory glass is named by its graduation: by the diameters and heights of
@@ -25,6 +26,13 @@ FULLNESS: dict[Category, Limits] = {
     "flask": (0.29, 0.45),
     "vase": (0.35, 0.62),
     "freeform": (0.34, 0.69),
+    "faceted glass": (0.5, 0.8),
+    "fluted glass": (0.5, 0.8),
+    "ribbed glass": (0.5, 0.8),
+    "square glass": (0.5, 0.8),
+    "mug": (0.5, 0.8),
+    "cup": (0.5, 0.8),
+    "jug": (0.3, 0.7),
 }
 
 
