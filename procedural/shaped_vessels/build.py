@@ -10,12 +10,16 @@ from ...core.mesh import Mesh
 from ..cavities.known import KnownCavity
 from ..vessels.outline import Outline
 from .forms import Form
-from .loft import HalfSection, Inside, Loft, Solid, cavity_solid, loft
+from .double_wall import double_walled
+from .loft import HalfSection, Inside, Loft, Solid, cavity_solid, loft, lowest_edge
 from .section import half_section, moved
 from .shapes import Handle, Shape, handle_axes, handle_path
+from .spouts import spout_solids
 from .sweep import swept
 from .unite import Bodies, united
 
+#: Largest chord error over the wall's thickness [1]: of thin plastic the rows are finer.
+FINE = 0.015
 #: Part of the wall that a handle goes into [1], and how far beyond the inside its ends begin [m].
 _EMBEDDED, _DEEP = 0.5, 0.004
 #: Every so many columns and rows that solid has [1]: a third of the circle's are off by 0.15 mm, less than half a wall.
@@ -117,13 +121,21 @@ def shaped_glass(
     NoRoomError
         Where the wall leaves no room inside.
     """
+    chord_error = min(chord_error, FINE * glass.wall)
     section = half_section(outline, glass.fillet, glass.punt, chord_error)
-    made = loft(section, shape.form, shape.measured, _inside(glass, outline.height, chord_error, 1.0))
-    solid = moved(_joined(made, section, shape, glass, outline, chord_error), matrix)
+    inside = _inside(glass, outline.height, chord_error, 1.0)
+    if shape.gap:
+        solid, brim = double_walled(section, shape.form, inside, shape.gap, chord_error)
+    else:
+        made = loft(section, shape.form, shape.measured, inside)
+        solid, brim = _joined(made, section, shape, glass, outline, chord_error), made.brim
+        if shape.spout is not None:
+            brim = min(brim, lowest_edge(solid))
+    solid = moved(solid, matrix)
     low, high = solid.vertices.min(0), solid.vertices.max(0)
     centre = 0.5 * (low + high)
     mesh = Mesh(name, solid.vertices - centre, solid.faces, solid.normals)
-    cavity = KnownCavity(mesh, solid.inner, made.brim - float(centre[2]))
+    cavity = KnownCavity(mesh, solid.inner, brim - float(centre[2]))
     fold = shape.form.fold if shape.handle is None and shape.spout is None else 1
     return ShapedGlass(mesh, cavity, glass.wall, Outside(shape.form, section, matrix, centre), fold)
 
@@ -142,12 +154,18 @@ def _inside(glass: Glass, height: float, chord_error: float, part: float) -> Ins
 def _joined(
     made: Loft, section: HalfSection, shape: Shape, glass: Glass, outline: Outline, chord_error: float
 ) -> Solid:
-    """Return the vessel with its handle."""
+    """Return the vessel with its handle and its spout."""
     if shape.handle is None:
         return made.solid
     half = loft(*_coarse(section, shape.measured), _inside(glass, outline.height, chord_error, _EMBEDDED))
-    handle = _handle(shape.handle, outline, glass)
-    return united(Bodies(made.solid, ((handle, cavity_solid(half, _ABOVE)),)))
+    kept_out = cavity_solid(half, _ABOVE)
+    added = [(_handle(shape.handle, outline, glass), kept_out)]
+    bored = []
+    if shape.spout is not None:
+        tube, bore = spout_solids(shape.spout, outline)
+        added.append((tube, kept_out))
+        bored.append(bore)
+    return united(Bodies(made.solid, tuple(added), tuple(bored)))
 
 
 def _coarse(section: HalfSection, form: Form) -> tuple[HalfSection, Form, Form]:

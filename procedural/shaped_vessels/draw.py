@@ -18,13 +18,17 @@ from ..vessels.draw import PUNT_STEEPNESS as STEEPNESS
 from ..vessels.draw import draw_amount, draw_roughness, draw_within
 from ..vessels.families import FAMILIES
 from ..vessels.family_pieces import Size
+from ..vessels.outline import Outline
 from ..vessels.scaling import draw_wanted, shape_that_holds
 from ..vessels.settings import Category, VesselSettings
 from ..vessels.sizes import draw_size
 from .build import Glass, ShapedGlass, shaped_glass
+from .containers import oval_bottle, plain, plastic_cup, spouted_beaker, square_bottle
+from .double_wall import double_wall
 from .handled import cup, jug, mug
 from .section import irregularity
 from .shapes import Drawn, Shaper
+from .spouts import teapot
 from .tumblers import faceted, flutes, ribbed, square
 
 #: What makes the shape of each family.
@@ -37,6 +41,13 @@ SHAPERS: Mapping[Category, Shaper] = MappingProxyType(
         "mug": mug,
         "cup": cup,
         "jug": jug,
+        "teapot": teapot,
+        "double-walled glass": double_wall,
+        "spouted beaker": spouted_beaker,
+        "square bottle": square_bottle,
+        "oval bottle": oval_bottle,
+        "plastic bottle": plain,
+        "plastic cup": plastic_cup,
     }
 )
 #: How much thicker the wall is at the bottom than at the top, and on one side than on the other, at most [1].
@@ -97,6 +108,7 @@ def _built(
     wall = draw_within(rng, family.wall, settings.wall)
     size = Size(height - 0.5 * wall, radius, room=min(wall * (1.0 + TAPER) + LEAST_CORNER + LEAST_BORE, radius))
     outline = family.outline(rng, size)
+    assert isinstance(outline, Outline)
     drawn = Drawn(outline, wall, segments_for(radius, settings.chord_error))
     shape = SHAPERS[category](rng, drawn)
     base = max(draw_within(rng, family.base, settings.base), wall)

@@ -210,8 +210,11 @@ def _inner_side(
     low, high = centres[index, below], centres[index, np.minimum(first, _SEARCH - 1)]
     part = np.where(first > 0, (inside.floor + inside.corner - low) / np.maximum(high - low, 1e-12), 0.0)
     start = search[0, below] + np.clip(part, 0.0, 1.0) * (search[0, 1] - search[0, 0]) * (first > 0)
-    fraction = (rows - rows[0]) / (rows[-1] - rows[0])
-    s = start[:, None] + fraction[None] * (last - start[:, None])
+    # Above all corners the inside has the rows of the outside, which are fine where it bends.
+    knee = min(int(np.searchsorted(rows, start.max() + 1.0)), len(rows) - 1)
+    fraction = np.minimum((rows - rows[0]) / (rows[knee] - rows[0]), 1.0)
+    lower = start[:, None] + fraction[None] * (rows[knee] - start[:, None])
+    s = np.where(np.arange(len(rows)) < knee, lower, rows)
     points, normals = surface(measured, outside.curve, u, s)
     thickness = inside.thickness(u + 0.0 * s, points[..., 2])
     wall = points - thickness[..., None] * normals
@@ -306,14 +309,7 @@ def _closed(
 def cavity_solid(made: Loft, above: float) -> Solid:
     """Return the solid that fills the inside of a lofted vessel and goes on above its rim [m]."""
     solid = made.solid
-    edges = np.concatenate([solid.faces[solid.inner][:, [k, (k + 1) % 3]] for k in range(3)])
-    back = {(int(b), int(a)) for a, b in edges}
-    ring = dict((a, b) for a, b in edges.tolist() if (a, b) not in back)
-    start = next(iter(ring))
-    order = [start]
-    while ring[order[-1]] != start:
-        order.append(ring[order[-1]])
-    border = np.array(order)
+    border = _border(solid)
     count, number = len(solid.vertices), len(border)
     lifted = solid.vertices[border] + [0.0, 0.0, above]
     top = np.append(lifted[:, :2].mean(0), lifted[:, 2].max())
@@ -329,3 +325,29 @@ def cavity_solid(made: Loft, above: float) -> Solid:
     used, index = np.unique(faces, return_inverse=True)
     normals = np.tile([0.0, 0.0, 1.0], (len(used), 1))
     return Solid(vertices[used], normals, index.reshape(-1, 3), np.zeros(len(faces), bool))
+
+
+def _border(solid: Solid) -> np.ndarray:
+    """Return the vertices of the line around the faces of a lofted cavity, in its direction."""
+    ring = dict(_border_edges(solid.faces[solid.inner]).tolist())
+    order = [next(iter(ring))]
+    while ring[order[-1]] != order[0]:
+        order.append(ring[order[-1]])
+    return np.array(order)
+
+
+def _border_edges(faces: np.ndarray) -> np.ndarray:
+    """Return the edges that one of the faces has, and no other one back, (k, 2)."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = int(faces.max()) + 1
+    alone = ~np.isin(start * count + end, end * count + start)
+    return np.stack([start[alone], end[alone]], axis=1)
+
+
+def lowest_edge(solid: Solid) -> float:
+    """Return the height of the lowest place where the faces around the cavity end [m]: over it, liquid flows out."""
+    _, place = np.unique(solid.vertices, axis=0, return_inverse=True)
+    positions = place.reshape(-1)
+    heights = np.zeros(positions.max() + 1)
+    heights[positions] = solid.vertices[:, 2]
+    return float(heights[_border_edges(positions[solid.faces[solid.inner]])].min())

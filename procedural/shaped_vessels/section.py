@@ -10,8 +10,6 @@ from ..vessels.rolling import rolled
 from ..vessels.wall import DENSE_STEP, underside
 from .loft import HalfSection, Solid
 
-#: Steepest normal of the base's corner that still belongs to the wall's search [1]: below it the corner is.
-_CORNER_END = -0.7
 #: Largest irregularities of a vessel: ellipticity, lean of the axis [1]. Drinking glasses are round to 1 % and upright
 #: to some 0.5 degrees; what is visible is refused at the cold end.
 OVAL, LEAN = 0.004, 0.006
@@ -35,7 +33,7 @@ def half_section(outline: Outline, fillet: float, punt: float, chord_error: floa
     base = underside(float(wall.points[0, 0]), punt, chord_error)
     curve = chained(base, wall)
     before = len(base.points) - 1
-    side = before + int(np.argmax(wall.normals[:, 1] > _CORNER_END))
+    side = before + _corner_end(wall, fillet)
     # The side's first point is a row, as what is around the cavity begins there.
     rows = [
         np.arange(before),
@@ -43,6 +41,13 @@ def half_section(outline: Outline, fillet: float, punt: float, chord_error: floa
         side + np.array(kept_points(_part(curve, side, None), chord_error)),
     ]
     return HalfSection(curve, side, np.unique(np.concatenate(rows)))
+
+
+def _corner_end(wall: Curve, fillet: float) -> int:
+    """Return the number of the point where the base's corner ends: from there on the curve bends less."""
+    angles = np.unwrap(np.arctan2(wall.normals[:, 1], wall.normals[:, 0]))
+    lengths = np.maximum(np.hypot(*np.diff(wall.points, axis=0).T), 1e-12)
+    return int(np.argmax(np.abs(np.diff(angles)) / lengths < 0.5 / fillet))
 
 
 def _part(curve: Curve, start: int, stop: int | None) -> Curve:

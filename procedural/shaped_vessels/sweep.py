@@ -45,25 +45,26 @@ def swept(path: np.ndarray, in_plane: np.ndarray, across: np.ndarray, inwards: b
 
 
 def _capped(points: np.ndarray, normals: np.ndarray, path: np.ndarray) -> Solid:
+    """Return a tube closed by flat ends, with a crease around them."""
     rows, columns = points.shape[:2]
     number = np.arange(rows * columns).reshape(rows, columns)
-    a, b = number[:-1], np.roll(number, -1, axis=1)[:-1]
-    d, c = number[1:], np.roll(number, -1, axis=1)[1:]
-    first, last = rows * columns, rows * columns + 1
     ring = np.roll(number, -1, axis=1)
+    a, b, c, d = number[:-1], ring[:-1], ring[1:], number[1:]
+    start = rows * columns + np.arange(columns)
+    end, middles = start + columns, rows * columns + 2 * columns + np.arange(2)
     faces = np.concatenate(
         [
             np.stack([a, b, c], -1).reshape(-1, 3),
             np.stack([a, c, d], -1).reshape(-1, 3),
-            np.stack([np.full(columns, first), ring[0], number[0]], -1),
-            np.stack([np.full(columns, last), number[-1], ring[-1]], -1),
+            np.stack([np.full(columns, middles[0]), np.roll(start, -1), start], -1),
+            np.stack([np.full(columns, middles[1]), end, np.roll(end, -1)], -1),
         ]
     )
-    ends = np.insert(path[[0, -1]], 1, 0.0, axis=1)
-    vertices = np.concatenate([points.reshape(-1, 3), ends])
-    # The ends lie in other glass, or in air where nothing of them stays.
-    tips = np.stack([normals[0, 0], normals[-1, 0]])
-    facing = np.concatenate([normals.reshape(-1, 3), tips])
+    vertices = np.concatenate([points.reshape(-1, 3), points[0], points[-1], np.insert(path[[0, -1]], 1, 0.0, axis=1)])
+    ends = [path[0] - path[1], path[-1] - path[-2]]
+    before, after = (np.insert(end / np.linalg.norm(end), 1, 0.0) for end in ends)
+    flat = [np.tile(before, (columns, 1)), np.tile(after, (columns, 1)), before[None], after[None]]
+    facing = np.concatenate([normals.reshape(-1, 3), *flat])
     corners = vertices[faces]
     if np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0.0:
         faces = faces[:, ::-1]

@@ -73,7 +73,7 @@ def ribbed_form(rng: np.random.Generator, drawn: Drawn) -> Form:
     depth = min(depth, 2.0 * drawn.largest / (RIB_CREST * drawn.wall * count**2))
     low, high = 0.06 * drawn.height, 0.86 * drawn.height
     up, down = rising(low, low + FADE), falling(high, high + FADE)
-    plain = Form(round_form(8).xy, _columns(count, drawn.segments, 8), 0, ((low, low + FADE), (high, high + FADE)))
+    plain = Form(round_form(8).xy, _columns(count, drawn.segments, 12), 0, ((low, low + FADE), (high, high + FADE)))
     return fluted(plain, count, ripple, depth, lambda z: up(z) * down(z))
 
 

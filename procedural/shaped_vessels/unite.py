@@ -58,22 +58,21 @@ def united(bodies: Bodies) -> Solid:
 def _manifold(solid: Solid, inner: bool = False):  # noqa: ANN202
     import manifold3d  # here, as only these vessels need it
 
-    # Which faces are around the cavity goes along as a property of their corners, each face with its own where both
-    # kinds meet.
+    # Which faces are around the cavity goes along as a property of their corners: where both kinds meet, and at
+    # creases, there are several corners at one position.
     tag = np.ones(len(solid.faces), bool) if inner else solid.inner
     count = len(solid.vertices)
-    keys = solid.faces + np.where(tag, count, 0)[:, None]
-    used, index = np.unique(keys, return_inverse=True)
+    used, index = np.unique(solid.faces + np.where(tag, count, 0)[:, None], return_inverse=True)
     source = used % count
     table = np.concatenate([solid.vertices[source], solid.normals[source], (used >= count)[:, None]], axis=1)
-    twins = np.flatnonzero(used >= count)
-    place = np.searchsorted(used, used[twins] - count)
-    both = (place < len(used)) & (used[np.minimum(place, len(used) - 1)] == used[twins] - count)
+    _, first, place = np.unique(table[:, :3], axis=0, return_index=True, return_inverse=True)
+    original = first[place.reshape(-1)]
+    doubled = np.flatnonzero(original != np.arange(len(original)))
     mesh = manifold3d.Mesh64(
         np.ascontiguousarray(table),
         np.ascontiguousarray(index.reshape(-1, 3), dtype=np.uint64),
-        merge_from_vert=twins[both].astype(np.uint64),
-        merge_to_vert=place[both].astype(np.uint64),
+        merge_from_vert=doubled.astype(np.uint64),
+        merge_to_vert=original[doubled].astype(np.uint64),
     )
     made = manifold3d.Manifold(mesh)
     if made.status() != manifold3d.Error.NoError:

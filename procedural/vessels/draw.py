@@ -17,7 +17,7 @@ from .outline import Outline
 from .scaling import draw_wanted, shape_that_holds
 from .settings import VesselSettings
 from .sizes import draw_size
-from .wall import WallShape, glass_section
+from .wall import WallShape, glass_section, round_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
 LEAST_CORNER = 1.5e-3
@@ -28,6 +28,8 @@ MOST_TAPER = 1.5e-3
 #: Largest radius of the ball that rounds the inside's corners, and radii of the outer corner at the base [m], as on
 #: pressed and blown household glass; both give way where the vessel is narrow.
 MOST_CORNER, FILLET = 6e-3, (8e-4, 4e-3)
+#: Most that a wall is thicker at the bottom than at the top where the bottom is round, of the wall [1].
+ROUND_TAPER = 0.4
 #: Heights of the hollow under the base [m], at most this fraction of the base's radius, and how often vessels have one.
 PUNT, PUNT_STEEPNESS, PUNT_PROBABILITY = (0.3e-3, 3e-3), 0.12, 0.6
 #: Least depth of a liquid [m]: less is a film, whose shape the floor decides, not the wall.
@@ -95,6 +97,9 @@ def _built(
     # The rounded rim adds up to half a wall.
     size = Size(height - 0.5 * wall, radius, room=min(wall + MOST_TAPER + LEAST_CORNER + LEAST_BORE, radius))
     outline = family.outline(rng, size)
+    if isinstance(outline, Curve):
+        taper = ROUND_TAPER * wall * rng.uniform()
+        return vessel_shape(round_section(outline, wall, taper, settings.chord_error), wall)
     shape = _draw_shape(rng, settings, family, outline, wall)
     return vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
 

@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from .containers import (
+    angular_bottle_outline,
+    jar_outline,
+    plastic_bottle_outline,
+    plastic_cup_outline,
+    vial_outline,
+)
 from .family_pieces import Family, Proportions, Size, free_chain, free_piece, lip, smoothed
+from .laboratory import round_flask_profile, tube_profile, volumetric_flask_outline
 from .outline import Outline, bulging, easing, levelling, linear, waved
 from .settings import Category
-from .tableware import cup_outline, jug_outline, mug_outline
+from .tableware import (
+    cocktail_outline,
+    cup_outline,
+    double_walled_outline,
+    jug_outline,
+    mug_outline,
+    teapot_outline,
+)
 
 TUMBLER = Proportions(foot=(0.68, 1.0), first=(0.2, 0.8), blend=(0.004, 0.015), bulge=0.08)
 BOWL = Proportions(foot=(0.42, 0.65), rim=(0.8, 1.0), first=(0.55, 1.0), blend=(0.004, 0.012), bulge=0.1)
@@ -85,8 +100,8 @@ def _bottle(rng: np.random.Generator, size: Size) -> Outline:
     slope = easing(shoulder, collar, size.radius, neck)
     if rng.random() < _ROUND_SHOULDER:
         slope = levelling(shoulder, collar, size.radius, neck, power=2)
-    lip, mouth = lip(rng, height, neck)
-    top = (linear(collar, lip, neck, neck), linear(lip, height, neck, mouth))
+    start, mouth = lip(rng, height, neck)
+    top = (linear(collar, start, neck, neck), linear(start, height, neck, mouth))
     return smoothed((*body, slope, *top), _BOTTLE_BLEND)
 
 
@@ -114,8 +129,8 @@ def _flask(rng: np.random.Generator, size: Size) -> Outline:
     height, radius = size.height, size.radius
     neck = max(size.room, radius * rng.uniform(*FLASK.neck))
     collar = height * rng.uniform(*FLASK.second)
-    lip, mouth = lip(rng, height, neck)
-    top = (linear(collar, lip, neck, neck), linear(lip, height, neck, mouth))
+    start, mouth = lip(rng, height, neck)
+    top = (linear(collar, start, neck, neck), linear(start, height, neck, mouth))
     if rng.random() < _CONICAL:
         belly = height * rng.uniform(*FLASK.first)
         foot = radius - 0.3 * belly
@@ -172,4 +187,39 @@ FAMILIES: dict[Category, Family] = {
     "mug": Family((0.085, 0.16), (0.036, 0.05), (0.3, 0.46), (0.0025, 0.004), (0.004, 0.010), mug_outline),
     "cup": Family((0.05, 0.085), (0.036, 0.055), (0.55, 0.8), (0.0018, 0.0035), (0.003, 0.006), cup_outline),
     "jug": Family((0.15, 0.25), (0.044, 0.066), (0.24, 0.36), (0.002, 0.0035), (0.004, 0.010), jug_outline),
+    # Glass teapots of 0.5 to 1.2 l; double-walled glasses of 0.1 to 0.4 l, each wall about 1 mm.
+    "teapot": Family((0.085, 0.14), (0.048, 0.07), (0.46, 0.62), (0.0015, 0.0025), (0.002, 0.004), teapot_outline),
+    "double-walled glass": Family(
+        (0.07, 0.14), (0.034, 0.046), (0.32, 0.5), (0.001, 0.0014), (0.0015, 0.0025), double_walled_outline
+    ),
+    # Martini glasses and coupes of 0.1 to 0.3 l.
+    "cocktail glass": Family(
+        (0.13, 0.19), (0.042, 0.06), (0.28, 0.4), (0.001, 0.0018), (0.002, 0.006), cocktail_outline
+    ),
+    # ISO 3819, low form: 50 ml 42 x 60 mm, 250 ml 70 x 95 mm, 1000 ml 105 x 145 mm.
+    "spouted beaker": Family((0.055, 0.15), (0.02, 0.054), (0.34, 0.38), (0.001, 0.0018), (0.002, 0.003), _beaker),
+    # ISO 4142 (test tubes): 10 x 75 to 25 x 200 mm, walls of 0.8 to 1.4 mm.
+    "test tube": Family((0.075, 0.2), (0.005, 0.0125), (0.05, 0.085), (0.0008, 0.0014), (0.0008, 0.0014), tube_profile),
+    # ISO 8362-1: 2R 16 x 35 mm to 100H 52 x 94 mm, walls of 1 to 1.7 mm.
+    "vial": Family((0.04, 0.1), (0.01, 0.026), (0.23, 0.32), (0.001, 0.0017), (0.001, 0.0025), vial_outline),
+    # ISO 1042: 50 ml 140 mm high to 1000 ml 300 mm.
+    "volumetric flask": Family(
+        (0.14, 0.3), (0.024, 0.064), (0.17, 0.215), (0.001, 0.002), (0.0015, 0.003), volumetric_flask_outline
+    ),
+    # ISO 1773: 50 ml 51 x 95 mm to 1000 ml 131 x 210 mm.
+    "round flask": Family((0.09, 0.21), (0.025, 0.066), (0.27, 0.32), (0.001, 0.002), (0.001, 0.002), round_flask_profile),
+    # Marasca bottles of 250 to 1000 ml (49 x 49 x 192 mm to 74 x 74 x 305 mm); flask bottles of 100 to 500 ml.
+    "square bottle": Family(
+        (0.14, 0.3), (0.022, 0.038), (0.115, 0.19), (0.002, 0.0035), (0.003, 0.010), angular_bottle_outline
+    ),
+    "oval bottle": Family(
+        (0.12, 0.24), (0.018, 0.03), (0.11, 0.17), (0.002, 0.0035), (0.003, 0.008), angular_bottle_outline
+    ),
+    # Jars of 100 to 720 ml with twist-off lids.
+    "jar": Family((0.07, 0.17), (0.027, 0.05), (0.26, 0.48), (0.0018, 0.0035), (0.003, 0.007), jar_outline),
+    # PET bottles of 0.25 to 1 l: walls of 0.25 to 0.4 mm; cups of 0.1 to 0.4 l.
+    "plastic bottle": Family(
+        (0.15, 0.29), (0.026, 0.042), (0.13, 0.19), (0.0003, 0.0005), (0.0006, 0.0015), plastic_bottle_outline
+    ),
+    "plastic cup": Family((0.07, 0.13), (0.03, 0.048), (0.34, 0.48), (0.0003, 0.0006), (0.0004, 0.0008), plastic_cup_outline),
 }

@@ -44,7 +44,8 @@ class Family:
     """Radius over height."""
     wall: Limits
     base: Limits
-    outline: Callable[[np.random.Generator, Size], Outline]
+    outline: Callable[[np.random.Generator, Size], Outline | Curve]
+    """An outline over the height, or of a round bottom the whole outside from the axis up."""
 
 
 def free_piece(rng: np.random.Generator, piece: Piece, limits: Limits, strength: float) -> Piece:

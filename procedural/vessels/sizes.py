@@ -33,6 +33,19 @@ FULLNESS: dict[Category, Limits] = {
     "mug": (0.5, 0.8),
     "cup": (0.5, 0.8),
     "jug": (0.3, 0.7),
+    "teapot": (0.3, 0.7),
+    "double-walled glass": (0.3, 0.7),
+    "cocktail glass": (0.1, 0.3),
+    "spouted beaker": (0.5, 0.9),
+    "test tube": (0.5, 0.9),
+    "vial": (0.5, 0.9),
+    "volumetric flask": (0.2, 0.5),
+    "round flask": (0.2, 0.6),
+    "square bottle": (0.4, 0.9),
+    "oval bottle": (0.4, 0.9),
+    "jar": (0.5, 0.9),
+    "plastic bottle": (0.5, 0.9),
+    "plastic cup": (0.5, 0.9),
 }
 
 

@@ -19,6 +19,21 @@ _JUG_FOOT, _JUG_NECK, _JUG_RIM, _JUG_BELLY, _JUG_COLLAR = (
     (0.25, 0.42),
     (0.72, 0.84),
 )
+#: Teapot: radii at the base and of the mouth, of the largest; height of the widest place, of the height; height of the
+#: collar that the lid sits in [m].
+_POT_FOOT, _POT_MOUTH, _POT_BELLY, _POT_COLLAR = (0.55, 0.75), (0.5, 0.62), (0.38, 0.52), 0.008
+#: Double-walled glass: radii at the base and of the rim, of the largest; height of the widest place, of the height.
+_DOUBLE_FOOT, _DOUBLE_RIM, _DOUBLE_BELLY = (0.7, 0.85), (0.86, 0.97), (0.55, 0.75)
+#: Cocktail glass: radius of the stem, thickness of the foot's edge [m]; radius of the foot, of the rim's; heights where
+#: the foot ends and the bowl begins, of the height; share of cones (martini), the others are coupes.
+_STEM, _FOOT_EDGE, _FOOT_RADIUS, _FOOT_END, _BOWL, _CONES = (
+    (0.0034, 0.005),
+    (0.0022, 0.0032),
+    (0.62, 0.8),
+    (0.1, 0.16),
+    (0.52, 0.62),
+    0.5,
+)
 #: Half the height over which joints are smoothed [m].
 _MUG_BLEND, _JUG_BLEND = 0.008, (0.01, 0.02)
 
@@ -53,3 +68,45 @@ def jug_outline(rng: np.random.Generator, size: Size) -> Outline:
     return smoothed(
         (lower, easing(belly, collar, radius, neck), linear(collar, height, neck, rim)), rng.uniform(*_JUG_BLEND)
     )
+
+
+def teapot_outline(rng: np.random.Generator, size: Size) -> Outline:
+    """Draw the side of a teapot: a belly, and an upright collar for its lid."""
+    height, radius = size.height, size.radius
+    belly, collar = height * rng.uniform(*_POT_BELLY), height - _POT_COLLAR
+    foot, mouth = radius * rng.uniform(*_POT_FOOT), radius * rng.uniform(*_POT_MOUTH)
+    return smoothed(
+        (
+            levelling(0.0, belly, foot, radius, power=2),
+            bulging(belly, collar, radius, mouth, bulge=0.18 * (radius - mouth), skew=0.0),
+            linear(collar, height, mouth, mouth),
+        ),
+        0.006,
+    )
+
+
+def double_walled_outline(rng: np.random.Generator, size: Size) -> Outline:
+    """Draw the outside of a double-walled glass: a tulip."""
+    height, radius = size.height, size.radius
+    belly = height * rng.uniform(*_DOUBLE_BELLY)
+    foot, rim = max(size.room, radius * rng.uniform(*_DOUBLE_FOOT)), radius * rng.uniform(*_DOUBLE_RIM)
+    return smoothed((levelling(0.0, belly, foot, radius, power=2), easing(belly, height, radius, rim)), 0.012)
+
+
+def cocktail_outline(rng: np.random.Generator, size: Size) -> Outline:
+    """Draw the side of a cocktail glass: foot, stem, and a cone or a shallow bowl."""
+    height, radius = size.height, size.radius
+    stem, edge, foot = rng.uniform(*_STEM), rng.uniform(*_FOOT_EDGE), radius * rng.uniform(*_FOOT_RADIUS)
+    flat, start = height * rng.uniform(*_FOOT_END), height * rng.uniform(*_BOWL)
+    if rng.random() < _CONES:
+        bowl = (linear(start, height, stem, radius),)
+    else:
+        belly = start + (height - start) * rng.uniform(0.55, 0.85)
+        bowl = (levelling(start, belly, stem, radius, power=2), linear(belly, height, radius, radius))
+    pieces = (
+        linear(0.0, edge, foot, foot - 0.2 * edge),
+        levelling(edge, flat, foot - 0.2 * edge, stem, power=int(rng.integers(5, 9))),
+        linear(flat, start, stem, stem),
+        *bowl,
+    )
+    return smoothed(pieces, rng.uniform(0.004, 0.008), solid_below=start)
