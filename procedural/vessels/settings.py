@@ -130,6 +130,18 @@ class VesselSettings(Model):
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
     )
+    closed_probability: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=1.0,
+        description="Probability that a vessel that can be closed has its cap, cork, lid or stopper",
+    )
+    label_probability: float = Field(
+        default=0.6,
+        ge=0.0,
+        le=1.0,
+        description="Probability that a bottle, jar or vial has a label, and laboratory glass a print",
+    )
     file_probability: float = Field(
         default=1.0, ge=0.0, le=1.0, description="Probability that a vessel comes from `vessel_dir`, if that is given"
     )
