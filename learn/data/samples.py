@@ -111,7 +111,7 @@ class SampleDataset(TorchDataset):
         pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
             pictures = augmented(pictures, self._augment, rng)
-        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size)
+        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
         targets = view_targets(labels.instances, labels.Z, labels.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
@@ -151,7 +151,7 @@ class SampleDataset(TorchDataset):
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE
 
     def _view(self, view: StoredView, eye: Eye) -> CameraView:
-        scaled = scaled_view(read_view(view, eye), self._views.size)
+        scaled = scaled_view(read_view(view, eye), self._views.size, self._views.fit)
         check_picture(scaled.picture, view.folder / f"{eye}.png")
         return scaled
 
