@@ -3,12 +3,17 @@
 Every view has ``camera.json``, ``labels.json``, ``left.png``, ``right.png``, ``geometry.exr`` and ``instances.png``:
 pictures, depth, normals, ids, masks, poses and boxes, with which networks are trained. The rest is many times larger:
 
-==============  ============================================================================
-``radiance``    ``left.exr`` and ``right.exr``: linear radiance
-``noisy``       the same files: radiance before the denoiser; in part the same numbers, so it takes less
-``layers``      ``layers.exr``: every surface along the straight rays
-``refraction``  ``refraction.exr``: end points of refracted rays
-==============  ============================================================================
+================  ========================================================================================
+``radiance``      ``left.exr`` and ``right.exr``: linear radiance
+``noisy``         the same files: radiance before the denoiser; in part the same numbers, so it takes less
+``layers``        ``layers.exr``: every surface along the straight rays
+``refraction``    ``refraction.exr``: end points of refracted rays
+``right-labels``  ``right_labels.json``, ``right_geometry.exr``, ``right_instances.png``: the right camera's
+``disparity``     ``disparity.exr`` of both cameras, and ``pair.png``: whether the other camera sees it too
+``heatmap``       ``heatmap.png``: where objects are, as the networks learn it
+``coordinates``   ``coordinates.exr``: object coordinates of first surfaces and back walls
+``vessel-parts``  ``vessel_parts.png``: glass, wet wall, liquid surface, content, opening
+================  ========================================================================================
 """
 
 from __future__ import annotations
@@ -20,14 +25,38 @@ from pydantic import BeforeValidator
 
 from ...core.setting_errors import shortened, suggest
 
-FileKind = Literal["radiance", "noisy", "layers", "refraction"]
+FileKind = Literal[
+    "radiance",
+    "noisy",
+    "layers",
+    "refraction",
+    "right-labels",
+    "disparity",
+    "heatmap",
+    "coordinates",
+    "vessel-parts",
+]
 KINDS: tuple[FileKind, ...] = get_args(FileKind)
+#: The kinds of data sets that do not say which they have: those of earlier versions.
+EARLIER_KINDS: tuple[FileKind, ...] = ("radiance", "noisy", "layers", "refraction")
+#: The kinds that the right camera's rays are traced for.
+PAIR_KINDS: tuple[FileKind, ...] = ("right-labels", "disparity")
 #: Words that stand for every kind and for none.
 ALL, NONE = "all", "none"
 #: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of two
 #: pairs of preset `standard`, seed 7 (640x480 px, 32 samples, 3 vessels, 7 props).
 VIEW_BYTES = 5.1
-KIND_BYTES: dict[str, float] = {"radiance": 22.4, "noisy": 14.5, "layers": 6.1, "refraction": 11.0}
+KIND_BYTES: dict[str, float] = {
+    "radiance": 22.4,
+    "noisy": 14.5,
+    "layers": 6.1,
+    "refraction": 11.0,
+    "right-labels": 4.0,
+    "disparity": 6.0,
+    "heatmap": 0.6,
+    "coordinates": 2.0,
+    "vessel-parts": 0.1,
+}
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6
 #: Pixels of the pictures for which help texts give sizes.

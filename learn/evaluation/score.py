@@ -79,7 +79,7 @@ def score_sample(
     depth = outputs["depth"][0].cpu().numpy()
     classes = semantic(labels.instances, labels.objects)
     masks = {kind: np.isin(classes, wanted) for kind, wanted in PIXEL_GROUPS.items()}
-    wanted = {item.id for item in detectable(labels.objects, K.double().cpu().numpy())}
+    wanted = {item.id for item in detectable(labels.objects)}
     boxes = _box_overlaps(found, labels, wanted)
     return SampleScore(
         name=name,
