@@ -27,6 +27,8 @@ from .format.file_kinds import KINDS, NONE, PAIR_KINDS, FileKinds, parse_kinds
 from .format.pictures import write_png
 from .format.views_table import ViewRow
 from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
+from .stored_view import StoredView
+from .verification.scene import check_written
 from .writer import finish_dataset, scene_writer, start_dataset
 
 
@@ -82,6 +84,8 @@ def write_scene(
             on_view(view)
             with stopwatch.stage("writing"):
                 picture = writer.add(frame, labels, stereo)
+            with stopwatch.stage("checking"):
+                check_written(StoredView(writer.folder / layout.view_name(view), view), scene, writer.records)
             if view in previews:
                 shown.append(PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels))
     return WrittenScene(writer.rows, shown, renderer.light_check)

@@ -33,7 +33,7 @@ from .format.exr import unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
 from .format.map_files import write_disparity, write_maps, write_pair
-from .format.objects_file import objects_file
+from .format.objects_file import ObjectsFile, objects_file
 from .format.pictures import write_png
 from .format.ray_files import write_layers, write_refraction
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
@@ -103,8 +103,9 @@ def scene_writer(
     """
     with atomic_folder(layout.scene_folder(root, scene.scene_id)) as folder:
         save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
-        write_json(folder / layout.OBJECTS, objects_file(scene, points))
-        writer = SceneWriter(folder, scene, files)
+        records = objects_file(scene, points)
+        write_json(folder / layout.OBJECTS, records)
+        writer = SceneWriter(folder, scene, records, files)
         yield writer
         record = SceneViews(
             views=tuple(writer.rows),
@@ -121,13 +122,15 @@ def scene_writer(
 class SceneWriter:
     """Writes the views of one scene (`scene_writer`)."""
 
-    def __init__(self, folder: Path, scene: Scene, files: FileKinds = KINDS) -> None:
-        self._folder, self._scene, self._files = folder, scene, files
+    def __init__(self, folder: Path, scene: Scene, records: ObjectsFile, files: FileKinds = KINDS) -> None:
+        self._scene, self._files = scene, files
+        self.folder = folder  #: of the scene, hidden until it is complete
+        self.records = records  #: of the scene's objects
         self.rows: list[ViewRow] = []  #: of the index, one per view written
 
     def add(self, frame: Frame, labels: Labels, stereo: StereoLabels | None = None) -> np.ndarray:
         """Write all files of a view; return its left picture, (H, W, 3) uint8."""
-        folder = self._folder / layout.view_name(frame.view)
+        folder = self.folder / layout.view_name(frame.view)
         picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo)
         self.rows.append(view_row(self._scene, frame.view, frame, labels))
         return picture

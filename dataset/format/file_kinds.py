@@ -41,6 +41,8 @@ KINDS: tuple[FileKind, ...] = get_args(FileKind)
 EARLIER_KINDS: tuple[FileKind, ...] = ("radiance", "noisy", "layers", "refraction")
 #: The kinds that the right camera's rays are traced for.
 PAIR_KINDS: tuple[FileKind, ...] = ("right-labels", "disparity")
+#: The kinds that follow from layers, and are left out where `picture.layers` is 0.
+LAYERED: tuple[FileKind, ...] = ("coordinates", "vessel-parts")
 #: Words that stand for every kind and for none.
 ALL, NONE = "all", "none"
 #: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of two

@@ -57,4 +57,4 @@ def pixel_centres(camera: Pinhole) -> np.ndarray:
 
 def in_picture(camera: Pinhole, pixels: np.ndarray) -> np.ndarray:
     """Return which image coordinates, (..., 2), are on a pixel; NaN is not."""
-    return ((pixels >= -0.5) & (pixels < np.array(camera.size) - 0.5)).all(axis=-1)
+    return np.all((pixels >= -0.5) & (pixels < np.array(camera.size) - 0.5), axis=-1)

@@ -7,6 +7,7 @@ clipping: triangles may reach behind the camera.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,9 @@ from .pinhole import Pinhole, rays_of, seen_from
 from .triangles import Triangles
 
 #: A ray that passes an edge within this distance may or may not meet the triangle [px]: the renderer's positions are
-#: float32, some 1e-7 m at 1 m, which a lens of 2000 px shows as 2e-4 px; edge-on triangles magnify it.
-EDGE = 2e-3
+#: float32, some 1e-7 m at 1 m, and its rays leave each surface 1 um aside, which a lens of 2000 px shows at 0.5 m as
+#: 4e-3 px.
+EDGE = 4e-3
 #: Pairs of a triangle and a ray that are tested at once: a bound on memory, about 100 bytes each.
 _PAIRS = 2_000_000
 
@@ -47,15 +49,16 @@ def cast(triangles: Triangles, camera: Pinhole, pixels: np.ndarray) -> Hits:
         Image coordinates [px], in any order.
     """
     # Rays in order of their row, then of their column: those in a box of pixels are runs in each row.
-    cells = np.floor(pixels + 0.5).astype(np.int64)
-    low, high = cells.min(axis=0), cells.max(axis=0)
+    cells = np.asarray(np.floor(pixels + 0.5), np.int64)
+    low, high = np.min(cells, axis=0), np.max(cells, axis=0)
     span = int(high[0] - low[0]) + 1
     keys = (cells[:, 1] - low[1]) * span + cells[:, 0] - low[0]
     order = np.argsort(keys, kind="stable")
     keys, rays = keys[order], rays_of(camera, pixels[order])
     local = seen_from(camera, triangles.corners)
+    grid = _Grid(keys, low, high)
     parts, doubtful = [], np.zeros(len(pixels), bool)
-    for tri, ray in _candidates(local, camera, keys, low, high, span):
+    for tri, ray in _candidates(local, camera, grid):
         hit, Z, weights, slack, near = _tested(local[tri], rays[ray], camera)
         doubtful[order[ray[near]]] = True
         parts.append((order[ray[hit]], Z[hit], tri[hit], weights[hit], slack[hit]))
@@ -65,8 +68,19 @@ def cast(triangles: Triangles, camera: Pinhole, pixels: np.ndarray) -> Hits:
     return Hits(*(column[sort] for column in columns), doubtful=doubtful, count=len(pixels))
 
 
-def _candidates(local: np.ndarray, camera: Pinhole, keys: np.ndarray, low: np.ndarray, high: np.ndarray, span: int):
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """Rays by the pixels that they pass."""
+
+    keys: np.ndarray  #: (n,) int, ascending: place of each ray's pixel in the box of all, row by row
+    low: np.ndarray  #: (2,) int, first column and row
+    high: np.ndarray  #: (2,) int, last column and row
+
+
+def _candidates(local: np.ndarray, camera: Pinhole, grid: _Grid) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield triangles and rays (in the order of the keys) whose boxes of pixels meet, a bounded number at a time."""
+    keys, low, high = grid.keys, grid.low, grid.high
+    span = int(high[0] - low[0]) + 1
     front = local[..., 2] > 1e-6
     with np.errstate(divide="ignore", invalid="ignore"):
         pixels = camera.focal * local[..., :2] / local[..., 2:] + camera.centre

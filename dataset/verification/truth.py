@@ -44,7 +44,7 @@ class Truth:
 def truth_of(triangles: Triangles, camera: Pinhole) -> Truth:
     """Return what the rays through all pixel centres of an eye meet."""
     width, height = camera.size
-    hits = _without_lamps(triangles, cast(triangles, camera, pixel_centres(camera)))
+    hits = without_lamps(triangles, cast(triangles, camera, pixel_centres(camera)))
     rays = width * height
     count = np.bincount(hits.ray, minlength=rays)
     start = np.cumsum(count) - count
@@ -100,7 +100,8 @@ def _directions(truth: Truth) -> np.ndarray:
     return np.concatenate([(pixels - truth.camera.centre) / truth.camera.focal, np.ones((len(pixels), 1))], axis=1)
 
 
-def _without_lamps(triangles: Triangles, hits: Hits) -> Hits:
+def without_lamps(triangles: Triangles, hits: Hits) -> Hits:
+    """Return the hits in front of the first lamp of each ray: lamps are part of the surroundings, and end a ray."""
     lamps = np.flatnonzero(triangles.kind[hits.triangle] == LAMP)
     if not len(lamps):
         return hits
