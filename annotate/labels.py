@@ -81,8 +81,8 @@ class Labels(Model):
 
     schema_version: Literal["glassware/labels/1"] = LABELS_SCHEMA
     objects: tuple[ObjectLabel, ...]
-    occlusion: tuple[Occlusion, ...] = Field(
-        default=(), description="Which object is in front of which; empty in data sets of earlier versions"
+    occlusion: tuple[Occlusion, ...] | None = Field(
+        default=None, description="Which object is in front of which; null in data sets of earlier versions"
     )
     left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
     right: PictureNoise | None = Field(default=None, description="Of the right picture")

@@ -115,7 +115,7 @@ def fraction_faults(labels: Labels, file: str) -> list[Fault]:
 
 def order_faults(labels: Labels, geometry: Geometry, file: str) -> list[Fault]:
     """Count again where one object is in front of another one."""
-    if not labels.occlusion:
+    if labels.occlusion is None:
         return []  # as in data sets of earlier versions
     expected = {}
     for behind, crossed in zip(labels.objects, geometry.crossed, strict=True):

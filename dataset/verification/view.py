@@ -176,7 +176,8 @@ class ViewChecks:
             ),
         )
         for subject, check in checks:
-            self._check(name + subject, (), check)
+            needs = ("object points",) if subject == "keypoints" else ()
+            self._check(name + subject, needs, check)
 
     def _layers(self) -> None:
         layers, geometry, file = self._stored_layers, self._geometry["left"], layout.LAYERS
@@ -220,7 +221,7 @@ class ViewChecks:
                 )
         if self._has(layout.HEATMAP):
             ids, labels = geometry["left"].id, self.view.labels()
-            self._check("heatmap", ("ids", "box3d"), lambda: maps.heatmap_faults(folder / layout.HEATMAP, ids, labels))
+            self._check("heatmap", ("ids", "poses"), lambda: maps.heatmap_faults(folder / layout.HEATMAP, ids, labels))
         layers = self._stored_layers if self._has(layout.LAYERS) and "layers" not in self.wrong else None
         if self._has(layout.COORDINATES):
             path = folder / layout.COORDINATES
