@@ -29,7 +29,7 @@ def depth_faults(truth: Truth, geometry: Geometry, file: str) -> list[Fault]:
 def background_faults(truth: Truth, triangles: Triangles, geometry: Geometry, file: str) -> list[Fault]:
     """Compare depth and id of the first opaque surface with the meshes'."""
     ids = truth.of_hits(truth.background, triangles.id[truth.hits.triangle], 0)
-    wrong = (ids != geometry.background_id) & ~truth.doubtful
+    wrong = (ids != geometry.background_id) & ~truth.doubtful & ~truth.crowded
     return _depths("background", truth, truth.background, geometry.background_Z, file) or at_pixels(
         "background", file, wrong, ids, geometry.background_id
     )
@@ -128,7 +128,8 @@ def _depths(check: str, truth: Truth, which: np.ndarray, stored: np.ndarray, fil
     slack = truth.of_hits(which, truth.hits.slack, 0.0) + DEPTH * (1.0 + np.where(which >= 0, depth, 0.0))
     both = np.isfinite(depth) & np.isfinite(stored)
     apart = np.abs(np.where(both, stored, 0.0) - np.where(both, depth, 0.0)) > slack
-    wrong = ((np.isfinite(depth) != np.isfinite(stored)) | (both & apart) | np.isnan(stored)) & ~truth.doubtful
+    sure = ~truth.doubtful & ~(truth.crowded & (which != truth.first))  # the first surface has nothing before it
+    wrong = ((np.isfinite(depth) != np.isfinite(stored)) | (both & apart) | np.isnan(stored)) & sure
     return at_pixels(check, file, wrong, depth, stored)
 
 

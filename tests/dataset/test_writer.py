@@ -12,11 +12,11 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from glassware.annotate.checks import check_view
 from glassware.core.assets import asset
 from glassware.core.errors import InputError
 from glassware.dataset.format.views_table import SCHEMA
 from glassware.dataset.reader import Dataset
+from glassware.dataset.verification.scene import check_written
 from glassware.dataset.writer import finish_dataset, start_dataset
 from glassware.procedural.description.surroundings import AreaLight, ConstantEnvironment, PictureEnvironment
 from glassware.procedural.surroundings.lights import aimed
@@ -68,9 +68,8 @@ def test_everything_comes_back_exactly(made, stored):
 
 def test_labels_on_disk_pass_every_check(stored):
     for found in Dataset.open(stored).scenes:
-        scene = found.scene()
         for view in found.views:
-            assert check_view(scene, view.camera(), view.labels(), view.geometry()) == []
+            check_written(view, found.scene(), found.objects())
 
 
 def test_the_index_has_a_row_for_each_view(made, stored):

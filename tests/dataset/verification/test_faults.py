@@ -153,8 +153,8 @@ def _order(content: Any) -> None:
     content["occlusion"].append({"front": numbers[0], "behind": numbers[-1], "pixels": 7})
 
 
-def _index_of_glass(item: Any) -> None:
-    item["material"]["medium"]["eta"] = 3.0
+def _density(item: Any) -> None:
+    item["material"]["medium"]["density"] = 90_000.0
 
 
 def _liquid(item: Any) -> None:
