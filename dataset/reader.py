@@ -21,6 +21,7 @@ from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
 from ..procedural.surroundings.photometry import Photometry
+from ..render.frame import Eye as Eye
 from ..render.frame import SurfaceLight
 from .format import layout
 from .format.dataset_file import DatasetFile, read_head
@@ -29,7 +30,7 @@ from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.split_file import read_splits
 from .format.views_table import scene_views
 from .preview.gallery import gallery
-from .stored_view import StoredView
+from .stored_view import StoredView as StoredView
 
 #: Largest number of a scene: as folders have six digits or more, and names have an end.
 MOST_SCENE = 10**12

@@ -66,7 +66,7 @@ class StoredView:
         channels = read_exr(path)
         if ("noisy.R" if noisy else "R") not in channels:
             raise _absent(path, kind)
-        return stacked(channels, "noisy.RGB" if noisy else "RGB", path)
+        return stacked(channels, "noisy.RGB" if noisy else "RGB", path).astype(np.float32, copy=False)
 
     def geometry(self, eye: Eye = "left") -> Geometry:
         """Return the geometry of one camera; the silhouettes come from the masks of its labels.
@@ -84,11 +84,11 @@ class StoredView:
             raise InputError(instances, f"16-bit ids of {Z.shape} px", ids.shape)
         return Geometry(
             Z=Z,
-            normal=stacked(channels, "N.XYZ", path),
+            normal=stacked(channels, "N.XYZ", path).astype(np.float32, copy=False),
             id=ids,
             background_Z=channel(channels, "background.Z", path),
             background_id=channel(channels, "background.id", path).astype(np.uint16),
-            transmittance=stacked(channels, "transmittance.RGB", path),
+            transmittance=stacked(channels, "transmittance.RGB", path).astype(np.float32, copy=False),
             crossed=self._masks(eye, "mask_amodal", Z.shape),
             reached=self._masks(eye, "mask_seen", Z.shape),
         )

@@ -24,17 +24,17 @@ from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..procedural.surroundings.photometry import photometry
-from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
+from ..render.frame import EYES, Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.checksums import write_checksums
 from .format.dataset_file import DatasetFile, Development, read_head, write_head
 from .format.developed import development_of, write_developed
-from .format.exr import unstacked, write_exr
+from .format.exr import half_numbers, unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
 from .format.map_files import write_disparity, write_maps, write_pair
 from .format.objects_file import ObjectsFile, objects_file
-from .format.pictures import write_png
+from .format.pictures import stored_radiance, write_png
 from .format.ray_files import write_layers, write_refraction
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 from .output_checks import check_output
@@ -214,15 +214,19 @@ def write_view(
     """
     folder.mkdir()
     write_json(folder / layout.LABELS, labels)
-    for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
+    exposure = scene.cameras[frame.view].exposure
+    # Pictures follow from radiance as it is stored, so that it gives the same ones again (`glassware develop`).
+    light = [stored_radiance(picture, exposure) for picture in (frame.left, frame.right)]
+    for eye, picture, noisy in zip(EYES, light, (frame.left_noisy, frame.right_noisy), strict=True):
         channels = unstacked(picture, "RGB") if "radiance" in files else {}
-        channels |= unstacked(noisy, "noisy.RGB") if "noisy" in files and noisy is not None else {}
+        if "noisy" in files and noisy is not None:
+            channels |= unstacked(stored_radiance(noisy, exposure), "noisy.RGB")
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
     left = write_developed(
         folder,
         scene.cameras[frame.view],
-        (frame.left, frame.right),
+        (light[0].astype(np.float32), light[1].astype(np.float32)),
         frame.geometry.Z,
         development or development_of(scene),
         (scene.scene_id, frame.view),
@@ -253,7 +257,7 @@ def _channels(geometry: Geometry) -> dict:
     return {
         "Z": geometry.Z,
         "background.Z": geometry.background_Z,
-        "background.id": geometry.background_id,
-        **unstacked(geometry.normal, "N.XYZ"),
-        **unstacked(geometry.transmittance, "transmittance.RGB"),
+        "background.id": half_numbers(geometry.background_id, "background.id"),
+        **unstacked(geometry.normal.astype(np.float16), "N.XYZ"),
+        **unstacked(geometry.transmittance.astype(np.float16), "transmittance.RGB"),
     }

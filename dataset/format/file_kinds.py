@@ -45,9 +45,9 @@ PAIR_KINDS: tuple[FileKind, ...] = ("right-labels", "disparity")
 LAYERED: tuple[FileKind, ...] = ("coordinates", "vessel-parts")
 #: Words that stand for every kind and for none.
 ALL, NONE = "all", "none"
-#: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of two
-#: pairs of preset `standard`, seed 7 (640x480 px, 32 samples, 3 vessels, 7 props).
-VIEW_BYTES = 5.1
+#: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of three
+#: pairs of preset `fast`, seed 7 (640x480 px, 16 samples, 3 vessels, 7 props), by `bench/labels.py`.
+VIEW_BYTES = 3.2
 KIND_BYTES: dict[str, float] = {
     "radiance": 22.4,
     "noisy": 14.5,

@@ -84,12 +84,13 @@ def _candidates(local: np.ndarray, camera: Pinhole, grid: _Grid) -> Iterator[tup
     front = local[..., 2] > 1e-6
     with np.errstate(divide="ignore", invalid="ignore"):
         pixels = camera.focal * local[..., :2] / local[..., 2:] + camera.centre
-    left = np.where(front.all(axis=1)[:, None], pixels.min(axis=1) - EDGE, low)
-    right = np.where(front.all(axis=1)[:, None], pixels.max(axis=1) + EDGE, high)
-    left = np.clip(np.floor(left + 0.5), low, high + 1).astype(np.int64) - low
-    right = np.clip(np.floor(right + 0.5), low - 1, high).astype(np.int64) - low
-    kept = np.flatnonzero((left <= right).all(axis=1) & front.any(axis=1))
-    rows = right[kept, 1] - left[kept, 1] + 1
+    whole = front.all(axis=1)[:, None]
+    near = np.where(whole, pixels.min(axis=1) - EDGE, low)
+    far = np.where(whole, pixels.max(axis=1) + EDGE, high)
+    left: np.ndarray = np.clip(np.floor(near + 0.5), low, high + 1).astype(np.int64) - low
+    right: np.ndarray = np.clip(np.floor(far + 0.5), low - 1, high).astype(np.int64) - low
+    kept = np.flatnonzero(np.all(left <= right, axis=1) & front.any(axis=1))
+    rows = (right - left)[kept, 1] + 1
     tri = np.repeat(kept, rows)
     row = np.arange(len(tri)) - np.repeat(np.cumsum(rows) - rows, rows) + left[tri, 1]
     start = np.searchsorted(keys, row * span + left[tri, 0], "left")

@@ -15,8 +15,8 @@ from .truth import Truth, facing_normals, silhouettes
 DEPTH = 3e-6
 #: Largest difference of a shading normal [1]: float32 weights at the corners of long, thin triangles.
 NORMAL = 5e-3
-#: Length of a float32 unit vector after a rotation.
-UNIT = 1e-5
+#: Length of a unit vector of halves, and its cosine with a ray.
+UNIT = 1e-3
 #: Relative rounding of float32 depth between two walks along one ray.
 RELATIVE = 1e-6
 
