@@ -47,17 +47,17 @@ LAYERED: tuple[FileKind, ...] = ("coordinates", "vessel-parts")
 ALL, NONE = "all", "none"
 #: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of three
 #: pairs of preset `fast`, seed 7 (640x480 px, 16 samples, 3 vessels, 7 props), by `bench/labels.py`.
-VIEW_BYTES = 3.2
+VIEW_BYTES = 4.1
 KIND_BYTES: dict[str, float] = {
-    "radiance": 22.4,
-    "noisy": 14.5,
-    "layers": 6.1,
-    "refraction": 11.0,
-    "right-labels": 4.0,
-    "disparity": 6.0,
+    "radiance": 6.3,
+    "noisy": 6.1,
+    "layers": 6.5,
+    "refraction": 10.9,
+    "right-labels": 2.1,
+    "disparity": 2.1,
     "heatmap": 0.6,
-    "coordinates": 2.0,
-    "vessel-parts": 0.1,
+    "coordinates": 0.6,
+    "vessel-parts": 0.02,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6
