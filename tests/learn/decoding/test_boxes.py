@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 import torch
@@ -78,16 +80,18 @@ def test_noise_in_the_fields_leaves_boxes_that_overlap_the_true_ones(box_scene, 
     depth = np.array([item.camera_T_object[2, 3] for item, _ in items])
     covariance = np.stack([box_covariance(item.camera_T_object, item.size) for item, _ in items])
     factors = 1.0 + 0.2 * rng.standard_normal(covariance.shape)
-    noisy = [
+    noisy = (
         corners + 2.0 * rng.standard_normal(corners.shape),
         depth + 0.01 * rng.standard_normal(len(depth)),
         covariance * 0.5 * (factors + factors.swapaxes(1, 2)),
         np.stack([K for _, K in items]),
-    ]
-    fields = [torch.from_numpy(values) for values in noisy]
+    )
+    vertices, z, spread, K = (torch.from_numpy(values) for values in noisy)
 
-    def found(rotation: str) -> float:
-        boxes = zip(*(values.numpy() for values in boxes_from_fields(*fields, rotation)), items, strict=True)
+    def found(rotation: Literal["covariance", "vertices"]) -> float:
+        boxes = zip(
+            *(values.numpy() for values in boxes_from_fields(vertices, z, spread, K, rotation)), items, strict=True
+        )
         return float(
             np.mean([box_iou(pose, size, item.camera_T_object, item.size) > 0.25 for pose, size, (item, _) in boxes])
         )

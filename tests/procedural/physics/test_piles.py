@@ -95,8 +95,9 @@ def test_a_pile_that_cannot_come_to_rest_is_refused_with_its_settings(monkeypatc
     from glassware.procedural.physics import rest
 
     monkeypatch.setattr(rest, "STILL_DISTANCE", -1.0)  # nothing is that still
-    settings = _settings(vessel_count=(0, 0), prop_count=(1, 1), physics={
-        "piled_probability": 1.0, "attempts": 2, "longest_time": 2.0})
+    settings = _settings(
+        vessel_count=(0, 0), prop_count=(1, 1), physics={"piled_probability": 1.0, "attempts": 2, "longest_time": 2.0}
+    )
     with pytest.raises(InputError, match=r"physics\.attempts, physics\.longest_time: expected a pile that comes"):
         draw_scene(settings, 1, 0)
 
