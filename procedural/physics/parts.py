@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..description.bodies import Prop, SceneObject, Vessel, glass_solid
+from ..description.bodies import GlassBody, Prop, SceneObject, Vessel, glass_solid
 from .decomposition import convex_parts
+from .sectors import sector_parts
 from .wedges import ConvexPart, revolved_hull, revolved_parts
 
 #: Deepest dent of a body whose hull stands for it [m]. A hull touches a plane where the body does; something that rests
@@ -38,7 +39,7 @@ def body_parts(item: SceneObject) -> BodyParts:
     """Return the convex parts of an object without its liquid.
 
     Vessels and props that are solids of revolution are rings of wedges of their section; what is convex but for
-    `HULL_DEPTH` is its hull; everything else is decomposed.
+    `HULL_DEPTH` is its hull; other glass is cut into sectors, and everything else is decomposed.
     """
     if isinstance(item, Vessel):
         return _of_revolution([_vessel_outline(item)])
@@ -51,7 +52,8 @@ def body_parts(item: SceneObject) -> BodyParts:
     outlines = mesh_outlines(mesh) if item.symmetric else []
     if outlines:
         return _of_revolution(outlines)
-    return BodyParts(corners, tuple(ConvexPart(part) for part in convex_parts(places, faces)))
+    sectors = sector_parts(mesh) if isinstance(item, GlassBody) else []
+    return BodyParts(corners, tuple(sectors or (ConvexPart(part) for part in convex_parts(places, faces))))
 
 
 def _of_revolution(outlines: list[np.ndarray]) -> BodyParts:

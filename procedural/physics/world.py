@@ -29,7 +29,7 @@ _CONTACT = (0.01, 1.0)
 _IMPEDANCE = (0.95, 0.99, 5e-4, 0.5, 2.0)
 #: Stiffness of friction over that of contacts [1]: what leans does not creep.
 _FRICTION_STIFFNESS = 100.0
-#: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling within a second
+#: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling in a second
 #: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
 _DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
 #: Damping of bodies that are held [1/s]: they move by less than a micrometre under an impact.

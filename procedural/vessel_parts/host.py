@@ -141,3 +141,5 @@ def host_of_shape(body: GlassBody, made: ShapedGlass) -> Host:
         brimful=made.brimful,
         bore=bore,
     )
+
+

@@ -26,18 +26,7 @@ _MOST, _LEAST_MARK = 0.86, 0.2
 #: Long and short lines of a scale, their thickness, height and stroke of its numbers [m].
 _LONG, _SHORT, _LINE, _DIGIT, _STROKE = 0.011, 0.006, 6e-4, 3.6e-3, 5.5e-4
 #: Segments of digits: upper, upper right, lower right, lower, lower left, upper left, middle.
-_SEGMENTS = (
-    "1111110",
-    "0110000",
-    "1101101",
-    "1111001",
-    "0110011",
-    "1011011",
-    "1011111",
-    "1110000",
-    "1111111",
-    "1111011",
-)
+_SEGMENTS = ("1111110", "0110000", "1101101", "1111001", "0110011", "1011011", "1011111", "1110000", "1111111", "1111011")
 
 
 def draw_label(rng: np.random.Generator, host: Host) -> Prop | None:
@@ -58,7 +47,9 @@ def draw_label(rng: np.random.Generator, host: Host) -> Prop | None:
     rows, columns = max(8, round(size / _CELL)), max(8, round(2.0 * np.pi * radius * cover / _CELL))
     cells = _printed(np.random.default_rng(style), rows, columns)
     material = OpaqueMaterial(name="printed paper", base_colour=VertexColours(), roughness=0.6)
-    return opaque_part(host.body.name, "label", label_mesh(host, area, cells, np.array(_PAPER)), material, np.zeros(3))
+    return opaque_part(
+        host.body.name, "label", label_mesh(host, area, cells, np.array(_PAPER)), material, np.zeros(3)
+    )
 
 
 def _side(host: Host, number: int) -> float:

@@ -74,7 +74,9 @@ def plastic_cup_outline(rng: np.random.Generator, size: Size) -> Outline:
     bead = rng.uniform(*_BEAD)
     top, rim = size.height - _BEAD_HEIGHT, size.radius - bead
     foot = rim * rng.uniform(*_CUP_FOOT)
-    return smoothed((linear(0.0, top, foot, rim), bulging(top, size.height, rim, rim, bulge=bead, skew=0.0)), _SMALL)
+    return smoothed(
+        (linear(0.0, top, foot, rim), bulging(top, size.height, rim, rim, bulge=bead, skew=0.0)), _SMALL
+    )
 
 
 def jar_outline(rng: np.random.Generator, size: Size) -> Outline:

@@ -81,3 +81,5 @@ def _concave(centre: tuple[float, float], radius: float, start: float, end: floa
     """Return an arc whose centre is outside the glass, its normals towards the centre."""
     made = arc(np.array(centre), radius, start, end)
     return Curve(made.points, -made.normals)
+
+
