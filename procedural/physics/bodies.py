@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydantic import Field
 
 from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.bodies import GlassBody, Prop, SceneObject, glass_solid, liquid_solid
-from .mass import MassProperties, combined, shell_mass, solid_mass
+from .mass import MassProperties, combined, moved_mass, shell_mass, solid_mass
 from .substances import (
     LIQUID_DENSITY,
     WHOLE_DENSITIES,
@@ -49,6 +51,14 @@ def mechanics_of(item: SceneObject) -> Mechanics:
         whole = Substance(density, substance.friction, None, f"{source}; friction: {substance.source}")
         return _record(solid_mass(item.mesh, density), whole)
     return _of_prop(item, substance)
+
+
+def with_attached(mechanics: Mechanics, attached: Sequence[SceneObject]) -> Mechanics:
+    """Return the mechanical properties of a body together with its parts, whose poses are in its frame."""
+    if not attached:
+        return mechanics
+    others = [moved_mass(mechanics_of(part).whole, part.world_T_object) for part in attached]
+    return mechanics.model_copy(update={"whole": combined([mechanics.whole, *others])})
 
 
 def _of_glass(item: GlassBody) -> Mechanics:

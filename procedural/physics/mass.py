@@ -61,6 +61,12 @@ def combined(parts: Sequence[MassProperties]) -> MassProperties:
     return _record(mass, centre, inertia)
 
 
+def moved_mass(properties: MassProperties, pose: np.ndarray) -> MassProperties:
+    """Return the mass properties of a body in another frame, ``a_T_b`` (4, 4), along the axes of that frame."""
+    turn, centre = pose[:3, :3], np.array(properties.centre_of_mass)
+    return _record(properties.mass, turn @ centre + pose[:3, 3], turn @ np.array(properties.inertia) @ turn.T)
+
+
 def _corners(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Return the triangles (m, 3, 3) about the middle of the surface's box, and that middle."""
     origin = mesh.bounds.mean(0)

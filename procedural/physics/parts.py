@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..description.bodies import GlassBody, Prop, SceneObject, Vessel, glass_solid
+from ..description.bodies import MeshVessel, Prop, SceneObject, Vessel, glass_solid
 from .decomposition import convex_parts
 from .sectors import sector_parts
 from .wedges import ConvexPart, revolved_hull, revolved_parts
@@ -38,12 +39,16 @@ class BodyParts:
 def body_parts(item: SceneObject) -> BodyParts:
     """Return the convex parts of an object without its liquid.
 
-    Vessels and props that are solids of revolution are rings of wedges of their section; what is convex but for
-    `HULL_DEPTH` is its hull; other glass is cut into sectors, and everything else is decomposed.
+    Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes are
+    cut into sectors; what is convex but for `HULL_DEPTH` is its hull; and everything else is decomposed.
     """
     if isinstance(item, Vessel):
         return _of_revolution([_vessel_outline(item)])
     mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+    if isinstance(item, MeshVessel):
+        corners, sectors = sector_parts(mesh)
+        if sectors:
+            return BodyParts(corners, tuple(sectors))
     points, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
     places, faces = points.astype(np.float64), index.reshape(-1)[mesh.faces]
     corners, depth = _hull(places, faces)
@@ -52,8 +57,19 @@ def body_parts(item: SceneObject) -> BodyParts:
     outlines = mesh_outlines(mesh) if item.symmetric else []
     if outlines:
         return _of_revolution(outlines)
-    sectors = sector_parts(mesh) if isinstance(item, GlassBody) else []
-    return BodyParts(corners, tuple(sectors or (ConvexPart(part) for part in convex_parts(places, faces))))
+    return BodyParts(corners, tuple(ConvexPart(part) for part in convex_parts(places, faces)))
+
+
+def with_attached(body: BodyParts, attached: Sequence[SceneObject]) -> BodyParts:
+    """Return the shape of a body together with its parts, whose poses are in its frame: their hulls."""
+    hulls = []
+    for part in attached:
+        points = body_parts(part).hull
+        hulls.append(points @ part.world_T_object[:3, :3].T + part.world_T_object[:3, 3])
+    if not hulls:
+        return body
+    own = body.parts or (ConvexPart(body.hull),)
+    return BodyParts(np.concatenate([body.hull, *hulls]), (*own, *(ConvexPart(points) for points in hulls)))
 
 
 def _of_revolution(outlines: list[np.ndarray]) -> BodyParts:

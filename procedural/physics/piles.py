@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import chain, combinations, product
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from ..placement.overlap import ALLOWANCE, Solid, overlap
 from ..placement.placement import CONTACT_GAP, PlacementSettings, apart, draw_positions, inside
 from ..placement.resting import resting_turn, turn_about_z
 from .bodies import mechanics_of
+from .bodies import with_attached as mechanics_with
 from .parts import body_parts
+from .parts import with_attached as parts_with
 from .rest import comes_to_rest
 from .sections import hull
 from .settings import PhysicsSettings
@@ -70,6 +72,7 @@ class _Case:
     friction: float
     settings: PhysicsSettings
     placement: PlacementSettings
+    attached: list[Sequence[SceneObject]]  #: parts that move with each object, in its frame
 
 
 @dataclass(eq=False)
@@ -97,6 +100,7 @@ def pile_up(
     placement: PlacementSettings,
     seed: int,
     scene_id: int,
+    attached: Mapping[str, Sequence[SceneObject]] | None = None,
 ) -> tuple[list[np.ndarray], Rest]:
     """Return the poses of objects that came to rest after a fall.
 
@@ -118,6 +122,8 @@ def pile_up(
         The settings.
     seed, scene_id : int
         Of the scene.
+    attached : mapping, optional
+        Parts by the names of the objects that they move with; their poses are in those objects' frames.
 
     Returns
     -------
@@ -131,7 +137,7 @@ def pile_up(
     InputError
         Where no attempt comes to rest, or what stands does not fit on the table.
     """
-    case = _case(objects, stands, board, table, settings, placement)
+    case = _case(objects, stands, board, table, settings, placement, attached or {})
     fault = ""
     for attempt in range(settings.attempts):
         rng = stream(seed, scene_id, f"physics/{attempt}")
@@ -153,8 +159,13 @@ def _case(
     table: OpaqueMaterial,
     settings: PhysicsSettings,
     placement: PlacementSettings,
+    attached: Mapping[str, Sequence[SceneObject]],
 ) -> _Case:
-    bodies = [RigidBody(body_parts(item), mechanics_of(item)) for item in objects]
+    parts = [attached.get(item.name, ()) for item in objects]
+    bodies = [
+        RigidBody(parts_with(body_parts(item), some), mechanics_with(mechanics_of(item), some))
+        for item, some in zip(objects, parts, strict=True)
+    ]
     numbers = range(len(objects))
     return _Case(
         objects=objects,
@@ -166,6 +177,7 @@ def _case(
         friction=substance_of(table).friction,
         settings=settings,
         placement=placement,
+        attached=parts,
     )
 
 
@@ -352,15 +364,24 @@ def _upset(case: _Case, found: np.ndarray) -> str:
 
 def _overlapping(case: _Case, found: np.ndarray) -> str:
     """Return which objects overlap, or nothing: measured on their meshes, not on the parts that were simulated."""
-    items = [item.model_copy(update={"world_T_object": pose}) for item, pose in zip(case.objects, found, strict=True)]
-    solids = [solid_of(item) for item in items]
-    for first, second in combinations(range(len(items)), 2):
-        if overlap(solids[first], solids[second]):
-            return f"left {items[first].name} in {items[second].name}"
-    for item, solid in zip(items, solids, strict=True):
+    groups = [
+        [item.model_copy(update={"world_T_object": pose}), *placed_parts(some, pose)]
+        for item, some, pose in zip(case.objects, case.attached, found, strict=True)
+    ]
+    solids = [[(item.name, solid_of(item)) for item in group] for group in groups]
+    for first, second in combinations(solids, 2):
+        for (name, solid), (other, another) in product(first, second):
+            if overlap(solid, another):
+                return f"left {name} in {other}"
+    for name, solid in chain.from_iterable(solids):
         if solid.points[:, 2].min() < -ALLOWANCE:
-            return f"left {item.name} in the table"
+            return f"left {name} in the table"
     return ""
+
+
+def placed_parts(parts: Sequence[SceneObject], world_T_host: np.ndarray) -> list[SceneObject]:
+    """Return parts with poses in the world, of parts with poses in the frame of the object that they move with."""
+    return [part.model_copy(update={"world_T_object": world_T_host @ part.world_T_object}) for part in parts]
 
 
 def _record(run: _Run, attempt: int) -> Rest:

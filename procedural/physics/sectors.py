@@ -19,26 +19,34 @@ SECTORS = 32
 #: How far the surface may move so that it has fewer triangles [m].
 SIMPLIFICATION = 1e-4
 #: Mean depth of the dents of a piece that is convex enough, and the height of the lowest piece [m].
-MEAN_DENT, LEAST_HEIGHT = 1.5e-4, 2e-3
+MEAN_DENT, LEAST_HEIGHT = 2e-4, 3e-3
 
 
-def sector_parts(mesh: Mesh) -> list[ConvexPart]:
-    """Return convex bodies that together contain a closed mesh around the z axis; none of an open one."""
+def sector_parts(mesh: Mesh) -> tuple[np.ndarray, list[ConvexPart]]:
+    """Return the corners of the hull (n, 3), and convex bodies that together contain a closed mesh around the z axis.
+
+    Both are empty where the mesh is not closed.
+    """
     from manifold3d import Error, Manifold, Mesh64
 
     points, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
     faces = index.reshape(-1)[mesh.faces].astype(np.uint64)
     solid = Manifold(Mesh64(points.astype(np.float64), faces))
     if solid.status() != Error.NoError or solid.volume() <= 0.0:
-        return []
-    halves = solid.simplify(SIMPLIFICATION).split_by_plane((0.0, 1.0, 0.0), 0.0)
+        return np.empty((0, 3)), []
+    solid = solid.simplify(SIMPLIFICATION)
+    halves = solid.split_by_plane((0.0, 1.0, 0.0), 0.0)
     pieces = [
         piece
         for number, half in enumerate(halves)
         for sector in _sectors(half, np.pi * number, np.pi * (number + 1), SECTORS // 2)
         for piece in _levels(sector)
     ]
-    return [ConvexPart(np.array(piece.to_mesh64().vert_properties)[:, :3]) for piece in pieces]
+    return _corners(solid.hull()), [ConvexPart(_corners(piece)) for piece in pieces]
+
+
+def _corners(solid: Any) -> np.ndarray:
+    return np.array(solid.to_mesh64().vert_properties, dtype=np.float64)[:, :3]
 
 
 def _sectors(solid: Any, start: float, end: float, count: int) -> list[Any]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ...core.mesh import Mesh, joined
 from ...core.randomness import stream
+from ..description.edits import in_world
 from ..description.rest import Rest
 from ..description.scene import GlassBody, MeshVessel, SceneObject, Vessel
 from ..description.surroundings import Table
 from ..physics.bodies import mechanics_of
-from ..physics.piles import pile_up
+from ..physics.piles import pile_up, placed_parts
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline
@@ -34,7 +36,7 @@ def arranged(
     Parameters
     ----------
     objects : sequence of SceneObject
-        Vessels and props, wherever they are.
+        Vessels and props, wherever they are, and parts of them (`part_of`) in the frames of what they belong to.
     table : Table
         The table.
     settings : SceneSettings
@@ -47,16 +49,24 @@ def arranged(
     InputError
         Where the objects do not fit on the table, or no pile comes to rest.
     """
-    upright = [_stands(item, settings, seed, scene_id) for item in objects]
+    attached: dict[str, list[SceneObject]] = {}
+    for item in objects:
+        if item.part_of is not None:
+            attached.setdefault(item.part_of, []).append(item)
+    whole = [item for item in objects if item.part_of is None]
+    upright = [_stands(item, settings, seed, scene_id) for item in whole]
     piled = stream(seed, scene_id, "physics").random() < settings.physics.piled_probability
     board, rest = outline(table), None
     if piled and not all(upright):
         poses, rest = pile_up(
-            objects, upright, board, table.material, settings.physics, settings.placement, seed, scene_id
+            whole, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, attached
         )
     else:
-        poses = _apart(objects, upright, board, settings, seed, scene_id)
-    placed = [item.model_copy(update={"world_T_object": pose}) for item, pose in zip(objects, poses, strict=True)]
+        poses = _apart(whole, upright, board, settings, seed, scene_id, attached)
+    placed = []
+    for item, pose in zip(whole, poses, strict=True):
+        placed.append(item.model_copy(update={"world_T_object": pose}))
+        placed += placed_parts(attached.get(item.name, ()), pose)
     return placed, rest
 
 
@@ -75,18 +85,27 @@ def _apart(
     settings: SceneSettings,
     seed: int,
     scene_id: int,
+    attached: Mapping[str, Sequence[SceneObject]],
 ) -> list[np.ndarray]:
+    meshes = [_with_parts(item, attached.get(item.name, ())) for item in objects]
     streams = [stream(seed, scene_id, f"pose/{item.name}") for item in objects]
-    poses = [_pose(*given) for given in zip(objects, upright, streams, strict=True)]
-    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
+    poses = [_pose(*given) for given in zip(objects, meshes, upright, streams, strict=True)]
+    outlines = [footprint(mesh, pose) for mesh, pose in zip(meshes, poses, strict=True)]
     shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     for pose, shift in zip(poses, shifts, strict=True):
         pose[:3, 3] += [*shift, CONTACT_GAP]
     return poses
 
 
-def _pose(item: SceneObject, upright: bool, rng: np.random.Generator) -> np.ndarray:
-    mesh = body_mesh(item)
+def _with_parts(item: SceneObject, parts: Sequence[SceneObject]) -> Mesh:
+    """Return the surface of an object and of the parts that move with it, whose poses are in its frame."""
+    if not parts:
+        return body_mesh(item)
+    moved = [in_world(body_mesh(part), part.world_T_object) for part in parts]
+    return joined([body_mesh(item), *(Mesh(item.name, one.points, one.faces) for one in moved)], item.name)
+
+
+def _pose(item: SceneObject, mesh: Mesh, upright: bool, rng: np.random.Generator) -> np.ndarray:
     if upright:
         return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), mesh)
     if isinstance(item, Vessel | MeshVessel):
