@@ -1,4 +1,4 @@
-"""Vessels of any shape: their surfaces between media, empty or with a liquid in them, whose surface is flat."""
+"""Vessels of any shape: their surfaces between media, empty or with a liquid in them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, turned, volume_of
 from ...core.units import volume_text
-from ..cavities.cut import Parts
-from ..cavities.interior import Interior, filled, interior_of, most_volume
+from ..cavities.cut import Filling, Parts
+from ..cavities.domes import Dome
+from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
+from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
 from .bodies import Cavity, Interface, Liquid, MeshVessel
-from .refill import wanted_volume
+from .mesh_meniscus import meniscus_of
+from .refill import wanted_volume, wets_otherwise
 
 
 def mesh_vessel(
@@ -70,7 +73,10 @@ def mesh_vessel(
 def refilled_mesh(
     vessel: MeshVessel, medium: Medium | None, fill: float | str | None = None, inside: Interior | None = None
 ) -> MeshVessel:
-    """Return a vessel that holds a liquid with a flat surface, or nothing.
+    """Return a vessel that holds a liquid, or nothing.
+
+    The liquid's surface has a meniscus where the wall around it is one of revolution, and is flat elsewhere
+    (`mesh_meniscus`).
 
     Parameters
     ----------
@@ -97,32 +103,53 @@ def refilled_mesh(
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
     try:
-        parts, level, volume = _filled(vessel.solid, inside, volume)
+        parts, filling = _filled(vessel, medium, inside, volume)
     except ValueError as error:
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    angle = _contact_angle(parts, level)
-    record = Liquid(
-        medium=medium,
-        level=level,
-        centre=level,
-        contact=level,
-        contact_angle=angle,
-        fill=min(volume / inside.volume, 1.0),
-        volume=volume,
-    )
+    record = _record(medium, parts, filling, inside)
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
 
-def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float, float]:
-    """Return the parts, the level [m] and the volume of the liquid's body [m^3]."""
-    stem = solid.name.removesuffix("-solid")
+def with_mesh_wall(vessel: MeshVessel, glass: Medium, roughness: float | None) -> MeshVessel:
+    """Return a vessel of another glass; where its liquid wets that at another angle, with the surface that follows."""
+    changed = vessel.with_media(glass=glass, roughness=roughness)
+    return (
+        refilled_mesh(changed, changed.liquid.medium) if changed.liquid and wets_otherwise(vessel, glass) else changed
+    )
+
+
+def _filled(vessel: MeshVessel, medium: Medium, inside: Interior, wanted: float) -> tuple[Parts, Filling]:
+    """Return the parts, and the filling of the largest cavity."""
+    stem = vessel.solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
-    parts, level = filled(solid, inside, wanted, names)
+
+    def curved(wall: Wall, volume: float) -> Dome | None:
+        return meniscus_of(wall, volume, medium, vessel.glass)
+
+    parts, _ = filled(vessel.solid, inside, wanted, names, curved)
     # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
-    parts, level = filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
-    return parts, level, _content(parts)
+    corrected = min(2.0 * wanted - _content(parts), most_volume(inside))
+    parts, fillings = filled(vessel.solid, inside, corrected, names, curved)
+    return parts, fillings[0]
+
+
+def _record(medium: Medium, parts: Parts, filling: Filling, inside: Interior) -> Liquid:
+    volume = _content(parts)
+    dome, contact = filling.dome, filling.level
+    wall = _contact_angle(parts, contact)
+    hollow = filling.hollow
+    share = min(volume / inside.volume, 1.0)
+    return Liquid(
+        medium=medium,
+        level=contact if dome is None else flat_level(hollow, share * hollow.volume),
+        centre=contact if dome is None else float(dome.points[0, 1]),
+        contact=contact,
+        contact_angle=wall if dome is None else wall - float(np.arctan2(-dome.normals[-1, 0], dome.normals[-1, 1])),
+        fill=share,
+        volume=volume,
+    )
 
 
 def _content(parts: Parts) -> float:
@@ -131,7 +158,7 @@ def _content(parts: Parts) -> float:
 
 
 def _contact_angle(parts: Parts, level: float) -> float:
-    """Return the mean angle inside the liquid between the wall and the flat surface [rad]."""
+    """Return the mean angle inside the liquid between the wall and a flat surface [rad]."""
     corners = parts.wet_wall.vertices[parts.wet_wall.faces].astype(np.float64)
     at_level = corners[..., 2] == np.float32(level)
     corners = corners[at_level.sum(1) == 2]
