@@ -255,7 +255,7 @@ def _rings(
     return rings
 
 
-def _distinct(vertices: np.ndarray, rings: list[np.ndarray]) -> list[np.ndarray]:
+def _distinct(vertices: np.ndarray, rings: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return rings without points that rounding made equal, and without those of no size."""
     kept = [ring[(vertices[ring] != vertices[np.roll(ring, 1)]).any(1)] for ring in rings]
     return [ring for ring in kept if len(ring) >= 3]

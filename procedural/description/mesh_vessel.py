@@ -12,7 +12,7 @@ from ..cavities.domes import Dome
 from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
 from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
-from .bodies import Cavity, Interface, Liquid, MeshVessel
+from .bodies import Cavity, Interface, Liquid, MeshVessel, Origin
 from .mesh_meniscus import meniscus_of
 from .refill import wanted_volume, wets_otherwise
 
@@ -26,6 +26,7 @@ def mesh_vessel(
     category: str,
     roughness: float = 0.0,
     symmetric: bool = False,
+    origin: Origin | None = None,
     inside: Interior | None = None,
 ) -> MeshVessel:
     """Return an empty vessel at the origin, of a closed solid as it stands: z is up.
@@ -42,6 +43,8 @@ def mesh_vessel(
         GGX alpha of the glass.
     symmetric : bool
         Whether it is a solid of revolution about z.
+    origin : Origin, optional
+        Where it comes from.
     inside : Interior, optional
         Its cavities, where they are known (`cavities.interior.interior_of`).
 
@@ -67,6 +70,7 @@ def mesh_vessel(
         solid=solid,
         wall=inside.wall,
         cavities=cavities,
+        origin=origin,
     )
 
 
