@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -64,34 +64,33 @@ class OwnShape:
     origin: Origin
 
 
-def own_shape(file: VesselFile, settings: VesselSettings, notes: Notes | None = None) -> OwnShape:
-    """Return the shape in a file; InputError with what is wrong with it and where.
+def own_shape(file: VesselFile, settings: VesselSettings) -> OwnShape:
+    """Return the shape in a file; InputError with what is wrong with it and where."""
+    return read_shape(file, settings)[0]
 
-    Parameters
-    ----------
-    file : VesselFile
-        The file.
-    settings : VesselSettings
-        Unit, axis, thickness and smoothing of files.
-    notes : Notes, optional
-        Takes remarks, and the licence that the file states; then the file is read anew.
+
+def read_shape(file: VesselFile, settings: VesselSettings) -> tuple[OwnShape, Notes]:
+    """Return the shape in a file, and what its reader noted: the licence that it states, and files that it refers to.
+
+    Raises
+    ------
+    InputError
+        With what is wrong with the file, and where.
     """
-    if notes is not None:
-        return _read_shape(file, FileChoice.of(settings), notes)
     try:
         stamp = file.path.stat()
     except OSError as error:
         raise InputError(file.path, "a readable mesh", cause_of(error)) from error
-    return _own_shape(file, FileChoice.of(settings), stamp.st_size, stamp.st_mtime_ns)
+    # Its licence may have been found after it was read first.
+    plain = replace(file, place=replace(file.place, licence="unknown"))
+    shape, notes = _read_shape(plain, FileChoice.of(settings), stamp.st_size, stamp.st_mtime_ns)
+    origin = shape.origin.model_copy(update={"licence": file.place.licence})
+    return replace(shape, origin=origin), notes
 
 
 @lru_cache(_REMEMBERED)
-def _own_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int) -> OwnShape:
-    return _read_shape(file, choice, Notes())
-
-
-def _read_shape(file: VesselFile, choice: FileChoice, notes: Notes) -> OwnShape:
-    path = file.path
+def _read_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int) -> tuple[OwnShape, Notes]:
+    path, notes = file.path, Notes()
     # Pictures are not looked at: glass has none.
     source = Source(path, file.root, picture_folder(), notes, check_pictures=False)
     found = read_triangles(source)
@@ -112,12 +111,11 @@ def _read_shape(file: VesselFile, choice: FileChoice, notes: Notes) -> OwnShape:
     origin = Origin(
         file=file.name,
         layout=file.place.layout,
-        licence=file.place.licence,
         metres_per_unit=scale,
         centre=(x, y, z),
         up=up,
     )
-    return OwnShape(solid, _glass(path, found.look, scale), is_round(solid), origin)
+    return OwnShape(solid, _glass(path, found.look, scale), is_round(solid), origin), notes
 
 
 def _glass(path: Path, look: Look | None, scale: float) -> Medium | None:

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...core.passed_over import Finding, Progress, checked_files
 from ...core.remembered import Checked
-from ..mesh_files.model import Notes
 from ..props.mesh_files import root_of
 from ..vessels.settings import VesselSettings
 from .choice import FileChoice
@@ -69,10 +68,9 @@ def checked_vessels(
 
 def _checked(file: VesselFile, settings: VesselSettings) -> Checked:
     from ..cavities.interior import interior_of  # here, as these load SciPy
-    from .shape import own_shape
+    from .shape import read_shape
 
-    notes = Notes()
-    shape = own_shape(file, settings, notes)
+    shape, notes = read_shape(file, settings)
     inside = interior_of(shape.solid)
     facts = {
         "faces": len(shape.solid.faces),
