@@ -15,8 +15,9 @@ class FileChoice:
     unit: Unit | None
     up: UpAxis | Literal["fullest"] | None
     shell: float | None  #: [m]
+    smooth: float | None  #: [rad]
 
     @classmethod
     def of(cls, settings: VesselSettings) -> FileChoice:
         """Return what settings state."""
-        return cls(settings.unit, settings.up, settings.shell)
+        return cls(settings.unit, settings.up, settings.shell, settings.smooth)

@@ -21,13 +21,14 @@ from ..optics.catalogue import glass_named
 from ..optics.draw import glass_names
 from ..optics.medium import Medium
 from ..props.glass import medium_of
-from ..props.normals import creased
+from ..props.normals import CREASE, creased
 from ..vessels.settings import UpAxis, VesselSettings
 from .choice import FileChoice
 from .files import VesselFile
 from .points import solid_of_points
 from .read import UP, metres_per_unit, read_triangles, turned_up
 from .repair import closed_solid
+from .smoothing import smoothed
 
 #: Shapes that are remembered between scenes [1].
 _REMEMBERED = 32
@@ -102,9 +103,11 @@ def _read_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int)
             raise InputError(path, expected, f"{len(vertices):,} points alone")
         vertices, faces = solid_of_points(path, vertices, choice.shell)
     surface = closed_solid(path, vertices, faces, choice.shell)
+    if choice.smooth is not None:
+        surface = smoothed(path, surface, choice.smooth)
     up = _fullest(surface.vertices, surface.faces) if choice.up == "fullest" else choice.up or file.place.up
     placed = turned_up(surface.vertices, up)
-    solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
+    solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces, choice.smooth)
     if volume_of(solid) <= 0.0:
         raise InputError(path, "a solid", "a surface around nothing")
     x, y, z = (0.5 / scale * (surface.vertices.min(0) + surface.vertices.max(0))).tolist()
@@ -129,9 +132,9 @@ def _glass(path: Path, look: Look | None, scale: float) -> Medium | None:
     return medium_of(look.glass, scale, f"{look.name[:60] or 'glass'} of {path.name}")
 
 
-def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+def _with_normals(vertices: np.ndarray, faces: np.ndarray, smooth: float | None = None) -> Mesh:
     single = vertices.astype(np.float32).astype(np.float64)
-    points, corners, normals, _ = creased(single, faces)
+    points, corners, normals, _ = creased(single, faces, crease=max(smooth or 0.0, CREASE))
     return Mesh("solid", points, corners, normals)
 
 
