@@ -6,6 +6,7 @@ the geometry alone are in `geometry_checks`. ``glassware verify --labels`` runs 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,7 @@ def check_view(
         *check_fractions(labels),
         *check_boxes(labels, geometry),
         *check_box3d(labels, camera),
-        *check_keypoints(labels, camera),
+        *check_keypoints(labels, camera, [item.id for item in scene.objects if item.origin is not None]),
     ]
     return found if right is None else [*found, *check_disparity(geometry, right, camera)]
 
@@ -171,14 +172,20 @@ def check_box3d(labels: Labels, camera: Camera) -> list[Violation]:
     return found
 
 
-def check_keypoints(labels: Labels, camera: Camera) -> list[Violation]:
-    """Check that keypoints in the picture lie on the seen part of their object, and that all others are `outside`."""
+def check_keypoints(labels: Labels, camera: Camera, from_files: Collection[int] = ()) -> list[Violation]:
+    """Check that keypoints in the picture lie on the seen part of their object, and that all others are `outside`.
+
+    Meshes from files, whose ids are given, may be thinner than a pixel, as strips that opacity leaves are: a keypoint
+    on such a part may have no pixel near it, and has to lie where its object's pixels are, from border to border.
+    """
     found = []
     for label in labels.objects:
         size = (camera.height, camera.width)
         crossed, seen = _decoded(label.mask_amodal, size), _decoded(label.mask_seen, size)
         if crossed is None or seen is None:
             continue  # `check_masks` reports it
+        if label.id in from_files:
+            crossed = seen = _spanned(crossed)
         crossed, seen = _widened(crossed), _widened(seen)
         for number, point in enumerate(label.keypoints):
             where = f"object {label.id} keypoint {number}"
@@ -242,6 +249,16 @@ def _decoded(rle: Rle, shape: tuple[int, ...]) -> np.ndarray | None:
 
 def _pixel(pixel: tuple[float, float] | None) -> np.ndarray:
     return np.full(2, np.nan) if pixel is None else np.array(pixel)
+
+
+def _spanned(mask: np.ndarray) -> np.ndarray:
+    """Return the rectangle from the first to the last row and column of a mask's pixels."""
+    box = modal_box(mask)
+    spanned = np.zeros_like(mask)
+    if box is not None:
+        left, top, right, bottom = (round(edge + 0.5) for edge in box)
+        spanned[top:bottom, left:right] = True
+    return spanned
 
 
 def _widened(mask: np.ndarray) -> np.ndarray:

@@ -241,3 +241,15 @@ def test_a_fault_of_the_labels_is_found(view, name):
     found = checks.check_view(scene, camera, broken, geometry)
     assert check in {violation.check for violation in found}
     assert all(violation.where and violation.expected and violation.found for violation in found)
+
+
+def test_a_keypoint_on_a_strip_thinner_than_a_pixel_needs_no_pixel_beside_it(view) -> None:
+    _, camera, labels, geometry, _ = view
+    ball = labels.objects[1]
+    rows, columns = np.nonzero(geometry.crossed[1])
+    # A corner of the box around a round object is in its span, and none of its pixels.
+    place = (float(columns.min()), float(rows.min()))
+    corner = ball.keypoints[1].model_copy(update={"pixel": place, "state": "visible", "Z": 1.0})
+    moved = _label(labels, 1, keypoints=(corner, *ball.keypoints[1:]))
+    assert [found.check for found in checks.check_keypoints(moved, camera)] == ["keypoints"]
+    assert not checks.check_keypoints(moved, camera, [ball.id])
