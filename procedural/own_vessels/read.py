@@ -105,6 +105,8 @@ def metres_per_unit(path: Path, vertices: np.ndarray, unit: Unit | None, place: 
         Where the size is not one of `SIZES`, with the units that would fit.
     """
     longest = float(np.ptp(vertices, axis=0).max())
+    if longest == 0.0:
+        raise InputError(path, "a mesh with faces, or points on a surface", "a single point")
     low, high = SIZES
     expected = f"a vessel whose longest side has {1e3 * low:g} mm to {high:g} m"
     if unit is None and place.unit == "none":
