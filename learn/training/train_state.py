@@ -14,6 +14,7 @@ from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
 from ..data.samples import SampleDataset
 from ..networks.build import Network, build_network
+from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
@@ -67,7 +68,8 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     options = {"lr": settings.optimiser.learning_rate, "betas": settings.optimiser.betas}
     kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
     network.to(fabric.device)
-    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, **options)
+    set_memory_formats(network)
+    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, fused=True, **options)
     return TrainState(fabric, settings, train, val, dataset_record(data), network, optimiser, out)
 
 
@@ -128,7 +130,8 @@ def _load_optimiser(optimiser: torch.optim.Optimizer, start: Checkpoint, where: 
     """Load the tensors of `optimiser_tensors`; parameters that no loss depends on have none."""
     state: dict[int, dict[str, Tensor]] = {}
     expected: dict[str, Tensor] = {}
-    for number, parameter in enumerate(value for group in optimiser.param_groups for value in group["params"]):
+    parameters = [value for group in optimiser.param_groups for value in group["params"]]
+    for number, parameter in enumerate(parameters):
         moment = torch.zeros_like(parameter, device="cpu")
         fields = {"step": torch.zeros(()), "exp_avg": moment, "exp_avg_sq": moment}
         if any(f"{number}.{field}" in start.optimiser for field in fields):
@@ -137,6 +140,10 @@ def _load_optimiser(optimiser: torch.optim.Optimizer, start: Checkpoint, where: 
     check_weights(expected, start.optimiser, f"{where}: optimiser")
     if start.step and not state:
         raise InputError(f"{where}: optimiser", "a state for the weights", "none")
+    for number, fields in state.items():
+        # The fused optimiser walks through memory, so moments are laid out as their weights are.
+        for name in ("exp_avg", "exp_avg_sq"):
+            fields[name] = torch.empty_like(parameters[number], device="cpu").copy_(fields[name])
     optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
 
 

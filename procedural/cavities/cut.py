@@ -99,43 +99,81 @@ def cut(mesh: Mesh, columns: Columns, fillings: Sequence[Filling], names: tuple[
         Where a level does not lie in its cavity, or is not a closed line on its wall.
     """
     places, index = welded(mesh)
-    links = _links(index[mesh.faces])
+    links = links_of(index[mesh.faces])
     number = np.full(len(mesh.faces), -1)  # of the liquid that a face touches
     for k, filling in enumerate(fillings):
         touched = _touched(links, places[:, 2] < filling.level, columns, filling.hollow, filling.level)
         if not touched.any():
             raise ValueError("expected a wall below the level, found none")
         number[touched] = k
-    level = np.append([filling.level for filling in fillings], np.nan)[number]
+    return _cut_faces(mesh, links, number, [(filling.level, filling.dome) for filling in fillings], names)
+
+
+def cut_known(mesh: Mesh, inner: np.ndarray, height: float, names: tuple[str, str, str]) -> Parts:
+    """Return a solid's surface cut along the level of the liquid in a cavity of which the faces are known.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The closed surface of the solid, each edge between two faces.
+    inner : (m,) bool
+        The faces around the cavity: below its brim, no other face shares an edge with them.
+    height : float
+        The level [m], below the brim (`clear_level`).
+    names : (str, str, str)
+        Of the three meshes.
+
+    Raises
+    ------
+    ValueError
+        Where the level is not a closed line on the wall.
+    """
+    _, index = welded(mesh)
+    number = np.where(inner & (mesh.vertices[mesh.faces, 2].min(1) < height), 0, -1)
+    return _cut_faces(mesh, links_of(index[mesh.faces]), number, [(height, None)], names)
+
+
+def _cut_faces(
+    mesh: Mesh,
+    links: Links,
+    number: np.ndarray,
+    tops: Sequence[tuple[float, Dome | None]],
+    names: tuple[str, str, str],
+) -> Parts:
+    """Return a surface cut along the level of the liquid that each face touches, whose number it has; -1 is none.
+
+    Each liquid has its level [m], and a dome where its surface is not flat.
+    """
+    level = np.append([height for height, _ in tops], np.nan)[number]
     below = mesh.vertices[mesh.faces, 2] < level[:, None]
     split = np.flatnonzero(below.any(1) & ~below.all(1))
     vertices, normals, pieces = _split(mesh, links, below[split], split, level[split])
     wet = np.concatenate([mesh.faces[below.all(1)], *pieces.low])
     dry = np.concatenate([mesh.faces[~below.any(1)], *pieces.high])
     owner = dict(zip(pieces.segments[:, 0].tolist(), number[split].tolist(), strict=True))
-    rings = _rings(pieces.segments, pieces.vertex_of_edge, owner, len(fillings))
+    rings = _rings(pieces.segments, pieces.vertex_of_edge, owner, len(tops))
     return Parts(
         _mesh(names[0], vertices, dry, normals),
         _mesh(names[1], vertices, wet, normals),
-        _mesh(names[2], *_surfaces(vertices, rings, fillings)),
+        _mesh(names[2], *_surfaces(vertices, rings, [dome for _, dome in tops])),
     )
 
 
 def _surfaces(
-    vertices: np.ndarray, rings: Sequence[Sequence[np.ndarray]], fillings: Sequence[Filling]
+    vertices: np.ndarray, rings: Sequence[Sequence[np.ndarray]], domes: Sequence[Dome | None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the vertices, faces and normals of the liquids' surfaces; the vertices begin with the given ones."""
     normals = np.zeros_like(vertices)
     normals[:, 2] = 1.0
     faces = [np.zeros((0, 3), np.int64)]
-    for lines, filling in zip(rings, fillings, strict=True):
+    for lines, dome in zip(rings, domes, strict=True):
         some = _distinct(vertices, lines)
-        if filling.dome is None:
+        if dome is None:
             faces.append(triangulated(vertices[:, :2].astype(np.float64), some))
             continue
         if len(some) != 1:
             raise ValueError(f"expected one closed line where the level meets the wall, found {len(some)}")
-        vertices, normals, made = domed(vertices, normals, some[0], filling.dome)
+        vertices, normals, made = domed(vertices, normals, some[0], dome)
         faces.append(made)
     return vertices, np.concatenate(faces), normals
 
@@ -144,11 +182,11 @@ def touched_faces(
     faces: np.ndarray, heights: np.ndarray, columns: Columns, hollow: Hollow, height: float
 ) -> np.ndarray:
     """Return which faces of a welded mesh, (m,) bool, a liquid in a cavity would touch up to a height [m]."""
-    return _touched(_links(faces), heights < height, columns, hollow, height)
+    return _touched(links_of(faces), heights < height, columns, hollow, height)
 
 
 @dataclass(frozen=True, eq=False)
-class _Links:
+class Links:
     """The edges of a closed mesh."""
 
     edge: np.ndarray  #: (m, 3) number of the edge that begins at each corner
@@ -166,7 +204,7 @@ class _Pieces:
     vertex_of_edge: dict[int, int]
 
 
-def _links(faces: np.ndarray) -> _Links:
+def links_of(faces: np.ndarray) -> Links:
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
     keys = ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1]
     _, first, edge = np.unique(keys, return_index=True, return_inverse=True)
@@ -174,10 +212,10 @@ def _links(faces: np.ndarray) -> _Links:
     order = np.argsort(edge, kind="stable")
     if len(order) != 2 * len(first) or (np.diff(edge[order].reshape(-1, 2), axis=1) != 0).any():
         raise ValueError("expected two faces at every edge, found other counts")
-    return _Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
+    return Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
 
 
-def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
+def _touched(links: Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
     """Return the faces that the liquid in a cavity touches, by connected pieces of the surface below its level."""
     a, b = links.sides[low[links.ends].any(1)].T
     count = len(links.edge)
@@ -193,7 +231,7 @@ def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, h
 
 
 def _split(
-    mesh: Mesh, links: _Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
+    mesh: Mesh, links: Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None, _Pieces]:
     """Return all vertices, with those on the edges of the faces that a level crosses, and the pieces of these faces."""
     alone_low = below.sum(1) == 1

@@ -9,6 +9,7 @@ from ...core.mesh import Mesh, check_closed, joined, turned, volume_of
 from ...core.units import volume_text
 from ..cavities.cut import Filling, Parts
 from ..cavities.domes import Dome
+from ..cavities.find import Hollow
 from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
 from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
@@ -63,7 +64,7 @@ def mesh_vessel(
         category=category,
         glass=glass,
         roughness=roughness,
-        interfaces=_dry(solid, glass, roughness),
+        interfaces=dry_interfaces_of(solid, glass, roughness),
         size=(x, y, z),
         symmetric=symmetric,
         world_T_object=np.eye(4),
@@ -102,7 +103,7 @@ def refilled_mesh(
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(
-            update={"liquid": None, "interfaces": _dry(vessel.solid, vessel.glass, vessel.roughness)}
+            update={"liquid": None, "interfaces": dry_interfaces_of(vessel.solid, vessel.glass, vessel.roughness)}
         )
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
@@ -112,16 +113,44 @@ def refilled_mesh(
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    record = _record(medium, parts, filling, inside)
+    filled_one = with_parts(vessel, medium, parts, filling.level, inside.volume)
+    return filled_one if filling.dome is None else _curved(filled_one, filling.hollow, filling.dome)
+
+
+def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, brimful: float) -> MeshVessel:
+    """Return a vessel that holds a liquid, from its surface cut along the level [m] and its brimful volume [m^3]."""
+    volume = _content(parts)
+    record = Liquid(
+        medium=medium,
+        level=level,
+        centre=level,
+        contact=level,
+        contact_angle=_contact_angle(parts, level),
+        fill=min(volume / brimful, 1.0),
+        volume=volume,
+    )
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
+
+
+def _curved(vessel: MeshVessel, hollow: Hollow, dome: Dome) -> MeshVessel:
+    """Return a vessel with the record of its liquid's curved surface in the largest cavity."""
+    liquid = vessel.liquid
+    assert liquid is not None
+    slope = float(np.arctan2(-dome.normals[-1, 0], dome.normals[-1, 1]))
+    changes = {
+        "level": flat_level(hollow, liquid.fill * hollow.volume),
+        "centre": float(dome.points[0, 1]),
+        "contact_angle": liquid.contact_angle - slope,
+    }
+    return vessel.model_copy(update={"liquid": liquid.model_copy(update=changes)})
 
 
 def with_mesh_wall(vessel: MeshVessel, glass: Medium, roughness: float | None) -> MeshVessel:
     """Return a vessel of another glass; where its liquid wets that at another angle, with the surface that follows."""
     changed = vessel.with_media(glass=glass, roughness=roughness)
-    return (
-        refilled_mesh(changed, changed.liquid.medium) if changed.liquid and wets_otherwise(vessel, glass) else changed
-    )
+    if changed.liquid is None or not wets_otherwise(vessel, glass):
+        return changed
+    return refilled_mesh(changed, changed.liquid.medium)
 
 
 def _filled(vessel: MeshVessel, medium: Medium, inside: Interior, wanted: float) -> tuple[Parts, Filling]:
@@ -137,23 +166,6 @@ def _filled(vessel: MeshVessel, medium: Medium, inside: Interior, wanted: float)
     corrected = min(2.0 * wanted - _content(parts), most_volume(inside))
     parts, fillings = filled(vessel.solid, inside, corrected, names, curved)
     return parts, fillings[0]
-
-
-def _record(medium: Medium, parts: Parts, filling: Filling, inside: Interior) -> Liquid:
-    volume = _content(parts)
-    dome, contact = filling.dome, filling.level
-    wall = _contact_angle(parts, contact)
-    hollow = filling.hollow
-    share = min(volume / inside.volume, 1.0)
-    return Liquid(
-        medium=medium,
-        level=contact if dome is None else flat_level(hollow, share * hollow.volume),
-        centre=contact if dome is None else float(dome.points[0, 1]),
-        contact=contact,
-        contact_angle=wall if dome is None else wall - float(np.arctan2(-dome.normals[-1, 0], dome.normals[-1, 1])),
-        fill=share,
-        volume=volume,
-    )
 
 
 def _content(parts: Parts) -> float:
@@ -176,7 +188,8 @@ def _contact_angle(parts: Parts, level: float) -> float:
     return float(np.average(angles, weights=np.maximum(edge, 1e-12)))
 
 
-def _dry(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+def dry_interfaces_of(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+    """Return the one interface of an empty vessel, the whole surface of its solid."""
     name = solid.name.removesuffix("-solid") + "-outside"
     mesh = Mesh(name, solid.vertices, solid.faces, solid.normals)
     return (Interface(part="outside", mesh=mesh, front=AIR, back=glass, roughness=roughness),)

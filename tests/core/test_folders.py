@@ -56,4 +56,4 @@ def test_a_missing_folder_a_file_and_an_empty_folder_are_refused(tmp_path) -> No
 def test_a_pipe_is_no_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "a.obj")
     (tmp_path / "b.obj").touch()
-    assert files_in(tmp_path, "meshes", (".obj",)) == (tmp_path / "b.obj",)
+    assert files_in(tmp_path, "meshes", (".obj",), below=False) == (tmp_path / "b.obj",)
