@@ -13,7 +13,8 @@ from ...procedural.optics.draw import liquid_names
 from ...procedural.optics.dyes import DYES, Dye
 from ...procedural.optics.medium import Medium
 from ...procedural.optics.own_media import read_media
-from ...procedural.vessels.families import FAMILIES, Family
+from ...procedural.vessels.families import FAMILIES
+from ...procedural.vessels.family_pieces import Family
 from ...procedural.vessels.settings import VesselSettings
 from ...procedural.vessels.sizes import NOMINAL, volumes_of
 from .config import preset_names
