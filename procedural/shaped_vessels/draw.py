@@ -66,13 +66,18 @@ def draw_shaped_vessel(
     name: str,
     glass: Medium,
     liquid_medium: Medium | None = None,
-) -> MeshVessel:
+) -> tuple[MeshVessel, ShapedGlass]:
     """Draw a vessel at the origin of its own frame; its liquid, if it has one, is level.
 
     Parameters
     ----------
     rng, settings, id, name, glass, liquid_medium
         As in `vessels.draw.draw_vessel`; the families of `SHAPERS` alone.
+
+    Returns
+    -------
+    MeshVessel, ShapedGlass
+        The vessel, and what it was made of.
 
     Raises
     ------
@@ -96,8 +101,8 @@ def draw_shaped_vessel(
     roughness = draw_roughness(rng, settings)
     vessel = _vessel(made, glass, roughness, id=id, name=name, category=category)
     if amount is None or liquid_medium is None:
-        return vessel
-    return _filled(vessel, made, liquid_medium, float(np.clip(amount, *_volume_limits(made.cavity))))
+        return vessel, made
+    return _filled(vessel, made, liquid_medium, float(np.clip(amount, *_volume_limits(made.cavity)))), made
 
 
 def _built(
