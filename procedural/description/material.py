@@ -10,6 +10,12 @@ from ...core.assets import Asset
 from ...core.model import Model, Reflectance
 
 
+#: Most texels along a side of a surface: four maps of them have 28 MB.
+MOST_TEXELS = 1024
+PositiveFloat = Annotated[float, Field(gt=0.0, le=100.0)]
+Texels = Annotated[int, Field(ge=4, le=MOST_TEXELS)]
+
+
 def _is_none(value: object) -> bool:
     return value is None
 
@@ -28,6 +34,27 @@ class ProceduralTexture(Model):
     colours: tuple[Reflectance, ...] = Field(min_length=2, max_length=4, description="Linear Rec.709 reflectances")
     seed: int = Field(ge=0, description="Seed of the pattern")
     resolution: int = Field(default=512, ge=16, le=4096, description="Side of the square picture [px]")
+
+
+class SurfaceTexture(Model):
+    """A surface at a scale in metres, with colour, roughness and relief, that `patterns.bake` makes of these numbers.
+
+    Texture coordinates are in metres, and a material repeats it `1 / extent` times per metre.
+    """
+
+    kind: Literal["surface"] = "surface"
+    pattern: str = Field(description="Name in `patterns.bake.PATTERNS`, such as 'planks' or 'label'")
+    colours: tuple[Reflectance, ...] = Field(min_length=1, max_length=6, description="Linear Rec.709 reflectances")
+    seed: int = Field(ge=0, description="Seed of the pattern")
+    extent: tuple[PositiveFloat, PositiveFloat] = Field(description="Width and height of what one repeat shows [m]")
+    size: tuple[Texels, Texels] = Field(description="Width and height of the picture [px]")
+    wear: float = Field(default=0.0, ge=0.0, le=1.0, description="Traces of use: 0 new, 1 worn")
+    layout: tuple[float, ...] = Field(
+        default=(),
+        exclude_if=lambda layout: not layout,
+        description="What a print is laid out for: a carton's depth over its height, a book's spine over its cover",
+    )
+    relief: bool = Field(default=True, description="Whether roughness and normals differ from place to place, too")
 
 
 class PictureTexture(Model):
@@ -75,7 +102,9 @@ class VertexColours(Model):
     kind: Literal["vertices"] = "vertices"
 
 
-Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture | VertexColours, Field(discriminator="kind")]
+Texture = Annotated[
+    UniformTexture | ProceduralTexture | SurfaceTexture | PictureTexture | VertexColours, Field(discriminator="kind")
+]
 
 
 class OpaqueMaterial(Model):
@@ -102,4 +131,5 @@ class OpaqueMaterial(Model):
     @property
     def is_mapped(self) -> bool:
         """Whether anything but the colour differs from place to place."""
-        return any((self.roughness_map, self.metallic_map, self.normal_map, self.bump_map))
+        relief = isinstance(self.base_colour, SurfaceTexture) and self.base_colour.relief
+        return relief or any((self.roughness_map, self.metallic_map, self.normal_map, self.bump_map))
