@@ -9,7 +9,6 @@ from pydantic import Field
 from ...core.assets import Asset
 from ...core.model import Model, Reflectance
 
-
 #: Most texels along a side of a surface: four maps of them have 28 MB.
 MOST_TEXELS = 1024
 PositiveFloat = Annotated[float, Field(gt=0.0, le=100.0)]

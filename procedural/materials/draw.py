@@ -273,5 +273,6 @@ def paint_colour(rng: np.random.Generator) -> Reflectance:
 
 
 def dielectric(colour: np.ndarray) -> Reflectance:
+    """Return a colour within what dielectrics reflect, `DIELECTRIC_RANGE`."""
     red, green, blue = np.clip(colour, *DIELECTRIC_RANGE)
     return float(red), float(green), float(blue)

@@ -32,7 +32,7 @@ def striped(grid: Grid, colours: np.ndarray) -> Layers:
 
     def index(place: np.ndarray) -> np.ndarray:
         x = np.abs(place % repeat - repeat / 2)
-        return (((x < wide) | (np.abs(x - 1.6 * wide) < narrow))).astype(int)
+        return ((x < wide) | (np.abs(x - 1.6 * wide) < narrow)).astype(int)
 
     return _woven(grid, colours[:2], index, _one)
 
@@ -41,12 +41,12 @@ def _one(place: np.ndarray) -> np.ndarray:
     return np.zeros(place.shape, int)
 
 
-def _bands(length: float, size: float):  # noqa: ANN202
+def _bands(length: float, size: float):
     count = 2 * max(1, round(length / size / 2))
     return lambda place: (place / length * count).astype(int) % 2
 
 
-def _woven(grid: Grid, colours: np.ndarray, warp_colour, weft_colour) -> Layers:  # noqa: ANN001
+def _woven(grid: Grid, colours: np.ndarray, warp_colour, weft_colour) -> Layers:
     """Return a plain weave; the functions give the number of a thread's colour from its place [m]."""
     rng = grid.rng
     wanted = rng.uniform(*THREAD)

@@ -99,7 +99,9 @@ def plain(rng: np.random.Generator, name: str, colour: Reflectance, roughness: t
     return OpaqueMaterial(name=name, base_colour=texture, roughness=float(rng.uniform(*roughness)))
 
 
-def wooden(rng: np.random.Generator, extent: tuple[float, float], wear: float, pattern: str = "solid wood") -> OpaqueMaterial:
+def wooden(
+    rng: np.random.Generator, extent: tuple[float, float], wear: float, pattern: str = "solid wood"
+) -> OpaqueMaterial:
     """Draw a wood, waxed or lacquered, with its grain along u."""
     kind = tuple(WOODS)[rng.integers(len(WOODS))]
     size = (256, 256)

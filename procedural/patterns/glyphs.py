@@ -47,7 +47,7 @@ def word_picture(
     parts = []
     for number in range(count):
         master = letters[int(rng.integers(len(letters)))]
-        tall = capitals or number == 0 and rng.random() < 0.2 or rng.random() < 0.25
+        tall = capitals or (number == 0 and rng.random() < 0.2) or rng.random() < 0.25
         rows = max(1, round(height * (1.0 if tall else X_HEIGHT)))
         columns = max(1, round(master.shape[1] * height / MASTER * (0.95 if tall else 0.85)))
         letter = np.zeros((height, columns + max(1, round(0.08 * height))), np.float32)
@@ -80,7 +80,9 @@ def _letter(rng: np.random.Generator, stroke: int) -> np.ndarray:
 
     kind = int(rng.integers(6))
     if kind == 0:  # round
-        cv2.ellipse(canvas, (width // 2, MASTER // 2), (right - width // 2, bottom - MASTER // 2), 0, 0, 360, 255, stroke)
+        cv2.ellipse(
+            canvas, (width // 2, MASTER // 2), (right - width // 2, bottom - MASTER // 2), 0, 0, 360, 255, stroke
+        )
     elif kind == 1:  # diagonals
         stroke_to((left, top if rng.random() < 0.5 else bottom), (width // 2, bottom if rng.random() < 0.5 else top))
         stroke_to((width // 2, bottom), (right, top))

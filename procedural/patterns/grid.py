@@ -65,7 +65,9 @@ class Grid:
         wide, high = (size, size) if isinstance(size, int | float) else size
         total, weight, power = np.zeros(self.shape, np.float32), 1.0, 0.0
         for octave in range(octaves):
-            cells = [max(1, round(side / feature * 2**octave)) for side, feature in ((self.width, wide), (self.height, high))]
+            cells = [
+                max(1, round(side / feature * 2**octave)) for side, feature in ((self.width, wide), (self.height, high))
+            ]
             if octave and (cells[0] > self.columns and cells[1] > self.rows):
                 break
             total += np.float32(weight) * self._spline(min(cells[0], self.columns), min(cells[1], self.rows))

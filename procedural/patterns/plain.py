@@ -33,7 +33,7 @@ def polished_metal(grid: Grid, colours: np.ndarray) -> Layers:
 
 
 def laminate(grid: Grid, colours: np.ndarray) -> Layers:
-    """Decorative laminate: fine speckles, or clouds, under a textured coat."""
+    """Laminate: fine speckles, or clouds, under a textured coat."""
     speckle = step(0.8, 1.4, grid.noise(0.0018)) - 0.6 * step(1.0, 1.6, grid.noise(0.003))
     tone = 0.5 + 0.35 * speckle + 0.06 * grid.noise(0.10, 4)
     grain = grid.noise(0.0022)
@@ -64,7 +64,7 @@ def paper(grid: Grid, colours: np.ndarray) -> Layers:
 
 
 def page_edges(grid: Grid, colours: np.ndarray) -> Layers:
-    """The cut edge of a book: leaves along x, in sections, of uneven tone."""
+    """Leaves of a book at their cut edge, along x, in sections, of uneven tone."""
     leaves = 0.6 * grid.noise((0.3, 0.0005)) + 0.5 * grid.noise((0.15, 0.0012))
     sections = grid.noise((1.0, 0.004))
     tone = 0.5 + 0.18 * leaves + 0.10 * sections + 0.08 * grid.noise(0.03, 2)

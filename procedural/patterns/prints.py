@@ -47,6 +47,12 @@ class Sheet:
             amount = amount * np.clip((r - inner) / soft + 0.5, 0.0, 1.0)
         self._ink(amount.astype(np.float32), colour, rows, columns)
 
+    def repeat(self, x: float, width: float, height: float) -> None:
+        """Print what is in the lower left corner once more at a place along x."""
+        columns, first = round(width / self.grid.texel[0]), round(x / self.grid.texel[0])
+        columns, rows = min(columns, self.grid.columns - first), round(height / self.grid.texel[1])
+        self.colour[:rows, first : first + columns] = self.colour[:rows, :columns]
+
     def reading(self, x: float, y: float, width: float, height: float) -> np.ndarray:
         """Return ink that reads on what a box shows: dark on light and light on dark."""
         columns = slice(max(0, int(x / self.grid.texel[0])), int((x + width) / self.grid.texel[0]) + 1)
@@ -102,7 +108,9 @@ class Sheet:
         if first >= last or below >= above:
             return
         # Each texel is the mean of what it covers: sums up to its edges, subtracted.
-        rows = _cumulated(picture[::-1], np.clip((np.arange(below, above + 1) * high - y) / pixel_y, 0, picture.shape[0]))
+        rows = _cumulated(
+            picture[::-1], np.clip((np.arange(below, above + 1) * high - y) / pixel_y, 0, picture.shape[0])
+        )
         cells = _cumulated(rows.T, np.clip((np.arange(first, last + 1) * wide - x) / pixel, 0, picture.shape[1])).T
         amount = np.clip(cells * (pixel_y / high) * (pixel / wide), 0.0, 1.0)
         self._ink(amount, colour, slice(below, above), slice(first, last))
@@ -127,7 +135,7 @@ def _cumulated(picture: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def carton(grid: Grid, colours: np.ndarray) -> Layers:
-    """A carton unfolded: its sides side by side (front, right, back, left), its top above the front.
+    """Carton, unfolded: its sides side by side (front, right, back, left), its top above the front.
 
     The picture is 2 (w + d) wide and h + d high. Its layout is d over h.
     """
@@ -136,8 +144,8 @@ def carton(grid: Grid, colours: np.ndarray) -> Layers:
     width, height = grid.width / 2 - depth, grid.height - depth
     starts = np.cumsum([0.0, width, depth, width])
     front_style = grid.rng.random()
-    for start in (starts[0], starts[2]):
-        _front(sheet, start, 0.0, width, height, colours, front_style)
+    _front(sheet, 0.0, 0.0, width, height, colours, front_style)
+    sheet.repeat(starts[2], width, height)
     for number, start in enumerate((starts[1], starts[3])):
         _side(sheet, start, 0.0, depth, height, colours, code=number == 0)
     sheet.rectangle(0.0, height, width, height + depth, colours[0])
@@ -151,11 +159,11 @@ def carton(grid: Grid, colours: np.ndarray) -> Layers:
 
 
 def label(grid: Grid, colours: np.ndarray) -> Layers:
-    """The label around a can or a bottle: twice a front, with small print and a bar code between."""
+    """Label around a can or a bottle: twice a front, with small print and a bar code between."""
     sheet = Sheet(grid, colours[0])
     quarter, style = grid.width / 4, grid.rng.random()
-    for start in (0.0, 2 * quarter):
-        _front(sheet, start, 0.0, quarter * 1.1, grid.height, colours, style)
+    _front(sheet, 0.0, 0.0, quarter * 1.1, grid.height, colours, style)
+    sheet.repeat(2 * quarter, 1.1 * quarter, grid.height)
     _side(sheet, 1.15 * quarter, 0.0, 0.75 * quarter, grid.height, colours, code=True)
     _side(sheet, 3.15 * quarter, 0.0, 0.75 * quarter, grid.height, colours, code=False)
     band = grid.rng.uniform(0.02, 0.08) * grid.height
@@ -165,7 +173,7 @@ def label(grid: Grid, colours: np.ndarray) -> Layers:
 
 
 def cover(grid: Grid, colours: np.ndarray) -> Layers:
-    """The cover of a book, opened flat: back, spine, and front. Its layout is the spine over the whole width."""
+    """Cover of a book, opened flat: back, spine, and front. Its layout is the spine over the whole width."""
     sheet = Sheet(grid, colours[0])
     spine = grid.layout[0] * grid.width
     side = (grid.width - spine) / 2
@@ -194,11 +202,17 @@ def _spine(sheet: Sheet, start: float, width: float, colours: np.ndarray) -> Non
 
 
 def _front(
-    sheet: Sheet, x: float, y: float, width: float, height: float, colours: np.ndarray, style: float, title: bool = False
+    sheet: Sheet,
+    x: float,
+    y: float,
+    width: float,
+    height: float,
+    colours: np.ndarray,
+    style: float,
+    title: bool = False,
 ) -> None:
     """Print a front: a field, a picture of simple shapes, a name, and a line or two below it."""
     rng, main, accent = sheet.rng, colours[1], colours[min(2, len(colours) - 1)]
-    state = rng.integers(2**31)
     if style < 0.35:
         sheet.rectangle(x, y, x + width, y + 0.42 * height, main)
     elif style < 0.7:
@@ -206,13 +220,12 @@ def _front(
     else:
         sheet.rectangle(x + 0.06 * width, y + 0.05 * height, x + 0.94 * width, y + 0.95 * height, main)
         sheet.rectangle(x + 0.09 * width, y + 0.07 * height, x + 0.91 * width, y + 0.93 * height, colours[0])
-    own = np.random.default_rng(int(state))
-    _picture(sheet, own, x + 0.12 * width, y + 0.2 * height, 0.76 * width, 0.36 * height, (main, accent, colours[0]))
+    _picture(sheet, rng, x + 0.12 * width, y + 0.2 * height, 0.76 * width, 0.36 * height, (main, accent, colours[0]))
     high = height * (0.14 if title else 0.16)
-    sheet.word(x + 0.1 * width, y + 0.68 * height, 0.8 * width, high, None, int(own.integers(4, 8)))
-    sheet.word(x + 0.2 * width, y + 0.61 * height, 0.6 * width, 0.035 * height, None, int(own.integers(8, 14)))
+    sheet.word(x + 0.1 * width, y + 0.68 * height, 0.8 * width, high, None, int(rng.integers(4, 8)))
+    sheet.word(x + 0.2 * width, y + 0.61 * height, 0.6 * width, 0.035 * height, None, int(rng.integers(8, 14)))
     if title:
-        sheet.word(x + 0.25 * width, y + 0.09 * height, 0.5 * width, 0.03 * height, None, int(own.integers(8, 13)))
+        sheet.word(x + 0.25 * width, y + 0.09 * height, 0.5 * width, 0.03 * height, None, int(rng.integers(8, 13)))
     else:
         sheet.text(x + 0.12 * width, y + 0.08 * height, 0.5 * width, 0.06 * height, BODY, None)
 
@@ -258,9 +271,7 @@ def _picture(
                 sheet.ellipse(*place, half, half, colours[int(rng.integers(2))])
 
 
-def _side(
-    sheet: Sheet, x: float, y: float, width: float, height: float, colours: np.ndarray, code: bool
-) -> None:
+def _side(sheet: Sheet, x: float, y: float, width: float, height: float, colours: np.ndarray, code: bool) -> None:
     """Print a side: a heading, a box of small print, a table with lines, and a bar code."""
     ink, inner = _contrast(colours), 0.84 * width
     left = x + 0.08 * width
@@ -277,7 +288,7 @@ def _side(
 
 
 def screen(grid: Grid, colours: np.ndarray) -> Layers:
-    """The front of a phone: dark glass with a black rim, off, with finger marks."""
+    """Front of a phone: dark glass with a black rim, off, with finger marks."""
     layers = flat_layers(grid, colours[0])
     smear = step(0.2, 1.6, grid.noise((0.010, 0.03), 3))
     streak = step(0.8, 2.0, grid.noise((0.004, 0.04), 2))

@@ -56,15 +56,15 @@ def apple(grid: Grid, colours: np.ndarray) -> Layers:
     azimuth = np.arctan2(d[..., 1], d[..., 0])
     # Streaks run from stem to calyx: noise over the azimuth's circle, hardly over the height.
     ring = np.stack([np.cos(azimuth), np.sin(azimuth), 0.10 * d[..., 2]], -1)
-    streaks = value_noise(ring * 28.0, seed) + 0.6 * value_noise(ring * 60.0, seed + 1) - 0.8
-    sun = d @ _unit(grid.rng.normal(size=3) + [0, 0, 0.5])
+    streaks = value_noise(ring * 34.0, seed) + 0.6 * value_noise(ring * 80.0, seed + 1) - 0.8
+    sun = d @ _unit(grid.rng.normal(size=3) + np.array([0.0, 0.0, 0.5]))
     cover = grid.rng.uniform(-0.5, 0.8)
     blush = step(-0.5, 0.8, sun + cover + 0.9 * streaks + 0.7 * (value_noise(d * 3.0, seed + 2) - 0.5))
     ground = colours[0] * (1.0 + 0.25 * (value_noise(d * 4.0, seed + 3) - 0.5))[..., None]
     red = colours[1] * (1.0 + 0.35 * streaks)[..., None]
     colour = ground + blush[..., None] * (red - ground)
-    dots = step(0.011, 0.005, _nearest(_unit(grid.rng.normal(size=(LENTICELS, 3))), d))
-    colour = mixed(colour, np.array((0.60, 0.48, 0.26)), 0.55 * dots)
+    dots = step(0.0075, 0.003, _nearest(_unit(grid.rng.normal(size=(LENTICELS, 3))), d))
+    colour = mixed(colour, np.array((0.60, 0.48, 0.26)), 0.4 * dots)
     russet = step(0.42, 0.10, _from_axis(d) + 0.22 * streaks) * (d[..., 2] > 0)
     colour = mixed(colour, colours[-1], 0.8 * russet)
     rough = 1.0 + 0.8 * russet + 0.2 * (value_noise(d * 6.0, seed + 4) - 0.5)

@@ -24,7 +24,7 @@ def granite(grid: Grid, colours: np.ndarray) -> Layers:
     fields[-1] = fields[-1] - 0.8
     ranked = np.argmax(fields, axis=0)
     colour = colours[ranked].astype(np.float32) * (1.0 + 0.10 * grid.noise(0.0015)[..., None])
-    colour *= (1.0 + 0.05 * grid.noise(0.12)[..., None])
+    colour *= 1.0 + 0.05 * grid.noise(0.12)[..., None]
     roughness = np.where(ranked == len(colours) - 1, np.float32(1.3), np.float32(1.0))
     return Layers(colour, roughness, np.zeros(grid.shape, np.float32))
 

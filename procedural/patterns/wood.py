@@ -40,9 +40,7 @@ def solid_wood(grid: Grid, colours: np.ndarray) -> Layers:
     return _boards(grid, colours, 4.0 * grid.height, None, 0.0)
 
 
-def _boards(
-    grid: Grid, colours: np.ndarray, width: float, lengths: tuple[float, float] | None, gap: float
-) -> Layers:
+def _boards(grid: Grid, colours: np.ndarray, width: float, lengths: tuple[float, float] | None, gap: float) -> Layers:
     # Twice the rows, averaged in the end: rings are hardly wider than a texel.
     fine = Grid(grid.width, grid.height, grid.columns, 2 * grid.rows, grid.rng, grid.wear)
     count = max(1, round(fine.height / width))
@@ -92,7 +90,7 @@ def _rings(grid: Grid, board: np.ndarray, across: np.ndarray, width: float) -> t
     """Return the growth rings [0, 1], late wood 1, and how far each texel is from a cut along the rings [0, 1]."""
     rng, boards = grid.rng, int(board.max()) + 1
     offset = rng.uniform(-PITH_OFFSET, PITH_OFFSET, boards) * min(width, 0.3)
-    depth = np.exp(rng.uniform(*np.log(PITH_DEPTH), boards))
+    depth = np.exp(rng.uniform(np.log(PITH_DEPTH[0]), np.log(PITH_DEPTH[1]), boards))
     slope, spacing = rng.normal(0.0, PITH_SLOPE, boards), rng.uniform(*RING_SPACING, boards)
     middle = np.floor(grid.y / np.float32(width)) * width + width / 2 if width < grid.height else grid.height / 2
     y = (grid.y - middle + offset[board]).astype(np.float32)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ..patterns.draw import metal
@@ -33,7 +35,7 @@ def fork(rng: np.random.Generator, wear: float) -> Thing:
     # Columns at the edges of the tines, a gap as wide as a tine is.
     cells = 2 * tines - 1
     edges = np.linspace(-1.0, 1.0, cells + 1)
-    across = np.concatenate([np.linspace(a, b, 3)[:-1] for a, b in zip(edges, edges[1:], strict=False)] + [[1.0]])
+    across = np.concatenate([np.linspace(a, b, 3)[:-1] for a, b in itertools.pairwise(edges)] + [[1.0]])
     present = np.ones((STEPS - 1, len(across) - 1), bool)
     for gap in range(1, cells, 2):
         present[s[:-1] >= length - slot, 2 * gap : 2 * gap + 2] = False
@@ -51,7 +53,9 @@ def spoon(rng: np.random.Generator, wear: float) -> Thing:
     length, thick = rng.uniform(*(SPOON if rng.random() < 0.6 else TEA_SPOON)), rng.uniform(*SHEET)
     bowl, width = length * rng.uniform(0.30, 0.34), length * rng.uniform(0.195, 0.215)
     handle = _handle_width(rng, length)
-    s = np.concatenate([np.linspace(0.0, length - bowl, 45), length - bowl + bowl * np.linspace(0.0, 1.0, 46)[1:] ** 0.9])
+    s = np.concatenate(
+        [np.linspace(0.0, length - bowl, 45), length - bowl + bowl * np.linspace(0.0, 1.0, 46)[1:] ** 0.9]
+    )
     s = np.sort(s)
     t = np.clip((s - (length - bowl)) / bowl, 0.0, 1.0)
     egg = np.sqrt(np.clip(1.0 - (2.0 * t**0.85 - 1.0) ** 2, 0.0, 1.0))
@@ -73,7 +77,9 @@ def knife(rng: np.random.Generator, wear: float) -> Thing:
     s = np.linspace(0.0, length, STEPS)
     t = np.clip((s / length - (1 - blade)) / blade, 0.0, 1.0)
     ends = np.sqrt(np.clip(1 - (1 - np.clip(s / 0.010, 0, 1)) ** 2, 0.0, 1.0))
-    body = handle * (0.86 + 0.14 * np.cos(2 * np.pi * np.clip(s / (length * (1 - blade)), 0, 1))) * np.maximum(ends, 0.15)
+    body = (
+        handle * (0.86 + 0.14 * np.cos(2 * np.pi * np.clip(s / (length * (1 - blade)), 0, 1))) * np.maximum(ends, 0.15)
+    )
     tip = np.clip((1 - t) / 0.22, 0.0, 1.0)
     upper = np.where(t > 0, high * np.sqrt(1 - (1 - tip) ** 2) * np.clip(0.75 + 3 * t, 0, 1), body)
     lower = np.where(t > 0, high * np.clip(0.75 + 6 * t, 0, 1) * (0.35 + 0.65 * np.sqrt(1 - (1 - tip) ** 4)), body)
@@ -91,7 +97,7 @@ def knife(rng: np.random.Generator, wear: float) -> Thing:
     return Thing((Part("knife", mesh, metal(rng, wear, "steel", 0.15)),))
 
 
-def _handle_width(rng: np.random.Generator, length: float):  # noqa: ANN202
+def _handle_width(rng: np.random.Generator, length: float):
     """Return half of a handle's width along it: broad and round at the end, narrow at the neck."""
     end, neck = rng.uniform(0.0075, 0.0105), rng.uniform(0.0026, 0.0034)
     waist = rng.uniform(0.55, 0.66) * length

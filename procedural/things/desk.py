@@ -34,8 +34,10 @@ def _ballpoint(rng: np.random.Generator, wear: float) -> Thing:
     barrel = turned(pieces)
     low, index = np.array([piece.points[0, 1] for piece in pieces]), faces_of_pieces(barrel, pieces)
     height = low[index]
-    shiny = (height < tip - 1e-6) | (height >= 0.40 * length - 1e-6) & (height < 0.42 * length) | (
-        height >= length - button - 0.003 - 1e-6
+    shiny = (
+        (height < tip - 1e-6)
+        | (height >= 0.40 * length - 1e-6) & (height < 0.42 * length)
+        | (height >= length - button - 0.003 - 1e-6)
     )
     clip = slab([rounded_rectangle(0.042, 0.0035, 0.0017)], 0.0008, 0.0002)
     clip = moved(clip, (0.0, radius + 0.0016, length - button - 0.025), rotation(1, np.pi / 2) @ rotation(0, np.pi / 2))
@@ -54,19 +56,37 @@ def _pencil(rng: np.random.Generator, wear: float) -> Thing:
     turn = 2 * np.pi * np.arange(36) / 36
     six = apothem / np.cos((turn + np.pi / 6) % (np.pi / 3) - np.pi / 6)
     start = [0.0, 0.0006, length - cone]
-    rings = [np.stack([six * f * np.cos(turn), six * f * np.sin(turn), np.full(36, z)], 1) for f, z in zip((0.94, 1.0, 1.0), start, strict=True)]
+    rings = [
+        np.stack([six * f * np.cos(turn), six * f * np.sin(turn), np.full(36, z)], 1)
+        for f, z in zip((0.94, 1.0, 1.0), start, strict=True)
+    ]
     body = loft(np.array(rings), np.radians(20.0))
     point, lead_start = np.linspace(0.0, 1.0, 6), 0.68
     shape = [(1.0 - 0.9 * t, length - cone + cone * t) for t in point]
-    sharpened = np.array([np.stack([apothem * 0.995 * f * np.cos(turn), apothem * 0.995 * f * np.sin(turn), np.full(36, z)], 1) for f, z in shape])
+    sharpened = np.array(
+        [
+            np.stack([apothem * 0.995 * f * np.cos(turn), apothem * 0.995 * f * np.sin(turn), np.full(36, z)], 1)
+            for f, z in shape
+        ]
+    )
     wood = loft(sharpened[point <= lead_start])
     last = 1.0 - 0.9 * 0.6
     tips = [(last + 0.004, length - cone * 0.4), (0.10, length - 0.0006), (0.03, length)]
-    lead = loft(np.array([np.stack([apothem * f * np.cos(turn), apothem * f * np.sin(turn), np.full(36, z)], 1) for f, z in tips]))
-    paint = surface(rng, "lacquer", "lacquer", [INKS[rng.integers(len(INKS))]], (0.05, 0.05), (0.15, 0.3), size=(96, 96), wear=wear)
+    lead = loft(
+        np.array(
+            [np.stack([apothem * f * np.cos(turn), apothem * f * np.sin(turn), np.full(36, z)], 1) for f, z in tips]
+        )
+    )
+    paint = surface(
+        rng, "lacquer", "lacquer", [INKS[rng.integers(len(INKS))]], (0.05, 0.05), (0.15, 0.3), size=(96, 96), wear=wear
+    )
     cedar = surface(rng, "cedar", "solid wood", WOODS["cherry"], (0.03, 0.02), (0.6, 0.8), size=(64, 64))
     lying = rotation(1, np.pi / 2)
-    parts = (("lacquered wood", body, paint), ("sharpened wood", wood, cedar), ("lead", lead, plain(rng, "graphite", (0.03, 0.03, 0.033), (0.35, 0.5))))
+    parts = (
+        ("lacquered wood", body, paint),
+        ("sharpened wood", wood, cedar),
+        ("lead", lead, plain(rng, "graphite", (0.03, 0.03, 0.033), (0.35, 0.5))),
+    )
     return Thing(tuple(Part(name, moved(mesh, turn=lying), material) for name, mesh, material in parts))
 
 
@@ -75,11 +95,21 @@ def phone(rng: np.random.Generator, wear: float) -> Thing:
     high = rng.uniform(*PHONE)
     wide, thick, corner = high * rng.uniform(*PHONE_ASPECT), rng.uniform(*PHONE_THICK), rng.uniform(0.007, 0.012)
     body = moved(slab([rounded_rectangle(high, wide, corner, 10)], thick, 0.0016), (0.0, 0.0, thick / 2))
-    glass = moved(slab([rounded_rectangle(high - 0.003, wide - 0.003, corner - 0.0015, 10)], 0.0004, 0.0001), (0, 0, thick + 0.0001))
+    glass = moved(
+        slab([rounded_rectangle(high - 0.003, wide - 0.003, corner - 0.0015, 10)], 0.0004, 0.0001),
+        (0, 0, thick + 0.0001),
+    )
     bump = slab([rounded_rectangle(0.036, 0.036, 0.009, 8)], 0.0016, 0.0004)
     bump = moved(bump, (high / 2 - 0.026, wide / 2 - 0.024, -0.0004))
     dark = surface(
-        rng, "cover glass", "screen", [(0.006, 0.006, 0.007)], (high, wide), (0.02, 0.05), size=(2 * SIDE, SIDE), wear=0.4 * wear
+        rng,
+        "cover glass",
+        "screen",
+        [(0.006, 0.006, 0.007)],
+        (high, wide),
+        (0.02, 0.05),
+        size=(2 * SIDE, SIDE),
+        wear=0.4 * wear,
     )
     shell = plastic(rng, wear, (0.03, 0.03, 0.033) if rng.random() < 0.5 else paint_colour(rng))
     parts = [Part("shell", body, shell), Part("screen", glass, dark), Part("camera", bump, shell)]
@@ -110,7 +140,15 @@ def cable(rng: np.random.Generator, wear: float) -> Thing:
         out = end - inward
         across = np.arctan2(out[1], out[0])
         turn = rotation(2, float(across))
-        grip = moved(slab([rounded_rectangle(0.022, 0.0115, 0.003)], 0.0065, 0.0012), turn @ [0.010, 0, 0] + [*end[:2], 0.0034], turn)
-        shell = moved(slab([rounded_rectangle(0.0075, 0.0083, 0.0006)], 0.0026, 0.0003), turn @ [0.0245, 0, 0] + [*end[:2], 0.0034], turn)
+        grip = moved(
+            slab([rounded_rectangle(0.022, 0.0115, 0.003)], 0.0065, 0.0012),
+            turn @ [0.010, 0, 0] + [*end[:2], 0.0034],
+            turn,
+        )
+        shell = moved(
+            slab([rounded_rectangle(0.0075, 0.0083, 0.0006)], 0.0026, 0.0003),
+            turn @ [0.0245, 0, 0] + [*end[:2], 0.0034],
+            turn,
+        )
         parts += [Part("plug", grip, jacket), Part("contacts", shell, chrome)]
     return Thing(tuple(parts))

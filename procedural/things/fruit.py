@@ -60,7 +60,7 @@ def apple(rng: np.random.Generator, wear: float) -> Thing:
 def orange(rng: np.random.Generator, wear: float) -> Thing:
     """Return an orange: a sphere a little flat at its ends."""
     diameter = rng.uniform(*ORANGE)
-    body = _fruit(rng, diameter, rng.uniform(0.90, 1.0), lambda d: 1.0 - 0.05 * np.exp(-(_off(d) / 0.15) ** 2), 0.02)
+    body = _fruit(rng, diameter, rng.uniform(0.90, 1.0), lambda d: 1.0 - 0.05 * np.exp(-((_off(d) / 0.15) ** 2)), 0.02)
     return Thing((Part("fruit", body, _skin(rng, "citrus skin", _ORANGES, diameter, (0.32, 0.45), wear)),))
 
 
@@ -103,8 +103,8 @@ def banana(rng: np.random.Generator, wear: float) -> Thing:
     return Thing((Part("fruit", swapped, skin),))
 
 
-def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps: float) -> Mesh:  # noqa: ANN001
-    """Return a star-shaped fruit, its radius a function of the direction, with texture coordinates on a cube's faces."""
+def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps: float) -> Mesh:
+    """Return a star-shaped fruit, its radius a function of the direction, with coordinates on a cube's faces."""
     directions, faces, across = face_grids(STEPS)
     rounding = 1.0 + bumps * (value_noise(directions * 1.3 + 7.0, int(rng.integers(2**31)))[:, None] - 0.5)
     points = directions * radius(directions)[:, None] * rounding * [1.0, 1.0, tall]
@@ -117,7 +117,9 @@ def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps
     return Mesh("part", vertices, faces, normals, uv)
 
 
-def _skin(rng: np.random.Generator, pattern: str, colours, diameter: float, roughness: tuple[float, float], wear: float):  # noqa: ANN001, ANN202
+def _skin(
+    rng: np.random.Generator, pattern: str, colours, diameter: float, roughness: tuple[float, float], wear: float
+):
     quarter = np.pi / 4 * diameter
     extent, size = (float(3 * quarter), float(2 * quarter)), (3 * FACE, 2 * FACE)
     return surface(rng, pattern, pattern, colours, extent, roughness, size=size, wear=0.3 * wear, atlas=True)

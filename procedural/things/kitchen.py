@@ -49,7 +49,11 @@ def bowl(rng: np.random.Generator, wear: float) -> Thing:
     belly = rng.uniform(0.5, 0.9)
     corners = [(0.0, 0.003), (foot - 0.006, 0.003), (foot - 0.004, 0.0), (foot, 0.0), (foot + 0.001, 0.005)]
     corners += [(radius - belly * 0.25 * radius * 0.4, height * 0.36), (radius, height)]
-    corners += [(radius - wall, height), (radius - wall - belly * 0.1 * radius, height * 0.40), (foot * 0.8, 0.003 + wall)]
+    corners += [
+        (radius - wall, height),
+        (radius - wall - belly * 0.1 * radius, height * 0.40),
+        (foot * 0.8, 0.003 + wall),
+    ]
     corners += [(0.0, 0.003 + wall)]
     curve = 0.30 * radius
     radii = [0.001, 0.001, 0.001, 0.002, curve, 0.45 * wall, 0.45 * wall, curve, 0.25 * radius]
@@ -68,9 +72,7 @@ def mug(rng: np.random.Generator, wear: float) -> Thing:
     side = (base + radius) / 2 - 0.4 * wall
     reach, tall = rng.uniform(0.026, 0.036), height * rng.uniform(0.5, 0.66)
     turn = np.linspace(-np.pi / 2, np.pi / 2, 25)
-    path = np.stack(
-        [side + reach * np.cos(turn) ** 0.8, 0 * turn, height * 0.52 + tall / 2 * np.sin(turn)], 1
-    )
+    path = np.stack([side + reach * np.cos(turn) ** 0.8, 0 * turn, height * 0.52 + tall / 2 * np.sin(turn)], 1)
     # Thicker at the ends, where it is joined to the wall.
     swell = 1.0 + 0.35 * np.abs(turn / (np.pi / 2)) ** 6
     oval = rounded_rectangle(0.013, 0.0075, 0.0036, 4)
@@ -87,7 +89,7 @@ def _thrown(rng: np.random.Generator, wear: float, profile: list, radius: float,
     if bands:
         rim = float(mesh.uv[np.argmax(mesh.vertices[:, 2]), 1])
         shift = 0.78 * along - rim - rng.uniform(0.004, 0.012)
-        mesh = Mesh("part", mesh.vertices, mesh.faces, mesh.normals, mesh.uv + np.float32([0.0, shift]))
+        mesh = Mesh("part", mesh.vertices, mesh.faces, mesh.normals, mesh.uv + np.array([0.0, shift], np.float32))
     return Thing((Part("body", mesh, glazed),), symmetric=bands == 0)
 
 
@@ -97,7 +99,12 @@ def tray(rng: np.random.Generator, wear: float) -> Thing:
     short_side, rim, wall = long_side * rng.uniform(*TRAY_SHORT), rng.uniform(*TRAY_RIM), rng.uniform(0.002, 0.004)
     corner, slant = rng.uniform(0.02, 0.05), rng.uniform(0.15, 0.6) * rim
     profile = [(slant, 0.0), (slant - 0.001, 0.0004), (0.0, rim - wall / 2), (-0.004, rim - 0.001), (-0.004, rim)]
-    profile += [(wall * 0.4, rim), (wall * 1.2, rim - 0.001), (slant + wall, wall + 0.001), (slant + wall + 0.003, wall)]
+    profile += [
+        (wall * 0.4, rim),
+        (wall * 1.2, rim - 0.001),
+        (slant + wall, wall + 0.001),
+        (slant + wall + 0.003, wall),
+    ]
     rings = []
     for inset, z in profile:
         outline = rounded_rectangle(long_side - 2 * inset, short_side - 2 * inset, max(0.004, corner - inset))
@@ -150,11 +157,16 @@ def sponge(rng: np.random.Generator, wear: float) -> Thing:
     fleece, _ = rounded_box("part", (wide - 0.0004, deep - 0.0004, fleece_high), 0.0015)
     foams = ((0.74, 0.55, 0.10), (0.72, 0.40, 0.40), (0.16, 0.36, 0.62), (0.70, 0.62, 0.30))
     fleeces = ((0.035, 0.16, 0.06), (0.02, 0.09, 0.06), (0.05, 0.07, 0.20))
-    soft = surface(
-        rng, "foam", "foam", [foams[rng.integers(4)]], (0.08, 0.08), (0.85, 1.0), size=(192, 192), wear=wear
-    )
+    soft = surface(rng, "foam", "foam", [foams[rng.integers(4)]], (0.08, 0.08), (0.85, 1.0), size=(192, 192), wear=wear)
     rough = surface(
-        rng, "scouring fleece", "fleece", [fleeces[rng.integers(3)]], (0.05, 0.05), (0.8, 1.0), size=(128, 128), wear=wear
+        rng,
+        "scouring fleece",
+        "fleece",
+        [fleeces[rng.integers(3)]],
+        (0.05, 0.05),
+        (0.8, 1.0),
+        size=(128, 128),
+        wear=wear,
     )
     return Thing(
         (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.mesh import Mesh
 from ..patterns.draw import PAPERS, metal, plain, print_colours, surface
 from ..props.blocks import rounded_box
 from ..props.revolution import Piece, rounded
@@ -83,7 +84,7 @@ def _cover_outline(width: float, thick: float, board: float, bulge: float, groov
     back = np.stack([-bulge * (1 - bend**2), thick / 2 + bend * thick / 2], 1)
     if groove:
         joint = np.array([[0.011, 0.0], [0.008, -groove], [0.005, -groove], [0.002, 0.0]])
-        front = np.concatenate([[[width, thick]], joint + [0, thick], back])
+        front = np.concatenate([[[width, thick]], joint + np.array([0.0, thick]), back])
         outside = np.concatenate([front, joint[::-1] * [1, -1], [[width, 0.0]]])
     else:
         outside = np.concatenate([[[width, thick]], back, [[width, 0.0]]])
@@ -92,8 +93,8 @@ def _cover_outline(width: float, thick: float, board: float, bulge: float, groov
     return np.concatenate([outside, inside]), len(outside) - 1
 
 
-def _bent(outline: np.ndarray, outer: int, height: float, total: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return a cover over its section, and which of its faces are its outside; u and v lie over the opened cover [m]."""
+def _bent(outline: np.ndarray, outer: int, height: float, total: float) -> tuple[Mesh, np.ndarray]:
+    """Return a cover over its section, and which of its faces are its outside; u and v lie on the opened cover [m]."""
     import manifold3d
 
     count = len(outline)
@@ -107,10 +108,10 @@ def _bent(outline: np.ndarray, outer: int, height: float, total: float) -> tuple
     faces = np.concatenate([*first, cap[:, ::-1], cap + count + 1])
     segment = np.concatenate([i, i, np.full(2 * len(cap), count)])
     mesh = finished(np.concatenate(rows), faces, np.concatenate(coordinates), crease=np.radians(50.0))
-    return moved(mesh, turn=rotation(0, np.pi / 2)), segment < outer  # pyright: ignore[reportReturnType]
+    return moved(mesh, turn=rotation(0, np.pi / 2)), segment < outer
 
 
-def _leaves(width: float, height: float, leaves: float, board: float, hollow: float):  # noqa: ANN202
+def _leaves(width: float, height: float, leaves: float, board: float, hollow: float):
     """Return the block of leaves, whose fore edge is hollow by as much as the back is round."""
     bend = np.linspace(-1.0, 1.0, 9)
     fore = np.stack([width - hollow * (1 - bend**2), board + leaves * (bend + 1) / 2], 1)
@@ -141,7 +142,7 @@ def carton(rng: np.random.Generator, wear: float) -> Thing:
         wear=wear,
         layout=(deep / high,),
     )
-    return Thing((Part("carton", type(mesh)("part", mesh.vertices, mesh.faces, mesh.normals, uv), print_),))
+    return Thing((Part("carton", Mesh("part", mesh.vertices, mesh.faces, mesh.normals, uv), print_),))
 
 
 def _unfolded(uv: np.ndarray, wide: float, deep: float, high: float) -> np.ndarray:
@@ -193,11 +194,21 @@ def _drink_can(rng: np.random.Generator, wear: float) -> Thing:
     foot = radius - 0.009
     corners = [(0.0, 0.010), (0.55 * foot, 0.0075), (foot - 0.0015, 0.0), (foot + 0.0015, 0.0), (radius, 0.0095)]
     corners += [(radius, height - 0.017), (neck, height - 0.003), (neck + 0.0012, height - 0.0028)]
-    corners += [(neck + 0.0012, height), (neck - 0.0012, height), (neck - 0.003, height - 0.0065), (0.0, height - 0.0065)]
+    corners += [
+        (neck + 0.0012, height),
+        (neck - 0.0012, height),
+        (neck - 0.003, height - 0.0065),
+        (0.0, height - 0.0065),
+    ]
     radii = [0.006, 0.0012, 0.0012, 0.005, 0.008, 0.0001, 0.0002, 0.0006, 0.0006, 0.0015]
     thing = _labelled(rng, wear, rounded(corners, radii), radius, "aluminium", "printed aluminium", (0.2, 0.35))
-    tab = slab([np.array([[0.0045, 0.0]]) + _oval(0.012, 0.0075), (_oval(0.0045, 0.0045) + [0.0105, 0.0])[::-1]], 0.0009)
-    return Thing((*thing.parts, Part("tab", moved(tab, (0.0, 0.0, height - 0.0052)), metal(rng, wear, "aluminium", 0.0))))
+    tab = slab(
+        [np.array([[0.0045, 0.0]]) + _oval(0.012, 0.0075), (_oval(0.0045, 0.0045) + np.array([0.0105, 0.0]))[::-1]],
+        0.0009,
+    )
+    return Thing(
+        (*thing.parts, Part("tab", moved(tab, (0.0, 0.0, height - 0.0052)), metal(rng, wear, "aluminium", 0.0)))
+    )
 
 
 def _oval(half_x: float, half_y: float) -> np.ndarray:
@@ -239,9 +250,7 @@ def _labelled(
     bare = metal(rng, wear, {"tinplate": "steel"}.get(kind, kind), 0.3)
     return Thing(
         (
-            Part("label", type(mesh)("part", printed.vertices, printed.faces, printed.normals, uv), paper),
+            Part("label", Mesh("part", printed.vertices, printed.faces, printed.normals, uv), paper),
             Part("metal", some(mesh, ~side, planar=True), bare.model_copy(update={"name": kind})),
         )
     )
-
-

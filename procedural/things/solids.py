@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,9 +13,7 @@ from ..props.normals import CREASE, creased
 from ..props.revolution import Piece, revolve
 
 
-def finished(
-    vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None = None, crease: float = CREASE
-) -> Mesh:
+def finished(vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None = None, crease: float = CREASE) -> Mesh:
     """Return a mesh with shading normals; without texture coordinates, they are projected from six sides [m].
 
     Positions are rounded to the mesh's float32 first, and triangles with two corners at one place are left out.
@@ -151,10 +150,10 @@ def slab(contours: Sequence[np.ndarray], height: float, bevel: float = 0.0) -> M
     count = sum(len(contour) for contour in contours)
     flat = np.concatenate([ring[:, :2] for ring in rings[0]])
     ends = np.cumsum([0, *(len(contour) for contour in contours)])
-    parts = [flat[start:end] for start, end in zip(ends, ends[1:], strict=False)]
+    parts = [flat[start:end] for start, end in itertools.pairwise(ends)]
     cap = np.asarray(manifold3d.triangulate(parts), np.int64)
     faces = [cap[:, ::-1], cap + (len(levels) - 1) * count]
-    for start, end in zip(ends, ends[1:], strict=False):
+    for start, end in itertools.pairwise(ends):
         here = np.arange(start, end)
         after = np.roll(here, -1)
         for level in range(len(levels) - 1):
@@ -171,7 +170,13 @@ def turned(pieces: list[Piece]) -> Mesh:
     mesh, unit = revolve("part", pieces)
     assert mesh.uv is not None
     low, high = (choose(float(choose(piece.points[:, 1])) for piece in pieces) for choose in (min, max))
-    return Mesh("part", mesh.vertices + np.float32([0.0, 0.0, (low + high) / 2]), mesh.faces, mesh.normals, mesh.uv * unit)
+    return Mesh(
+        "part",
+        mesh.vertices + np.array([0.0, 0.0, (low + high) / 2], np.float32),
+        mesh.faces,
+        mesh.normals,
+        mesh.uv * unit,
+    )
 
 
 def faces_of_pieces(mesh: Mesh, pieces: list[Piece]) -> np.ndarray:
@@ -181,7 +186,7 @@ def faces_of_pieces(mesh: Mesh, pieces: list[Piece]) -> np.ndarray:
     return np.searchsorted(ends, mesh.faces[:, 0], side="right")
 
 
-def moved(mesh: Mesh, shift: Sequence[float] = (0.0, 0.0, 0.0), turn: np.ndarray | None = None) -> Mesh:
+def moved(mesh: Mesh, shift: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0), turn: np.ndarray | None = None) -> Mesh:
     """Return a mesh turned by a rotation (3, 3) and then shifted [m]."""
     turn = np.eye(3) if turn is None else turn
     normals = None if mesh.normals is None else mesh.normals @ turn.T

@@ -51,7 +51,7 @@ def screwdriver(rng: np.random.Generator, wear: float) -> Thing:
     )
 
 
-def _shaft(rng: np.random.Generator, start: float, length: float, radius: float):  # noqa: ANN202
+def _shaft(rng: np.random.Generator, start: float, length: float, radius: float):
     turn = 2 * np.pi * np.arange(24) / 24
     if rng.random() < 0.5:  # a flat tip
         x = np.array([0.0, 0.80, 0.86, 0.94, 1.0]) * length + start
@@ -78,7 +78,9 @@ def spanner(rng: np.random.Generator, wear: float) -> Thing:
     head, ring = 1.05 * flats, 0.78 * flats
     grip = 0.38 * flats
     jaw = manifold3d.CrossSection([circle(head, 48, (head, 0.0))])
-    slot = manifold3d.CrossSection([np.array([[-1.4, -0.5], [0.35, -0.5], [0.55, 0], [0.35, 0.5], [-1.4, 0.5]]) * flats])
+    slot = manifold3d.CrossSection(
+        [np.array([[-1.4, -0.5], [0.35, -0.5], [0.55, 0], [0.35, 0.5], [-1.4, 0.5]]) * flats]
+    )
     slot = slot.rotate(15.0).translate((head, 0.0))
     shaft = np.array([[head, -1.25 * grip], [0.4 * length, -grip], [length - ring, -1.1 * grip]])
     shaft = manifold3d.CrossSection([np.concatenate([shaft, shaft[::-1] * [1, -1]])])
@@ -89,7 +91,9 @@ def spanner(rng: np.random.Generator, wear: float) -> Thing:
     section = (jaw + shaft + eye).offset(-0.3 * grip, manifold3d.JoinType.Round, 2.0, 32)
     # Grown back by a rounding: inner corners become fillets.
     section = section.offset(0.3 * grip, manifold3d.JoinType.Round, 2.0, 32)
-    section = section.offset(0.6 * grip, manifold3d.JoinType.Round, 2.0, 32).offset(-0.6 * grip, manifold3d.JoinType.Round, 2.0, 32)
+    section = section.offset(0.6 * grip, manifold3d.JoinType.Round, 2.0, 32).offset(
+        -0.6 * grip, manifold3d.JoinType.Round, 2.0, 32
+    )
     section = (section - slot - manifold3d.CrossSection([hole])).simplify(2e-5)
     mesh = slab([np.asarray(contour, float) for contour in section.to_polygons()], 0.42 * flats, 0.0005)
     chrome = metal(rng, wear, "steel", 0.35)
@@ -101,9 +105,18 @@ def pliers(rng: np.random.Generator, wear: float) -> Thing:
     length = PLIERS[rng.integers(len(PLIERS))]
     jaw, thick = 0.24 * length, 0.052 * length
     half = np.array(
-        [[0.0, 0.0006], [jaw, 0.0006], [jaw, 0.020 * length], [0.75 * jaw, 0.042 * length], [0.25 * jaw, 0.062 * length]]
-        + [[0.0, 0.068 * length], [-0.05 * length, 0.056 * length], [-0.09 * length, 0.038 * length]]
-        + [[-0.09 * length, 0.010 * length], [-0.02 * length, 0.0006]]
+        [
+            [0.0, 0.0006],
+            [jaw, 0.0006],
+            [jaw, 0.02 * length],
+            [0.75 * jaw, 0.042 * length],
+            [0.25 * jaw, 0.062 * length],
+            [0.0, 0.068 * length],
+            [-0.05 * length, 0.056 * length],
+            [-0.09 * length, 0.038 * length],
+            [-0.09 * length, 0.01 * length],
+            [-0.02 * length, 0.0006],
+        ]
     )
     steel = metal(rng, wear, "steel", 0.7)
     dark = steel.model_copy(update={"name": "burnished steel"}) if rng.random() < 0.5 else steel
@@ -121,8 +134,12 @@ def pliers(rng: np.random.Generator, wear: float) -> Thing:
         bow = 0.026 * length + gap * np.sin(np.pi * np.clip(t, 0, 0.93)) + gap * 0.6 * t
         path = np.stack([-0.06 * length - reach * t, sign * bow, np.full_like(t, thick / 2)], 1)
         size = np.where(t < 0.12, 0.72, 1.0) * (1.0 + 0.12 * np.sin(np.pi * t)) * np.clip((1.02 - t) / 0.05, 0.25, 1.0)
-        oval = np.stack([0.030 * length * np.cos(2 * np.pi * np.arange(20) / 20), 0.48 * thick * np.sin(2 * np.pi * np.arange(20) / 20)], 1)
+        oval = np.stack(
+            [
+                0.030 * length * np.cos(2 * np.pi * np.arange(20) / 20),
+                0.48 * thick * np.sin(2 * np.pi * np.arange(20) / 20),
+            ],
+            1,
+        )
         parts.append(Part("handle", tube(path, size[:, None, None] * oval, up=(0.0, 0.0, 1.0)), sleeve))
     return Thing(tuple(parts))
-
-
