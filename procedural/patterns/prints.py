@@ -142,16 +142,16 @@ def carton(grid: Grid, colours: np.ndarray) -> Layers:
     sheet = Sheet(grid, colours[0])
     depth = grid.height * grid.layout[0] / (1.0 + grid.layout[0])
     width, height = grid.width / 2 - depth, grid.height - depth
-    starts = np.cumsum([0.0, width, depth, width])
+    lefts = np.cumsum([0.0, width, depth, width])
     front_style = grid.rng.random()
     _front(sheet, 0.0, 0.0, width, height, colours, front_style)
-    sheet.repeat(starts[2], width, height)
-    for number, start in enumerate((starts[1], starts[3])):
+    sheet.repeat(lefts[2], width, height)
+    for number, start in enumerate((lefts[1], lefts[3])):
         _side(sheet, start, 0.0, depth, height, colours, code=number == 0)
     sheet.rectangle(0.0, height, width, height + depth, colours[0])
     if width > 0.03 and depth > 0.012:
         sheet.word(0.1 * width, height + 0.35 * depth, 0.8 * width, 0.3 * depth, colours[-1], 6)
-    edges = np.concatenate([starts, [grid.width]])
+    edges = np.concatenate([lefts, [grid.width]])
     fold_x = np.abs(grid.x - edges[:, None]).min(0)[None]
     fold_y = np.minimum(np.minimum(grid.y, np.abs(grid.y - height)), grid.height - grid.y)
     colour = rubbed(grid, sheet.colour, np.minimum(fold_x, fold_y), BOARD, RUBBED)
