@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.assets import Asset
 from ...core.model import Model, Reflectance
@@ -35,6 +35,41 @@ class ProceduralTexture(Model):
     resolution: int = Field(default=512, ge=16, le=4096, description="Side of the square picture [px]")
 
 
+#: The patterns that `patterns.bake` makes, and those of them that are laid out for a body's proportions.
+SurfacePattern = Literal[
+    "planks",
+    "staves",
+    "solid wood",
+    "granite",
+    "marble",
+    "concrete",
+    "terrazzo",
+    "tiles",
+    "cloth",
+    "checked cloth",
+    "striped cloth",
+    "brushed metal",
+    "polished metal",
+    "laminate",
+    "lacquer",
+    "glaze",
+    "banded glaze",
+    "paper",
+    "page edges",
+    "foam",
+    "fleece",
+    "chequer",
+    "carton",
+    "label",
+    "cover",
+    "screen",
+    "citrus skin",
+    "apple skin",
+    "banana skin",
+]
+LAID_OUT = ("carton", "cover")
+
+
 class SurfaceTexture(Model):
     """A surface at a scale in metres, with colour, roughness and relief, that `patterns.bake` makes of these numbers.
 
@@ -42,18 +77,26 @@ class SurfaceTexture(Model):
     """
 
     kind: Literal["surface"] = "surface"
-    pattern: str = Field(description="Name in `patterns.bake.PATTERNS`, such as 'planks' or 'label'")
+    pattern: SurfacePattern
     colours: tuple[Reflectance, ...] = Field(min_length=1, max_length=6, description="Linear Rec.709 reflectances")
     seed: int = Field(ge=0, description="Seed of the pattern")
     extent: tuple[PositiveFloat, PositiveFloat] = Field(description="Width and height of what one repeat shows [m]")
     size: tuple[Texels, Texels] = Field(description="Width and height of the picture [px]")
     wear: float = Field(default=0.0, ge=0.0, le=1.0, description="Traces of use: 0 new, 1 worn")
-    layout: tuple[float, ...] = Field(
+    layout: tuple[Annotated[float, Field(gt=0.0, lt=10.0)], ...] = Field(
         default=(),
+        max_length=1,
         exclude_if=lambda layout: not layout,
         description="What a print is laid out for: a carton's depth over its height, a book's spine over its cover",
     )
     relief: bool = Field(default=True, description="Whether roughness and normals differ from place to place, too")
+
+    @model_validator(mode="after")
+    def _laid_out(self) -> SurfaceTexture:
+        if (self.pattern in LAID_OUT) != bool(self.layout):
+            expected = "one number" if self.pattern in LAID_OUT else "none"
+            raise ValueError(f"layout: expected {expected} for the pattern {self.pattern}, found {len(self.layout)}")
+        return self
 
 
 class PictureTexture(Model):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.model import Reflectance
-from ..description.material import OpaqueMaterial, SurfaceTexture, UniformTexture
+from ..description.material import OpaqueMaterial, SurfacePattern, SurfaceTexture, UniformTexture
 from ..materials.draw import METALS, SEED_END, dielectric, paint_colour, specimen
 
 #: Texels along a side of a surface of a prop [px].
@@ -42,7 +42,7 @@ BLACK_INK: Reflectance = (0.02, 0.02, 0.022)
 def surface(
     rng: np.random.Generator,
     name: str,
-    pattern: str,
+    pattern: SurfacePattern,
     colours: Sequence[Reflectance],
     extent: tuple[float, float],
     roughness: tuple[float, float],
@@ -62,7 +62,7 @@ def surface(
     name : str
         Of the material.
     pattern : str
-        One of `bake.PATTERNS`.
+        Its pattern.
     colours : sequence of (r, g, b)
         As the pattern takes them.
     extent : (float, float)
@@ -100,7 +100,7 @@ def plain(rng: np.random.Generator, name: str, colour: Reflectance, roughness: t
 
 
 def wooden(
-    rng: np.random.Generator, extent: tuple[float, float], wear: float, pattern: str = "solid wood"
+    rng: np.random.Generator, extent: tuple[float, float], wear: float, pattern: SurfacePattern = "solid wood"
 ) -> OpaqueMaterial:
     """Draw a wood, waxed or lacquered, with its grain along u."""
     kind = tuple(WOODS)[rng.integers(len(WOODS))]
@@ -110,10 +110,9 @@ def wooden(
 
 def metal(rng: np.random.Generator, wear: float, kind: str = "steel", brushed: float = 0.5) -> OpaqueMaterial:
     """Draw a metal: brushed with a probability, otherwise polished."""
-    if rng.random() < brushed:
-        name, pattern, roughness = f"brushed {kind}", "brushed metal", (0.26, 0.42)
-    else:
-        name, pattern, roughness = f"polished {kind}", "polished metal", (0.10, 0.22)
+    lines = rng.random() < brushed
+    name, roughness = (f"brushed {kind}", (0.26, 0.42)) if lines else (f"polished {kind}", (0.10, 0.22))
+    pattern = "brushed metal" if lines else "polished metal"
     return surface(rng, name, pattern, [METALS[kind]], (0.12, 0.12), roughness, metallic=1.0, wear=wear)
 
 
@@ -132,7 +131,8 @@ def ceramic(rng: np.random.Generator, wear: float, extent: tuple[float, float], 
         ground = paint_colour(rng)
     colours = [ground, *(INKS[rng.integers(len(INKS))] for _ in range(bands))]
     pattern = "banded glaze" if bands else "glaze"
-    return surface(rng, "glazed ceramic", pattern, colours, extent, (0.06, 0.2), wear=0.5 * wear)
+    size = (2 * SIDE, SIDE)
+    return surface(rng, "glazed ceramic", pattern, colours, extent, (0.06, 0.2), size=size, wear=0.5 * wear)
 
 
 def print_colours(rng: np.random.Generator) -> tuple[Reflectance, ...]:

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Shares of the standard deviation of each octave of noise over that of the one before [1]: a 1/f spectrum.
+#: Standard deviation of each octave of noise over that of the one before [1]: a 1/f spectrum.
 _OCTAVE = 0.5
+#: Mean distance between zeros of a cubic B-spline through independent numbers, over the distance of its knots [1]: by
+#: Rice's formula pi sqrt(-R(0) / R''(0)), with the autocorrelation R close to a Gaussian of the B-spline of degree 7,
+#: whose variance is 8/12.
+_FEATURE = 2.56
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +63,15 @@ class Grid:
     def noise(self, size: float | tuple[float, float], octaves: int = 1) -> np.ndarray:
         """Return noise with features of a size along x and y [m], periodic, of about unit variance; float32.
 
-        A uniform cubic B-spline through random numbers on a lattice. Octaves whose features are below a texel are left
-        out, because they would only be grain.
+        A feature goes from one zero to the next. It is a uniform cubic B-spline through random numbers. Octaves whose
+        features are below a texel are left out, because they would only be grain.
         """
         wide, high = (size, size) if isinstance(size, int | float) else size
         total, weight, power = np.zeros(self.shape, np.float32), 1.0, 0.0
         for octave in range(octaves):
             cells = [
-                max(1, round(side / feature * 2**octave)) for side, feature in ((self.width, wide), (self.height, high))
+                max(1, round(_FEATURE * side / feature * 2**octave))
+                for side, feature in ((self.width, wide), (self.height, high))
             ]
             if octave and (cells[0] > self.columns and cells[1] > self.rows):
                 break

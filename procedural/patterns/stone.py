@@ -31,14 +31,14 @@ def granite(grid: Grid, colours: np.ndarray) -> Layers:
 
 def marble(grid: Grid, colours: np.ndarray) -> Layers:
     """Polished marble: clouds of the first colours, veins of the last one along folded noise."""
-    dx, dy = (0.05 * grid.noise(0.35, 3) for _ in range(2))
+    dx, dy = (0.05 * grid.noise(0.9, 3) for _ in range(2))
     x, y = grid.x + dx, grid.y + dy
-    clouds = sampled(grid.noise(0.25, 4), grid, x, y)
-    bold = np.abs(sampled(grid.noise((0.5, 0.3), 4), grid, x, y))
-    fine = np.abs(sampled(grid.noise(0.14, 3), grid, x, y))
+    clouds = sampled(grid.noise(0.6, 4), grid, x, y)
+    bold = np.abs(sampled(grid.noise((1.2, 0.75), 4), grid, x, y))
+    fine = np.abs(sampled(grid.noise(0.35, 3), grid, x, y))
     veins = 0.75 * (1.0 - step(0.0, 0.09, bold)) + 0.35 * (1.0 - step(0.0, 0.06, fine))
     halo = 0.25 * (1.0 - step(0.0, 0.5, bold))
-    fade = step(-0.8, 1.2, grid.noise(0.3, 2))
+    fade = step(-0.8, 1.2, grid.noise(0.75, 2))
     ground = ramp(np.clip(0.35 + 0.22 * clouds, 0.0, 1.0), colours[:-1])
     colour = mixed(ground, colours[-1], np.clip((veins + halo) * fade, 0.0, 0.9))
     return Layers(colour, 1.0 + 0.15 * veins * fade, np.zeros(grid.shape, np.float32))
@@ -48,7 +48,7 @@ def concrete(grid: Grid, colours: np.ndarray) -> Layers:
     """Cast concrete or mineral plaster: clouds, fine sand and a few open pores."""
     sand = grid.noise(0.0018)
     pores = step(2.4, 2.9, grid.noise(0.004))
-    tone = 0.5 + 0.16 * grid.noise(0.20, 4) + 0.07 * sand
+    tone = 0.5 + 0.16 * grid.noise(0.40, 4) + 0.07 * sand
     colour = ramp(np.clip(tone, 0.0, 1.0), colours) * (1.0 - 0.45 * pores)[..., None]
     return Layers(colour, 1.0 + 0.08 * grid.noise(0.1, 2), 2e-5 * sand - 5e-4 * pores)
 

@@ -15,7 +15,7 @@ SCRATCH_DEPTH = 1.2e-5
 #: Reflectance of household dust, linear (grey-brown lint), and most of it on a worn surface [1].
 DUST, MOST_DUST = np.array((0.36, 0.34, 0.31), np.float32), 0.12
 #: Most of the relative change of roughness by smears [1].
-SMEAR = 0.35
+SMEAR = 0.2
 #: Steps of a scratch's arc, and fractional bits of its points [1].
 _STEPS, _BITS = 9, 4
 
@@ -25,7 +25,7 @@ def worn(grid: Grid, layers: Layers, scratchable: bool = True) -> Layers:
     if grid.wear <= 0.0:
         return layers
     wear = np.float32(grid.wear)
-    smear = np.clip(grid.noise((0.05, 0.02), 3), -1.0, 2.0)
+    smear = np.clip(grid.noise((0.09, 0.04), 3), -1.0, 2.0)
     dust = wear * MOST_DUST * (0.4 * step(-0.5, 2.0, grid.noise(0.06, 3)) + 0.6 * step(2.0, 3.0, grid.noise(0.0012)))
     colour = layers.colour + dust[..., None] * (DUST - layers.colour)
     roughness = layers.roughness * (1.0 + SMEAR * wear * smear) + 2.0 * dust

@@ -17,11 +17,11 @@ PITH_DEPTH, PITH_OFFSET = (0.01, 0.09), 1.6
 #: How much the trunk's axis leans from the board's face [rad]: of this the arches' length comes.
 PITH_SLOPE = 0.05
 #: Half of the width of a joint [m]: glued joints are hairlines, planks have gaps of a millimetre.
-GLUED, GAP = 0.00015, (0.0003, 0.0008)
+GLUED, GAP = 0.00015, (0.0005, 0.001)
 #: Length and width of pores [m]: vessels of oak and ash, cut lengthwise.
-PORE = (0.010, 0.0006)
+PORE = (0.012, 0.001)
 #: Spread of the tone of boards among each other [1].
-BOARD_TONE = 0.10
+BOARD_TONE = 0.14
 
 
 def planks(grid: Grid, colours: np.ndarray) -> Layers:
@@ -46,15 +46,15 @@ def _boards(grid: Grid, colours: np.ndarray, width: float, lengths: tuple[float,
     count = max(1, round(fine.height / width))
     board, across, along = _layout(fine, count, lengths)
     ring, radius_slope = _rings(fine, board, across, fine.height / count)
-    fibres = fine.noise((0.08, 0.0015)) * 0.5 + fine.noise((0.25, 0.006)) * 0.5
+    fibres = fine.noise((0.12, 0.003)) * 0.5 + fine.noise((0.6, 0.015)) * 0.5
     pores = step(1.1, 2.0, fine.noise(PORE))
     tone = fine.rng.normal(0.0, BOARD_TONE, int(board.max()) + 1).astype(np.float32)[board]
-    tone = tone + 0.22 + 0.42 * ring + 0.10 * fibres + 0.10 * fine.noise((0.5, 0.05)) + 0.30 * pores * radius_slope
+    tone = tone + 0.22 + 0.42 * ring + 0.10 * fibres + 0.10 * fine.noise((1.2, 0.12)) + 0.30 * pores * radius_slope
     colour = ramp(np.clip(tone, 0.0, 1.0), colours)
     joint = covered(across, gap, fine.texel[1]) if gap else np.zeros(fine.shape, np.float32)
     if along is not None:
         joint = np.maximum(joint, covered(along, GLUED, fine.texel[0]))
-    colour = colour * (1.0 - 0.75 * joint)[..., None]
+    colour = colour * (1.0 - 0.85 * joint)[..., None]
     roughness = 1.0 + 0.12 * fibres - 0.1 * ring + 0.35 * pores + 0.3 * joint
     height = 1e-5 * ring - 4e-5 * pores + 6e-6 * fibres
     if gap > GLUED:
@@ -94,9 +94,9 @@ def _rings(grid: Grid, board: np.ndarray, across: np.ndarray, width: float) -> t
     slope, spacing = rng.normal(0.0, PITH_SLOPE, boards), rng.uniform(*RING_SPACING, boards)
     middle = np.floor(grid.y / np.float32(width)) * width + width / 2 if width < grid.height else grid.height / 2
     y = (grid.y - middle + offset[board]).astype(np.float32)
-    z = (depth[board] + slope[board] * grid.x + 0.006 * grid.noise((0.5, 0.2))).astype(np.float32)
+    z = (depth[board] + slope[board] * grid.x + 0.006 * grid.noise((1.2, 0.5))).astype(np.float32)
     radius = np.sqrt(y * y + z * z)
-    wavy = radius + 0.0022 * grid.noise((0.22, 0.03)) + 0.0006 * grid.noise((0.06, 0.008))
+    wavy = radius + 0.0022 * grid.noise((0.55, 0.08)) + 0.0006 * grid.noise((0.15, 0.02))
     phase = wavy / spacing[board].astype(np.float32) % 1.0
     # A ring darkens slowly through the summer and ends abruptly in winter.
     ring = phase**2 * (1.0 - step(0.86, 1.0, phase))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.mesh import Mesh
+from ..description.material import SurfacePattern
 from ..materials.noise import value_noise
 from ..patterns.draw import plain, surface
 from ..props.blocks import face_grids
@@ -118,7 +119,12 @@ def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps
 
 
 def _skin(
-    rng: np.random.Generator, pattern: str, colours, diameter: float, roughness: tuple[float, float], wear: float
+    rng: np.random.Generator,
+    pattern: SurfacePattern,
+    colours,
+    diameter: float,
+    roughness: tuple[float, float],
+    wear: float,
 ):
     quarter = np.pi / 4 * diameter
     extent, size = (float(3 * quarter), float(2 * quarter)), (3 * FACE, 2 * FACE)

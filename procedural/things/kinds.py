@@ -29,8 +29,8 @@ class Kind:
 
 #: By name. Where no standard is named, the sizes are those of things in shops and kitchens, measured to a few per cent.
 KINDS: dict[str, Kind] = {
-    "book": Kind(book, (0.170, 0.245), "book formats A, B, A5, demy and royal octavo", 0.8),
-    "carton": Kind(carton, (0.07, 0.20), "folding cartons of medicine, tea and pasta", 0.7),
+    "book": Kind(book, (0.170, 0.245), "book formats A, B, A5, demy and royal octavo", 0.9),
+    "carton": Kind(carton, (0.07, 0.20), "folding cartons of medicine, tea and pasta", 0.8),
     "can": Kind(can, (0.083, 0.146), "food cans of 212 to 850 ml, drink cans of 250 and 330 ml", 0.85),
     "fork": Kind(fork, (0.18, 0.215), "table forks, 185-210 mm", 0.6),
     "knife": Kind(knife, (0.21, 0.245), "table knives, 215-240 mm", 0.0),
@@ -44,13 +44,13 @@ KINDS: dict[str, Kind] = {
     "mug": Kind(mug, (0.09, 0.15), "mugs of 250-400 ml", 0.9),
     "tray": Kind(tray, (0.24, 0.37), "small serving trays; GN 1/2 is 325 x 265 mm"),
     "napkin": Kind(napkin, (0.16, 0.24), "napkins of 40-50 cm, folded"),
-    "sponge": Kind(sponge, (0.085, 0.135), "kitchen sponges, 110 x 70 x 30 mm", 0.8),
+    "sponge": Kind(sponge, (0.085, 0.135), "kitchen sponges, 110 x 70 x 30 mm"),
     "pen": Kind(pen, (0.09, 0.177), "ballpoint pens of 135-150 mm, pencils of up to 176 mm", 0.0),
-    "phone": Kind(phone, (0.142, 0.165), "phones of 6.1-6.7 inches", 0.8),
-    "cable": Kind(cable, (0.07, 0.32), "USB and mains cables, coiled", 1.0),
+    "phone": Kind(phone, (0.142, 0.165), "phones of 6.1-6.7 inches"),
+    "cable": Kind(cable, (0.07, 0.32), "USB and mains cables, coiled"),
     "screwdriver": Kind(screwdriver, (0.15, 0.236), "ISO 2380-2: blades of 75-125 mm", 0.0),
-    "spanner": Kind(spanner, (0.118, 0.215), "combination spanners of 8-17 mm, DIN 3113 A", 0.5),
-    "pliers": Kind(pliers, (0.15, 0.205), "combination pliers of 160-200 mm, DIN ISO 5746", 0.5),
+    "spanner": Kind(spanner, (0.118, 0.215), "combination spanners of 8-17 mm, DIN 3113 A"),
+    "pliers": Kind(pliers, (0.15, 0.205), "combination pliers of 160-200 mm, DIN ISO 5746"),
     "test-tube rack": Kind(rack, (0.09, 0.29), "racks for 4-18 tubes of 16 mm"),
     "stand": Kind(stand, (0.25, 0.39), "small stands with a rod of 25-38 cm"),
 }

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..description.material import OpaqueMaterial
+from ..description.material import OpaqueMaterial, SurfaceTexture
 from ..materials.draw import paint_colour
 from ..patterns.draw import ceramic, metal, plastic, surface, wooden
 from ..props.blocks import rounded_box
-from ..props.revolution import rounded
-from .parts import Part, Thing
-from .solids import loft, moved, projected, rounded_rectangle, tube, turned
+from ..props.revolution import Piece, rounded
+from .parts import Part, Thing, some
+from .solids import faces_of_pieces, loft, moved, projected, rounded_rectangle, tube, turned
 
 #: Lengths of table forks, knives and spoons, and of tea spoons [m]: EN ISO 8442 leaves them free; sets have these.
 FORK, KNIFE, SPOON, TEA_SPOON = (0.185, 0.210), (0.215, 0.240), (0.190, 0.215), (0.130, 0.150)
@@ -80,17 +80,31 @@ def mug(rng: np.random.Generator, wear: float) -> Thing:
     return Thing((Part("body", body, glazed), Part("handle", handle, glazed)))
 
 
-def _thrown(rng: np.random.Generator, wear: float, profile: list, radius: float, bands: int) -> Thing:
+def _thrown(rng: np.random.Generator, wear: float, profile: list[Piece], radius: float, bands: int) -> Thing:
+    """Return a thrown dish; its flat middle has a texture of its own, since around the axis it would be a star."""
     mesh = turned(profile)
     assert mesh.uv is not None
-    # From the middle of the underside to that of the inside: bands lie on the rim's inside, beyond half of it.
+    # From the middle of the underside to that of the inside: bands lie on the inside of the rim.
     around, along = float(2 * np.pi * radius), float(mesh.uv[:, 1].max())
+    rim = float(mesh.uv[np.argmax(mesh.vertices[:, 2]), 1])
+    shift = 0.78 * along - rim - rng.uniform(0.004, 0.012)
+    mesh = Mesh("part", mesh.vertices, mesh.faces, mesh.normals, mesh.uv + np.array([0.0, shift], np.float32))
     glazed = ceramic(rng, wear, (around, along), bands)
-    if bands:
-        rim = float(mesh.uv[np.argmax(mesh.vertices[:, 2]), 1])
-        shift = 0.78 * along - rim - rng.uniform(0.004, 0.012)
-        mesh = Mesh("part", mesh.vertices, mesh.faces, mesh.normals, mesh.uv + np.array([0.0, shift], np.float32))
-    return Thing((Part("body", mesh, glazed),), symmetric=bands == 0)
+    reach = np.array([piece.points[:, 0].max() for piece in profile])
+    middle = reach[faces_of_pieces(mesh, profile)] < 0.75 * radius
+    texture = glazed.base_colour
+    assert isinstance(texture, SurfaceTexture)
+    plain_ = surface(
+        rng,
+        glazed.name,
+        "glaze",
+        texture.colours[:1],
+        (0.1, 0.1),
+        (glazed.roughness, glazed.roughness),
+        wear=texture.wear,
+    )
+    parts = Part("rim", some(mesh, ~middle), glazed), Part("middle", some(mesh, middle, planar=True), plain_)
+    return Thing(parts, symmetric=bands == 0)
 
 
 def tray(rng: np.random.Generator, wear: float) -> Thing:
