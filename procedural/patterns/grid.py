@@ -8,10 +8,12 @@ import numpy as np
 
 #: Standard deviation of each octave of noise over that of the one before [1]: a 1/f spectrum.
 _OCTAVE = 0.5
-#: Mean distance between zeros of a cubic B-spline through independent numbers, over the distance of its knots [1]: by
-#: Rice's formula pi sqrt(-R(0) / R''(0)), with the autocorrelation R close to a Gaussian of the B-spline of degree 7,
-#: whose variance is 8/12.
-_FEATURE = 2.56
+#: Mean distance between zeros of a cubic B-spline through independent numbers, over the distance of its knots [1]:
+#: Rice's formula, pi sqrt(-R(0) / R''(0)), where the autocorrelation R is the B-spline of degree 7, R(0) = 2416/5040
+#: and R''(0) = -2/3.
+_FEATURE = 2.664
+#: Standard deviation of that spline in two dimensions, over that of the numbers and averaged over its phase [1]: R(0).
+_SPREAD = 2416.0 / 5040.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +84,7 @@ class Grid:
 
     def _spline(self, across: int, up: int) -> np.ndarray:
         lattice = self.rng.standard_normal((up, across), dtype=np.float32)
-        # Divided by the standard deviation of a spline through independent numbers, averaged over its phase.
-        return _stretched(_stretched(lattice, self.rows, 0), self.columns, 1) / np.float32(0.4793)
+        return _stretched(_stretched(lattice, self.rows, 0), self.columns, 1) / np.float32(_SPREAD)
 
     def white(self) -> np.ndarray:
         """Return independent normal numbers for all texels, (rows, columns) float32."""

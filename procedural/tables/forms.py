@@ -17,6 +17,8 @@ POINTS = 0.016
 #: Sink: length, width and depth of the basin [m] (EN 13310 basins of 340 x 400 x 160 mm are common), radius of its
 #: corners, how much lower the steel around it lies, and the width of that strip.
 BASIN, BASIN_RADIUS, SUNK, STRIP = (0.34, 0.40, 0.16), 0.045, 0.004, 0.06
+#: Shortest counter with a sink: a work surface of 0.9 m beside it [m].
+SHORTEST = 1.4
 #: Height of a counter's edge [m].
 EDGE = 0.04
 
@@ -41,7 +43,7 @@ def hanging_cloth(rng: np.random.Generator, size: tuple[float, float]) -> tuple[
     swing = rng.uniform(*SWING) * drop * (0.5 + 0.5 * np.abs(wave)) * wave
     # The corners of a square cloth hang lower and stand out.
     length = drop * (1.0 + 0.36 * near_corner)
-    out = (flare + 0.16 * near_corner) * drop
+    out = (flare + 0.30 * near_corner) * drop
     bend = np.linspace(0.0, np.pi / 2, 5)
     down = np.linspace(0.0, 1.0, 11)[1:]
     rings, unrolled = [], []
@@ -119,7 +121,7 @@ def steel_counter(rng: np.random.Generator, size: tuple[float, float]) -> tuple[
     """
     import manifold3d
 
-    length, width = max(size[0], 1.2), max(size[1], BASIN[1] + 2 * STRIP + 0.05)
+    length, width = max(size[0], SHORTEST), max(size[1], BASIN[1] + 2 * STRIP + 0.05)
     sign = 1.0 if rng.random() < 0.5 else -1.0
     sunk = BASIN[0] + 2 * STRIP
     middle = sign * (length / 2 - sunk / 2)

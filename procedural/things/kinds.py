@@ -31,7 +31,7 @@ class Kind:
 KINDS: dict[str, Kind] = {
     "book": Kind(book, (0.170, 0.245), "book formats A, B, A5, demy and royal octavo", 0.9),
     "carton": Kind(carton, (0.07, 0.20), "folding cartons of medicine, tea and pasta", 0.8),
-    "can": Kind(can, (0.083, 0.146), "food cans of 212 to 850 ml, drink cans of 250 and 330 ml", 0.85),
+    "can": Kind(can, (0.072, 0.146), "food cans of 212 to 850 ml, drink cans of 250 and 330 ml", 0.85),
     "fork": Kind(fork, (0.18, 0.215), "table forks, 185-210 mm", 0.6),
     "knife": Kind(knife, (0.21, 0.245), "table knives, 215-240 mm", 0.0),
     "spoon": Kind(spoon, (0.128, 0.218), "tea spoons 130-150 mm, table spoons 190-215 mm", 0.7),

@@ -75,6 +75,7 @@ def spanner(rng: np.random.Generator, wear: float) -> Thing:
     import manifold3d
 
     flats, length = SPANNERS[rng.integers(len(SPANNERS))]
+    length *= rng.uniform(0.97, 1.04)  # makers differ
     head, ring = 1.05 * flats, 0.78 * flats
     grip = 0.38 * flats
     jaw = manifold3d.CrossSection([circle(head, 48, (head, 0.0))])
