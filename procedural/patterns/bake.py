@@ -49,8 +49,15 @@ PATTERNS: dict[str, Pattern] = {
     "apple skin": skins.apple,
     "banana skin": skins.banana,
 }
-#: Patterns of what shows no scratches.
-SOFT = {name for name in PATTERNS if "cloth" in name or "skin" in name} | {"foam", "fleece", "paper", "page edges"}
+#: Patterns of what shows no scratches: soft, or harder than steel as glaze is.
+SOFT = {name for name in PATTERNS if "cloth" in name or "skin" in name} | {
+    "foam",
+    "fleece",
+    "paper",
+    "page edges",
+    "glaze",
+    "banded glaze",
+}
 #: Surfaces that are remembered [1]: those of a scene. One of 512 x 512 texels has 7 MB with its maps.
 _REMEMBERED = 24
 

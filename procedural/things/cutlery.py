@@ -24,7 +24,7 @@ def fork(rng: np.random.Generator, wear: float) -> Thing:
     width, head = length * rng.uniform(0.125, 0.14), length * rng.uniform(0.34, 0.38)
     slot = 0.48 * head  # tines from here on
     handle = _handle_width(rng, length)
-    s = np.linspace(0.0, length, STEPS)
+    s = _stations(0.0, length, STEPS)
     half = np.where(s < length - head, handle(s), 0.0)
     # Neck, shoulders, tines that run together a little.
     t = np.clip((s - (length - head)) / (head - slot), 0.0, 1.0)
@@ -43,7 +43,7 @@ def fork(rng: np.random.Generator, wear: float) -> Thing:
     place = np.repeat(across[None], STEPS, axis=0)
     narrow = np.clip((s - (length - slot)) / slot, 0.0, 1.0)[:, None] ** 2
     centre = np.round((across + 1) * cells / 4 - 0.25) * 4 / cells - 1 + 1 / cells
-    place = np.where(s[:, None] > length - slot, place + (centre[None] - place) * 0.45 * narrow, place)
+    place = np.where(s[:, None] > length - slot, place + (centre[None] - place) * 0.6 * narrow, place)
     thickness = np.where(s > length - 0.012, thick * (0.45 + 0.55 * (length - s) / 0.012), thick)
     return _stamped(rng, wear, s, place * half[:, None], middle, thickness, present, trough=0.0008)
 
@@ -53,10 +53,7 @@ def spoon(rng: np.random.Generator, wear: float) -> Thing:
     length, thick = rng.uniform(*(SPOON if rng.random() < 0.6 else TEA_SPOON)), rng.uniform(*SHEET)
     bowl, width = length * rng.uniform(0.30, 0.34), length * rng.uniform(0.195, 0.215)
     handle = _handle_width(rng, length)
-    s = np.concatenate(
-        [np.linspace(0.0, length - bowl, 45), length - bowl + bowl * np.linspace(0.0, 1.0, 46)[1:] ** 0.9]
-    )
-    s = np.sort(s)
+    s = np.concatenate([_stations(0.0, length - bowl, 45)[:-1], _stations(length - bowl, length, 46)])
     t = np.clip((s - (length - bowl)) / bowl, 0.0, 1.0)
     egg = np.sqrt(np.clip(1.0 - (2.0 * t**0.85 - 1.0) ** 2, 0.0, 1.0))
     neck = handle(np.array([length - bowl]))[0]
@@ -74,7 +71,7 @@ def knife(rng: np.random.Generator, wear: float) -> Thing:
     """Return a table knife, lying: a solid handle and a blade that is thin at its edge."""
     length, blade = rng.uniform(*KNIFE), rng.uniform(0.46, 0.52)
     handle, high = rng.uniform(0.0075, 0.0095), rng.uniform(0.0085, 0.0105)
-    s = np.linspace(0.0, length, STEPS)
+    s = _stations(0.0, length, STEPS)
     t = np.clip((s / length - (1 - blade)) / blade, 0.0, 1.0)
     ends = np.sqrt(np.clip(1 - (1 - np.clip(s / 0.010, 0, 1)) ** 2, 0.0, 1.0))
     body = (
@@ -95,6 +92,12 @@ def knife(rng: np.random.Generator, wear: float) -> Thing:
     middle = np.full_like(x, 0.0035)
     mesh = projected(sheet(np.stack([x, y, middle + half], 2), np.stack([x, y, middle - half], 2)))
     return Thing((Part("knife", mesh, metal(rng, wear, "steel", 0.15)),))
+
+
+def _stations(first: float, last: float, count: int) -> np.ndarray:
+    """Return places along a piece of cutlery [m], closest at both ends, which are round."""
+    t = np.linspace(0.0, 1.0, count)
+    return first + (last - first) * (0.25 * t + 0.375 * (1.0 - np.cos(np.pi * t)))
 
 
 def _handle_width(rng: np.random.Generator, length: float):

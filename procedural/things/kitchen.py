@@ -77,7 +77,12 @@ def mug(rng: np.random.Generator, wear: float) -> Thing:
     swell = 1.0 + 0.35 * np.abs(turn / (np.pi / 2)) ** 6
     oval = rounded_rectangle(0.013, 0.0075, 0.0036, 4)
     handle = tube(path, swell[:, None, None] * oval, up=(0.0, 0.0, 1.0))
-    return Thing((Part("body", body, glazed), Part("handle", handle, glazed)))
+    # Bands are painted on the wheel, so the handle has none.
+    texture = glazed.base_colour
+    assert isinstance(texture, SurfaceTexture)
+    alike = texture.model_copy(update={"pattern": "glaze", "colours": texture.colours[:1]})
+    bare = glazed.model_copy(update={"base_colour": alike})
+    return Thing((Part("body", body, glazed), Part("handle", handle, bare)))
 
 
 def _thrown(rng: np.random.Generator, wear: float, profile: list[Piece], radius: float, bands: int) -> Thing:

@@ -139,19 +139,14 @@ def slab(contours: Sequence[np.ndarray], height: float, bevel: float = 0.0) -> M
     height : float
         Height [m].
     bevel : float
-        Width of the bevel at the edges [m], narrower than half of anything in the outline.
+        Width of the bevel at the edges [m]; narrower where the outline has no room for it.
     """
-    import manifold3d
-
+    ends = np.cumsum([0, *(len(contour) for contour in contours)])
+    bevel, cap = _bevelled_cap(contours, bevel)
     levels = [(-height / 2, bevel), (-height / 2 + bevel, 0.0), (height / 2 - bevel, 0.0), (height / 2, bevel)]
     levels = levels if bevel else levels[::3]
     rings = [[np.column_stack([_inset(c, by), np.full(len(c), z)]) for c in contours] for z, by in levels]
-    vertices = np.concatenate([ring for level in rings for ring in level])
-    count = sum(len(contour) for contour in contours)
-    flat = np.concatenate([ring[:, :2] for ring in rings[0]])
-    ends = np.cumsum([0, *(len(contour) for contour in contours)])
-    parts = [flat[start:end] for start, end in itertools.pairwise(ends)]
-    cap = np.asarray(manifold3d.triangulate(parts), np.int64)
+    vertices, count = np.concatenate([ring for level in rings for ring in level]), int(ends[-1])
     faces = [cap[:, ::-1], cap + (len(levels) - 1) * count]
     for start, end in itertools.pairwise(ends):
         here = np.arange(start, end)
@@ -160,6 +155,24 @@ def slab(contours: Sequence[np.ndarray], height: float, bevel: float = 0.0) -> M
             a, b = here + level * count, after + level * count
             faces += [np.stack([a, b, b + count], 1), np.stack([a, b + count, a + count], 1)]
     return finished(vertices, np.concatenate(faces), crease=np.radians(30.0))
+
+
+def _bevelled_cap(contours: Sequence[np.ndarray], bevel: float) -> tuple[float, np.ndarray]:
+    """Return the widest bevel, this one or a half or a quarter of it, whose inset outline does not cross itself.
+
+    And the triangles of that outline, which all face up, (t, 3) int.
+    """
+    import manifold3d
+
+    for width in (bevel, bevel / 2, bevel / 4, 0.0):
+        parts = [_inset(contour, width) for contour in contours]
+        cap, flat = np.asarray(manifold3d.triangulate(parts), np.int64), np.concatenate(parts)
+        a, b, c = (flat[cap[:, k]] for k in range(3))
+        twice = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+        # Triangles without area join points on one line.
+        if twice.min() > -1e-6 * twice.max():
+            return width, cap
+    raise ValueError("expected an outline that does not cross itself, found one that does")
 
 
 def turned(pieces: list[Piece]) -> Mesh:

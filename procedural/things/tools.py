@@ -95,7 +95,7 @@ def spanner(rng: np.random.Generator, wear: float) -> Thing:
     section = section.offset(0.6 * grip, manifold3d.JoinType.Round, 2.0, 32).offset(
         -0.6 * grip, manifold3d.JoinType.Round, 2.0, 32
     )
-    section = (section - slot - manifold3d.CrossSection([hole])).simplify(2e-5)
+    section = (section - slot - manifold3d.CrossSection([hole])).simplify(6e-5)
     mesh = slab([np.asarray(contour, float) for contour in section.to_polygons()], 0.42 * flats, 0.0005)
     chrome = metal(rng, wear, "steel", 0.35)
     return Thing((Part("spanner", mesh, chrome),))
