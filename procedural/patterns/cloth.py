@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .grid import Grid, Layers
+
+ColourIndex = Callable[[np.ndarray], np.ndarray]
+"""From the places of threads [m] to the numbers of their colours."""
 
 #: Width of a thread [m]: table linen has 12-25 threads per centimetre, coarse linen and canvas 8-12.
 THREAD = (0.0005, 0.0012)
@@ -41,12 +46,12 @@ def _one(place: np.ndarray) -> np.ndarray:
     return np.zeros(place.shape, int)
 
 
-def _bands(length: float, size: float):
+def _bands(length: float, size: float) -> ColourIndex:
     count = 2 * max(1, round(length / size / 2))
     return lambda place: (place / length * count).astype(int) % 2
 
 
-def _woven(grid: Grid, colours: np.ndarray, warp_colour, weft_colour) -> Layers:
+def _woven(grid: Grid, colours: np.ndarray, warp_colour: ColourIndex, weft_colour: ColourIndex) -> Layers:
     """Return a plain weave; the functions give the number of a thread's colour from its place [m]."""
     rng = grid.rng
     wanted = rng.uniform(*THREAD)

@@ -18,7 +18,7 @@ from ..materials.draw import draw_table_material
 from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
-from ..tables.forms import hanging_cloth, steel_counter
+from ..tables.forms import hanging_cloth, over_edges, steel_counter
 from ..tables.kinds import DEFAULT_TABLES, TABLE_KINDS, TableKind, draw_top
 
 #: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
@@ -134,7 +134,8 @@ def _of_kind(
     elif kind == "steel":
         mesh, size = steel_counter(rng, size[:2])
     else:
-        mesh = _round_board(size[0], size[2], radius) if round_table else _board(size, radius)
+        board = _round_board(size[0], size[2], radius) if round_table else _board(size, radius)
+        mesh = board if round_table else over_edges(board, size)
     material = draw_top(rng, kind, size[:2], rng.uniform(*settings.wear))
     return Table(mesh=mesh, material=material, size=size, kind=kind)
 

@@ -107,6 +107,27 @@ def _shell(
     return mesh, (x, y, z)
 
 
+def over_edges(mesh: Mesh, size: tuple[float, float, float]) -> Mesh:
+    """Return a rectangular board whose pattern goes on down its sides, as boards and tiles do.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A board of `blocks.rounded_box`, with coordinates from the middle of each of its six faces [m].
+    size : (x, y, z)
+        Its extent [m].
+    """
+    assert mesh.uv is not None
+    uv = mesh.uv.reshape(6, -1, 2).copy()
+    along, across = (0.5 * (side + size[2]) for side in size[:2])
+    # In the order of `rounded_box`: +x (y, z), -x (z, y), +y (z, x), -y (x, z).
+    uv[0] = np.stack([along - uv[0, :, 1], uv[0, :, 0]], 1)
+    uv[1] = np.stack([uv[1, :, 0] - along, uv[1, :, 1]], 1)
+    uv[2] = np.stack([uv[2, :, 1], across - uv[2, :, 0]], 1)
+    uv[3] = np.stack([uv[3, :, 0], uv[3, :, 1] - across], 1)
+    return Mesh(mesh.name, mesh.vertices, mesh.faces, mesh.normals, uv.reshape(-1, 2))
+
+
 def steel_counter(rng: np.random.Generator, size: tuple[float, float]) -> tuple[Mesh, tuple[float, float, float]]:
     """Return a steel counter, its work surface at z = 0, with a sink at one end; and its extent [m].
 

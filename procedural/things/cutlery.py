@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 
@@ -100,7 +101,7 @@ def _stations(first: float, last: float, count: int) -> np.ndarray:
     return first + (last - first) * (0.25 * t + 0.375 * (1.0 - np.cos(np.pi * t)))
 
 
-def _handle_width(rng: np.random.Generator, length: float):
+def _handle_width(rng: np.random.Generator, length: float) -> Callable[[np.ndarray], np.ndarray]:
     """Return half of a handle's width along it: broad and round at the end, narrow at the neck."""
     end, neck = rng.uniform(0.0075, 0.0105), rng.uniform(0.0026, 0.0034)
     waist = rng.uniform(0.55, 0.66) * length

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..description.material import SurfacePattern
+from ...core.model import Reflectance
+from ..description.material import OpaqueMaterial, SurfacePattern
 from ..materials.noise import value_noise
 from ..patterns.draw import plain, surface
 from ..props.blocks import face_grids
 from ..props.normals import creased
 from .parts import Part, Thing
 from .solids import tube
+
+Radius = Callable[[np.ndarray], np.ndarray]
+"""From directions (n, 3) to radii (n,), in any unit."""
 
 #: Diameters of table fruit [m]: marketing standards of the EU (543/2011) ask for apples from 60 mm, oranges from 53 mm
 #: and lemons from 45 mm on; shops have these.
@@ -104,7 +110,7 @@ def banana(rng: np.random.Generator, wear: float) -> Thing:
     return Thing((Part("fruit", swapped, skin),))
 
 
-def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps: float) -> Mesh:
+def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius: Radius, bumps: float) -> Mesh:
     """Return a star-shaped fruit, its radius a function of the direction, with coordinates on a cube's faces."""
     directions, faces, across = face_grids(STEPS)
     rounding = 1.0 + bumps * (value_noise(directions * 1.3 + 7.0, int(rng.integers(2**31)))[:, None] - 0.5)
@@ -121,11 +127,11 @@ def _fruit(rng: np.random.Generator, diameter: float, tall: float, radius, bumps
 def _skin(
     rng: np.random.Generator,
     pattern: SurfacePattern,
-    colours,
+    colours: Sequence[Reflectance],
     diameter: float,
     roughness: tuple[float, float],
     wear: float,
-):
+) -> OpaqueMaterial:
     quarter = np.pi / 4 * diameter
     extent, size = (float(3 * quarter), float(2 * quarter)), (3 * FACE, 2 * FACE)
     return surface(rng, pattern, pattern, colours, extent, roughness, size=size, wear=0.3 * wear, atlas=True)

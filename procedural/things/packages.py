@@ -111,7 +111,7 @@ def _bent(outline: np.ndarray, outer: int, height: float, total: float) -> tuple
     return moved(mesh, turn=rotation(0, np.pi / 2)), segment < outer
 
 
-def _leaves(width: float, height: float, leaves: float, board: float, hollow: float):
+def _leaves(width: float, height: float, leaves: float, board: float, hollow: float) -> Mesh:
     """Return the block of leaves, whose fore edge is hollow by as much as the back is round."""
     bend = np.linspace(-1.0, 1.0, 9)
     fore = np.stack([width - hollow * (1 - bend**2), board + leaves * (bend + 1) / 2], 1)

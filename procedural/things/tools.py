@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.mesh import Mesh
 from ...core.model import Reflectance
 from ..patterns.draw import metal, plain, plastic
 from .parts import Part, Thing
@@ -51,7 +52,7 @@ def screwdriver(rng: np.random.Generator, wear: float) -> Thing:
     )
 
 
-def _shaft(rng: np.random.Generator, start: float, length: float, radius: float):
+def _shaft(rng: np.random.Generator, start: float, length: float, radius: float) -> Mesh:
     turn = 2 * np.pi * np.arange(24) / 24
     if rng.random() < 0.5:  # a flat tip
         x = np.array([0.0, 0.80, 0.86, 0.94, 1.0]) * length + start

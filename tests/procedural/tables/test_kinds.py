@@ -8,12 +8,13 @@ import pytest
 from glassware.core.mesh import check_closed
 from glassware.core.randomness import stream
 from glassware.procedural.description.material import SurfaceTexture
-from glassware.procedural.surroundings.table import SHELF_DEPTH, TableSettings, draw_table, outline
+from glassware.procedural.description.surroundings import Table
+from glassware.procedural.surroundings.table import EDGE_RADIUS, SHELF_DEPTH, TableSettings, draw_table, outline
 from glassware.procedural.tables.forms import BASIN, BEND, DROP
 from glassware.procedural.tables.kinds import DEFAULT_TABLES, TABLE_KINDS
 
 
-def _table(kind: str, seed: int):
+def _table(kind: str, seed: int) -> Table:
     settings = TableSettings.model_validate({"kinds": [kind]})
     return draw_table(stream(seed, 0, "table"), settings, (), stream(seed, 0, "table/kind"))
 
@@ -39,10 +40,13 @@ def test_a_table_is_closed_hangs_below_its_top_and_holds_a_scene(kind: str) -> N
 @pytest.mark.parametrize("kind", [kind for kind in TABLE_KINDS if kind != "plain"])
 def test_texture_coordinates_on_the_top_are_metres(kind: str) -> None:
     table = _table(kind, 1)
+    assert table.mesh.uv is not None
+    assert table.mesh.normals is not None
     top = (table.mesh.vertices[:, 2] == 0.0) & (table.mesh.normals[:, 2] > 0.99)
     shift = table.mesh.uv[top] - table.mesh.vertices[top, :2]
     assert np.ptp(shift, axis=0).max() < 1e-5
     texture = table.material.base_colour
+    assert isinstance(texture, SurfaceTexture)
     up = table.material.repeats_v or table.material.repeats
     assert (1 / table.material.repeats, 1 / up) == pytest.approx(texture.extent)
 
@@ -52,6 +56,7 @@ def test_a_cloth_hangs_in_folds_without_being_stretched() -> None:
         mesh = _table("cloth", seed).mesh
         # Corners hang lower than the rest.
         assert DROP[0] <= -mesh.bounds[0, 2] <= 1.5 * DROP[1]
+        assert mesh.uv is not None
         vertices, uv = mesh.vertices.astype(float), mesh.uv.astype(float)
         ends = [(mesh.faces[:, k], mesh.faces[:, (k + 1) % 3]) for k in range(3)]
         a, b = (np.concatenate(side) for side in zip(*ends, strict=True))
@@ -78,3 +83,16 @@ def test_settings_name_all_kinds_and_refuse_others() -> None:
     assert {entry.partition("=")[0] for entry in DEFAULT_TABLES} == set(TABLE_KINDS)
     with pytest.raises(ValueError, match=r"stones.*stone"):
         TableSettings.model_validate({"kinds": ["stones"]})
+
+
+def test_the_pattern_of_a_board_goes_on_over_its_edges() -> None:
+    table = draw_table(stream(4, 0, "table"), TableSettings(kinds=("wood",), round_share=0.0), (), stream(4, 0, "kind"))
+    mesh = table.mesh
+    assert mesh.uv is not None
+    # Both faces at an edge have the same texture there, but for the shorter way around its rounding.
+    positions, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    above = positions[:, 2] > -0.4 * table.size[2]
+    low, high = (np.full((len(positions), 2), fill) for fill in (np.inf, -np.inf))
+    np.minimum.at(low, index.reshape(-1), mesh.uv)
+    np.maximum.at(high, index.reshape(-1), mesh.uv)
+    assert (high - low)[above].max() < 0.5 * EDGE_RADIUS[1]

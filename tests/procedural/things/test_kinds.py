@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import cache
 
 import numpy as np
 import pytest
@@ -30,7 +31,12 @@ MOST_FACES, MOST_SECONDS = 20_000, 0.3
 LEAST_SCALE, MOST_SCALE = 0.62, 1.35
 
 
-def _thing(kind: str, seed: int, wear: float = 0.5) -> Prop:
+@cache
+def _thing(kind: str, seed: int) -> Prop:
+    return _drawn(kind, seed)
+
+
+def _drawn(kind: str, seed: int, wear: float = 0.5) -> Prop:
     return as_prop(KINDS[kind].draw(stream(seed, 0, kind), wear), kind, id=2, name="prop-00")
 
 
@@ -57,7 +63,7 @@ def test_parts_have_names_and_materials_and_no_two_things_are_alike(kind: str) -
         colours = [piece.material.base_colour for piece in prop.pieces]
         assert any(isinstance(colour, SurfaceTexture) for colour in colours)
     assert len({prop.mesh.vertices.tobytes() for prop in props}) == len(props)
-    again = _thing(kind, 0)
+    again = _drawn(kind, 0)
     assert np.array_equal(again.mesh.vertices, props[0].mesh.vertices)
     assert again.pieces == props[0].pieces
 
@@ -66,6 +72,7 @@ def test_parts_have_names_and_materials_and_no_two_things_are_alike(kind: str) -
 def test_textures_are_at_the_scale_of_the_thing(kind: str) -> None:
     prop = _thing(kind, 1)
     mesh, first = prop.mesh, 0
+    assert mesh.uv is not None
     for piece in prop.pieces:
         faces = mesh.faces[first : first + piece.faces]
         first += piece.faces
@@ -88,9 +95,9 @@ def _sides(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_thing_is_drawn_in_a_moment(kind: str) -> None:
     seconds = []
-    for seed in SEEDS:
+    for seed in (1, 2):
         begun = time.process_time()
-        _thing(kind, seed)
+        _drawn(kind, seed)
         seconds.append(time.process_time() - begun)
     assert min(seconds) < MOST_SECONDS
 
@@ -100,10 +107,10 @@ def test_settings_name_all_kinds_and_a_kind_can_be_chosen() -> None:
     assert set(weights_of(DEFAULT_KINDS)) == set(PROP_KINDS)
     settings = PropSettings.model_validate({"kinds": {"book": 3, "can": 1}})
     drawn = [
-        draw_prop_of_kind(stream(1, n, "a"), stream(1, n, "b"), settings, id=2, name="p").category for n in range(80)
+        draw_prop_of_kind(stream(1, n, "a"), stream(1, n, "b"), settings, id=2, name="p").category for n in range(40)
     ]
-    # Three quarters of 80, and four standard deviations.
-    assert 44 <= drawn.count("book") <= 76
+    # Three quarters of 40, and three and a half standard deviations.
+    assert 20 <= drawn.count("book") <= 39
     assert set(drawn) == {"book", "can"}
 
 
@@ -118,6 +125,8 @@ def test_without_things_shapes_are_what_they_were() -> None:
     settings = PropSettings.model_validate({"kinds": ["shape"]})
     one = draw_prop_of_kind(stream(3, 0, "a"), stream(3, 0, "b"), settings, id=2, name="p")
     other = draw_prop(stream(3, 0, "a"), settings, id=2, name="p")
+    assert isinstance(one, Prop)
+    assert isinstance(other, Prop)
     assert np.array_equal(one.mesh.vertices, other.mesh.vertices)
     assert one.material == other.material
 
