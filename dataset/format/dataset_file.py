@@ -17,7 +17,7 @@ from ...core.passed_over import Finding
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from ..cameras.model import ColourCamera
-from .file_kinds import KINDS, FileKinds
+from .file_kinds import EARLIER_KINDS, KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -64,7 +64,8 @@ class DatasetFile(Model):
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
     files: FileKinds = Field(
-        default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
+        default=EARLIER_KINDS,
+        description="Files of each view beside those that every view has; in data sets of earlier versions, four",
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
     meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")

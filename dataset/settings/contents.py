@@ -15,7 +15,8 @@ from ...procedural.optics.medium import Medium
 from ...procedural.optics.own_media import read_media
 from ...procedural.tables.kinds import TABLE_KINDS
 from ...procedural.things.kinds import KINDS
-from ...procedural.vessels.families import FAMILIES, Family
+from ...procedural.vessels.families import FAMILIES
+from ...procedural.vessels.family_pieces import Family
 from ...procedural.vessels.settings import VesselSettings
 from ...procedural.vessels.sizes import NOMINAL, volumes_of
 from .config import preset_names

@@ -79,13 +79,42 @@ def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], 
         Where a level does not lie in its cavity, or is not a closed line on its wall.
     """
     places, index = welded(mesh)
-    links = _links(index[mesh.faces])
+    links = links_of(index[mesh.faces])
     level = np.full(len(mesh.faces), np.nan)  # of the liquid that a face touches
     for hollow, height in fillings:
         touched = _touched(links, places[:, 2] < height, columns, hollow, height)
         if not touched.any():
             raise ValueError("expected a wall below the level, found none")
         level[touched] = height
+    return cut_faces(mesh, links, level, names)
+
+
+def cut_known(mesh: Mesh, inner: np.ndarray, height: float, names: tuple[str, str, str]) -> Parts:
+    """Return a solid's surface cut along the level of the liquid in a cavity of which the faces are known.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The closed surface of the solid, each edge between two faces.
+    inner : (m,) bool
+        The faces around the cavity: below its brim, no other face shares an edge with them.
+    height : float
+        The level [m], below the brim (`clear_level`).
+    names : (str, str, str)
+        Of the three meshes.
+
+    Raises
+    ------
+    ValueError
+        Where the level is not a closed line on the wall.
+    """
+    _, index = welded(mesh)
+    level = np.where(inner & (mesh.vertices[mesh.faces, 2].min(1) < height), height, np.nan)
+    return cut_faces(mesh, links_of(index[mesh.faces]), level, names)
+
+
+def cut_faces(mesh: Mesh, links: Links, level: np.ndarray, names: tuple[str, str, str]) -> Parts:
+    """Return a solid's surface cut along the level of the liquid that each face touches; NaN where it touches none."""
     below = mesh.vertices[mesh.faces, 2] < level[:, None]
     split = np.flatnonzero(below.any(1) & ~below.all(1))
     vertices, normals, pieces = _split(mesh, links, below[split], split, level[split])
@@ -107,11 +136,11 @@ def touched_faces(
     faces: np.ndarray, heights: np.ndarray, columns: Columns, hollow: Hollow, height: float
 ) -> np.ndarray:
     """Return which faces of a welded mesh, (m,) bool, a liquid in a cavity would touch up to a height [m]."""
-    return _touched(_links(faces), heights < height, columns, hollow, height)
+    return _touched(links_of(faces), heights < height, columns, hollow, height)
 
 
 @dataclass(frozen=True, eq=False)
-class _Links:
+class Links:
     """The edges of a closed mesh."""
 
     edge: np.ndarray  #: (m, 3) number of the edge that begins at each corner
@@ -129,7 +158,7 @@ class _Pieces:
     vertex_of_edge: dict[int, int]
 
 
-def _links(faces: np.ndarray) -> _Links:
+def links_of(faces: np.ndarray) -> Links:
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
     keys = ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1]
     _, first, edge = np.unique(keys, return_index=True, return_inverse=True)
@@ -137,10 +166,10 @@ def _links(faces: np.ndarray) -> _Links:
     order = np.argsort(edge, kind="stable")
     if len(order) != 2 * len(first) or (np.diff(edge[order].reshape(-1, 2), axis=1) != 0).any():
         raise ValueError("expected two faces at every edge, found other counts")
-    return _Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
+    return Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
 
 
-def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
+def _touched(links: Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
     """Return the faces that the liquid in a cavity touches, by connected pieces of the surface below its level."""
     a, b = links.sides[low[links.ends].any(1)].T
     count = len(links.edge)
@@ -156,7 +185,7 @@ def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, h
 
 
 def _split(
-    mesh: Mesh, links: _Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
+    mesh: Mesh, links: Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None, _Pieces]:
     """Return all vertices, with those on the edges of the faces that a level crosses, and the pieces of these faces."""
     alone_low = below.sum(1) == 1

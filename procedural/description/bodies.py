@@ -14,6 +14,7 @@ from .material import OpaqueMaterial
 
 #: Instance ids: 0 is nothing, 1 the table, objects from 2 (a vessel and its liquid are one instance).
 TABLE_ID, FIRST_OBJECT_ID = 1, 2
+PART_OF = "Name of the vessel that it goes with and moves with: of caps, labels, stands"
 
 
 class Interface(Model):
@@ -46,6 +47,7 @@ class GlassBody(Model):
     id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Such as 'tumbler', 'bottle', 'prism'")
+    part_of: str | None = Field(default=None, exclude_if=lambda name: name is None, description=PART_OF)
     glass: Medium = Field(description="The medium that the body is made of")
     roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
     liquid: Liquid | None = None
@@ -55,6 +57,12 @@ class GlassBody(Model):
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    symmetries: tuple[Matrix4, ...] = Field(
+        default=(),
+        exclude_if=lambda symmetries: not symmetries,
+        description="Motions that leave it unchanged but for small irregularities, without the identity [m]; where there "
+        "are none they are found from the shape",
+    )
     world_T_object: Matrix4
 
     def __repr__(self) -> str:
@@ -143,6 +151,7 @@ class Prop(Model):
     id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Shape, or the file that the mesh came from")
+    part_of: str | None = Field(default=None, exclude_if=lambda name: name is None, description=PART_OF)
     mesh: MeshField
     material: OpaqueMaterial = Field(description="Of the whole mesh; of its part with most area where it has parts")
     # Left out of files where there are none: scenes of one material stay what they were.

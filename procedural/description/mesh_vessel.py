@@ -57,7 +57,7 @@ def mesh_vessel(
         category=category,
         glass=glass,
         roughness=roughness,
-        interfaces=_dry(solid, glass, roughness),
+        interfaces=dry_interfaces_of(solid, glass, roughness),
         size=(x, y, z),
         symmetric=symmetric,
         world_T_object=np.eye(4),
@@ -92,37 +92,41 @@ def refilled_mesh(
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(
-            update={"liquid": None, "interfaces": _dry(vessel.solid, vessel.glass, vessel.roughness)}
+            update={"liquid": None, "interfaces": dry_interfaces_of(vessel.solid, vessel.glass, vessel.roughness)}
         )
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
     try:
-        parts, level, volume = _filled(vessel.solid, inside, volume)
+        parts, level = _filled(vessel.solid, inside, volume)
     except ValueError as error:
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    angle = _contact_angle(parts, level)
+    return with_parts(vessel, medium, parts, level, inside.volume)
+
+
+def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, brimful: float) -> MeshVessel:
+    """Return a vessel that holds a liquid, from its surface cut along the level [m] and its brimful volume [m^3]."""
+    volume = _content(parts)
     record = Liquid(
         medium=medium,
         level=level,
         centre=level,
         contact=level,
-        contact_angle=angle,
-        fill=min(volume / inside.volume, 1.0),
+        contact_angle=_contact_angle(parts, level),
+        fill=min(volume / brimful, 1.0),
         volume=volume,
     )
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
 
-def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float, float]:
-    """Return the parts, the level [m] and the volume of the liquid's body [m^3]."""
+def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float]:
+    """Return the parts and the level [m]."""
     stem = solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
     parts, level = filled(solid, inside, wanted, names)
     # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
-    parts, level = filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
-    return parts, level, _content(parts)
+    return filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
 
 
 def _content(parts: Parts) -> float:
@@ -145,7 +149,8 @@ def _contact_angle(parts: Parts, level: float) -> float:
     return float(np.average(angles, weights=np.maximum(edge, 1e-12)))
 
 
-def _dry(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+def dry_interfaces_of(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+    """Return the one interface of an empty vessel, the whole surface of its solid."""
     name = solid.name.removesuffix("-solid") + "-outside"
     mesh = Mesh(name, solid.vertices, solid.faces, solid.normals)
     return (Interface(part="outside", mesh=mesh, front=AIR, back=glass, roughness=roughness),)

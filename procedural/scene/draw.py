@@ -10,6 +10,7 @@ from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
 from ..props.draw import PropSettings
+from ..shaped_vessels.draw import SHAPERS, draw_shaped_vessel
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
@@ -98,7 +99,8 @@ def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, fil
     # The family is the first that a vessel's stream gives; the wall's material follows it.
     category, *_ = draw_size(stream(seed, scene_id, place), settings)
     glass, liquid = draw_media(media, settings, category, files.media)
-    return draw_vessel(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
+    draw = draw_shaped_vessel if category in SHAPERS else draw_vessel
+    return draw(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
 
 
 def _props(
