@@ -13,9 +13,19 @@ from ..description.mesh_vessel import dry_interfaces_of, with_parts
 from ..optics.medium import Medium
 from ..placement.resting import turn_about_z
 from ..profiles.revolve import segments_for
-from ..vessels.draw import FILLET, LEAST_BORE, LEAST_CORNER, LEAST_DEPTH, MOST_CORNER, PUNT, PUNT_PROBABILITY
+from ..vessels.draw import (
+    FILLET,
+    LEAST_BORE,
+    LEAST_CORNER,
+    LEAST_DEPTH,
+    MOST_CORNER,
+    PUNT,
+    PUNT_PROBABILITY,
+    draw_amount,
+    draw_roughness,
+    draw_within,
+)
 from ..vessels.draw import PUNT_STEEPNESS as STEEPNESS
-from ..vessels.draw import draw_amount, draw_roughness, draw_within
 from ..vessels.families import FAMILIES
 from ..vessels.family_pieces import Size
 from ..vessels.outline import Outline
