@@ -40,8 +40,8 @@ _STEPS = (1, 2, 4, 8, 16, 32)
 #: Diffusion steps that powers are averaged over [1], and the factor on the estimated noise power [1], which has noise
 #: itself.
 _AVERAGING_STEPS, _NOISE_FACTOR = 3, 1.5
-#: Smallest ratio of a firefly to the darker halves around it, averaged over `_AVERAGING_STEPS` steps [1], and of the
-#: brighter half of its paths to the darker one [1].
+#: Smallest ratio of a firefly to the light around it by the darker half of all paths, averaged over `_AVERAGING_STEPS`
+#: steps [1], and of the brighter half of its own paths to the darker one [1].
 _MIN_CONTRAST, _MIN_HALF_RATIO = 10.0, 4.0
 #: Weight of the mesh index in the neighbour search [1]: vertices of other meshes are beyond any reach.
 _MESH_DISTANCE = 1e6
@@ -158,7 +158,9 @@ def _without_fireflies(
     """Return both halves with the excess of fireflies spread over their meshes."""
     levels = luminance(halves[0][:, :3]), luminance(halves[1][:, :3])
     dark, level = np.minimum(*levels), 0.5 * (levels[0] + levels[1])
-    around = _diffused(step, _AVERAGING_STEPS, dark)
+    # Each half is averaged alone: where half of the paths find the sun, both averages have it, but of a few paths of a
+    # vertex often one half has none.
+    around = np.minimum(*(_diffused(step, _AVERAGING_STEPS, one) for one in levels))
     is_firefly = (level > _MIN_CONTRAST * around) & (np.maximum(*levels) > _MIN_HALF_RATIO * dark)
     kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[:, None].astype(halves[0].dtype)
     area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
