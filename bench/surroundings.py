@@ -4,9 +4,9 @@
     python bench/surroundings.py --seeds $(seq 1 40)
 
 Each seed is drawn with the preset `fast`, and its first views are path traced with the preset's samples, or with
-`--spp`, and filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the filters must not
-change them. Pixels at outlines, within one pixel of another id, are left out. Light from the irradiance cache does not
-reach these pixels, so it is not stored.
+`--spp`, and filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the
+filters must not change them. Pixels at outlines, within one pixel of another id, are left out. Light from the
+irradiance cache does not reach these pixels, so it is not stored.
 """
 
 from __future__ import annotations

@@ -89,14 +89,14 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
     regions = regions_of(loaded, cache)
     reference = path_tracer_with_caustics(loaded, cache)
     may_be_traced = {TABLE_ID} | {prop.id for prop in scene.props}
-    failed, traced = (), ()
-    for attempt in range(_ATTEMPTS):
+    failed, traced, attempt = (), (), 0
+    while True:
         tracer = cached_tracer(loaded, cache, traced)
         checks = check_regions(loaded, tracer, reference, regions, which=attempt)
         beyond = tuple(check for check in checks if not is_within(check) and check.id not in traced)
-        failed += beyond
+        failed, attempt = failed + beyond, attempt + 1
         more = {check.id for check in beyond} & may_be_traced
-        if not more:
+        if not more or attempt == _ATTEMPTS:
             break
         traced = tuple(sorted({*traced, *more}))
     passed = not beyond

@@ -33,7 +33,7 @@ from ..pictures.integrator import (
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
-from ..scene.lighting import SunGlints, sun_glints
+from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.surfaces import registry_id, surface_media
@@ -68,7 +68,7 @@ class CachedTracing:
     shader: CachedShader
     emission: EmissionMap
     glints: SunGlints | None  #: the sun as paths find it through glass; None: as it is
-    derivatives: NormalDerivatives | None  #: of glass, where footprints are followed for `glints`
+    derivatives: NormalDerivatives | None = None  #: of glass, where footprints are followed for `glints`
 
     def of_paths(self, state: PathState) -> CachedTracing:
         """Return the same for compacted paths, whose lanes differ."""
@@ -277,7 +277,12 @@ def _glints_of(glints: SunGlints | None, footprint: Footprint | None) -> SunGlin
     """Return the sun as paths of a footprint find it."""
     if glints is None or footprint is None:
         return glints
-    return lambda radiance, direction: glints(radiance, direction, (footprint.d_u, footprint.d_v))
+    spread = footprint.d_u, footprint.d_v
+
+    def of_footprint(radiance: mi.Color3f, direction: mi.Vector3f, _spread: Spread | None = None) -> mi.Color3f:
+        return glints(radiance, direction, spread)
+
+    return of_footprint
 
 
 def _opaque_bounce(

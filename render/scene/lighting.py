@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -52,12 +52,14 @@ def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
 _FOOTPRINT = 0.6
 
 
+#: Derivatives of a direction by two perpendicular offsets of the path's place in the pixel [1/px].
+Spread: TypeAlias = "tuple[mi.Vector3f, mi.Vector3f]"
+
+
 class SunGlints(Protocol):
     """The sun as paths find it through glass."""
 
-    def __call__(
-        self, radiance: mi.Color3f, direction: mi.Vector3f, spread: tuple[mi.Vector3f, mi.Vector3f] | None = None, /
-    ) -> mi.Color3f:
+    def __call__(self, radiance: mi.Color3f, direction: mi.Vector3f, spread: Spread | None = None, /) -> mi.Color3f:
         """Return the environment's radiance with a wider disc in place of the sun.
 
         Parameters
@@ -66,8 +68,8 @@ class SunGlints(Protocol):
             The environment's radiance.
         direction : mi.Vector3f
             Direction to it.
-        spread : (mi.Vector3f, mi.Vector3f), optional
-            Derivatives of the direction by the path's place in the pixel [1/px]: the disc is stretched by as much.
+        spread : Spread, optional
+            Of the direction: the disc is stretched by as much.
         """
         ...
 
@@ -81,9 +83,7 @@ def sun_glints(scene: Scene) -> SunGlints | None:
     core_cos, disc_cos, widest2 = mi.Float(sun.core_cos), mi.Float(sun.disc_cos), mi.Float(sun.widest**2)
     dr.make_opaque(to_sun, around, light, core_cos, disc_cos, widest2)
 
-    def with_wide_sun(
-        radiance: mi.Color3f, direction: mi.Vector3f, spread: tuple[mi.Vector3f, mi.Vector3f] | None = None
-    ) -> mi.Color3f:
+    def with_wide_sun(radiance: mi.Color3f, direction: mi.Vector3f, spread: Spread | None = None) -> mi.Color3f:
         cos = dr.dot(direction, to_sun)
         sky = dr.select(cos > core_cos, dr.minimum(radiance, mi.Color3f(around)), radiance)
         if spread is None:
@@ -98,7 +98,7 @@ def _in_ellipse(
     direction: mi.Vector3f,
     to_sun: mi.Vector3f,
     radius2: mi.Float,
-    spread: tuple[mi.Vector3f, mi.Vector3f],
+    spread: Spread,
     widest2: mi.Float,
 ) -> tuple[mi.Bool, mi.Float]:
     """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its solid angle [sr].

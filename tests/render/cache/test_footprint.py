@@ -47,6 +47,7 @@ def _two_interfaces(loaded, reflected: bool):
         event = scatter(hit)
         triangle = pi.prim_index, dr.sign(dr.dot(si.n, surface.n))
         footprint = followed(footprint, derivatives, triangle, surface, ray.d, event, eta)
+        assert footprint is not None
         ray = leave(si, event.direction, mi.Float(1e-7))
     return (
         np.array(x).reshape(3, -1).T for x in (ray.o, ray.d, footprint.p_u, footprint.p_v, footprint.d_u, footprint.d_v)
@@ -58,8 +59,8 @@ def test_footprints_are_the_differences_of_neighbouring_rays(ball, reflected) ->
     origin, direction, p_u, p_v, d_u, d_v = _two_interfaces(ball, reflected)
     for number, (p, d) in enumerate(((p_u, d_u), (p_v, d_v)), start=1):
         moved, turned = ((values[number] - values[0]) / STEP for values in (origin, direction))
-        np.testing.assert_allclose(p[0], moved, atol=TOLERANCE * np.linalg.norm(moved))
-        np.testing.assert_allclose(d[0], turned, atol=TOLERANCE * np.linalg.norm(turned))
+        np.testing.assert_allclose(p[0], moved, atol=TOLERANCE * float(np.linalg.norm(moved)))
+        np.testing.assert_allclose(d[0], turned, atol=TOLERANCE * float(np.linalg.norm(turned)))
     # Refraction in and out turns a pixel's rays by several pixels' angles.
     assert np.linalg.norm(d_u[0]) > 2.0 / ball.description.cameras[0].focal
 
