@@ -8,8 +8,7 @@ takes seconds, so results are kept in the user's cache folder; where that cannot
 from __future__ import annotations
 
 import hashlib
-import io
-import zipfile
+import json
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -77,23 +76,23 @@ def _version() -> str:
 
 def _read(key: str) -> list[np.ndarray] | None:
     try:
-        with np.load(_file(key), allow_pickle=False) as stored:
-            corners, counts = stored["corners"], stored["counts"]
-    except (OSError, ValueError, KeyError, EOFError, RuntimeError, zipfile.BadZipFile):
-        return None  # missing, damaged, or no home: found again
+        head, _, data = _file(key).read_bytes().partition(b"\n")
+        counts = [int(count) for count in json.loads(head)]
+        corners = np.frombuffer(data, np.float64).reshape(sum(counts), 3)
+    except (OSError, ValueError, TypeError, RuntimeError):  # missing, damaged, or no home: found again
+        return None
     return np.split(corners, np.cumsum(counts)[:-1])
 
 
 def _write(key: str, parts: list[np.ndarray]) -> None:
-    data = io.BytesIO()
-    np.savez(data, corners=np.concatenate(parts), counts=np.array([len(part) for part in parts]))
+    head = json.dumps([len(part) for part in parts]).encode()
     try:
         path = _file(key)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, data.getvalue())
+        write_atomically(path, head + b"\n" + np.concatenate(parts).tobytes())
     except (OSError, RuntimeError):  # a folder that cannot be written: found again next time
         return
 
 
 def _file(key: str) -> Path:
-    return cache_folder() / "convex-parts" / f"{key}.npz"
+    return cache_folder() / "convex-parts" / f"{key}.parts"

@@ -39,8 +39,9 @@ class BodyParts:
 def body_parts(item: SceneObject) -> BodyParts:
     """Return the convex parts of an object without its liquid.
 
-    Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes are
-    cut into sectors; what is convex but for `HULL_DEPTH` is its hull; and everything else is decomposed.
+    Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes and
+    drawn props are cut into sectors; what is convex but for `HULL_DEPTH` is its hull; everything else, which files
+    have, is decomposed.
     """
     if isinstance(item, Vessel):
         return _of_revolution([_vessel_outline(item)])
@@ -57,6 +58,10 @@ def body_parts(item: SceneObject) -> BodyParts:
     outlines = mesh_outlines(mesh) if item.symmetric else []
     if outlines:
         return _of_revolution(outlines)
+    if not isinstance(item, Prop) or item.origin is None:  # drawn things are closed, and each is there once
+        sectors = sector_parts(mesh)[1]
+        if sectors:
+            return BodyParts(corners, tuple(sectors))
     return BodyParts(corners, tuple(ConvexPart(part) for part in convex_parts(places, faces)))
 
 

@@ -55,8 +55,8 @@ _SPILT = 0.1
 #: Largest tilt of a filled vessel at rest [rad], which is then made upright: at a height of 0.3 m the rim moves by as
 #: much as the gap of contacts.
 _UPRIGHT = 3e-4
-#: Share of props that begin to fall in a pose in which they could lie, and the tilt that they then have [rad].
-_FLAT_SHARE, _FLAT_TILT = 0.5, 0.15
+#: Fraction of props that begin to fall in a pose in which they could lie, and the tilt that they then have [rad].
+_FLAT_FRACTION, _FLAT_TILT = 0.5, 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,7 +281,7 @@ def _tumbled(rng: np.random.Generator, points: np.ndarray) -> np.ndarray:
     """Return a turn of an object that falls: any, or one in which it could nearly lie."""
     from scipy.spatial.transform import Rotation
 
-    lies = rng.random() < _FLAT_SHARE
+    lies = rng.random() < _FLAT_FRACTION
     any_turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
     tilt = Rotation.from_rotvec(_FLAT_TILT * rng.normal(size=3) / np.sqrt(3.0)).as_matrix()
     pose = np.eye(4)
@@ -293,8 +293,7 @@ def _spot(run: _Run, outline: np.ndarray) -> np.ndarray:
     """Return a place for an outline in the disc, on the table and over no filled vessel."""
     current = poses(run.world)
     mouths = [_outline(run.case.bodies[number].parts.hull, current[number]) for number in run.case.filled]
-    radius = run.radius
-    shift = run.centre
+    radius, shift = run.radius, run.centre
     while radius < 2.0 * float(np.linalg.norm(run.case.board, axis=1).max()):
         for _ in range(_TRIES):
             angle, distance = run.rng.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(run.rng.random())

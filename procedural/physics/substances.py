@@ -76,7 +76,12 @@ SUBSTANCES: dict[str, Substance] = {
 UNKNOWN = Substance(1050.0, 0.4, 2.5e-3, "not known: as plastic, friction as wood")
 #: Density of the whole thing by category, whatever its surface is of [kg/m^3]: tins are sold full and hold about a
 #: kilogram a litre; books are paper throughout.
-WHOLE_DENSITIES = {"can": (1000.0, "a full tin, about 1 kg a litre"), "book": (800.0, "paper, 700 to 900 kg/m^3")}
+WHOLE_DENSITIES = {
+    "plain can": (1000.0, "a full tin, about 1 kg a litre"),
+    "can": (1000.0, "a full tin, about 1 kg a litre"),
+    "plain book": (800.0, "paper, 700 to 900 kg/m^3"),
+    "book": (800.0, "paper, 700 to 900 kg/m^3"),
+}
 #: Glass on glass is 0.9-1.0 where it is clean and 0.1-0.6 where it is greasy (ET); hands make it greasy.
 GLASS_FRICTION = 0.4
 #: Lever arm of rolling friction [m]: wood on steel 1.2 mm, plastic on steel 2 mm, hard wood on hard wood 0.5 mm, steel

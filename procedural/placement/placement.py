@@ -89,8 +89,7 @@ def draw_positions(
         shifts = _attempt(footprints, order, board, settings, rng)
         if shifts is not None:
             return shifts
-    expected = "objects that fit on the table (fewer, smaller, or a larger table.smallest)"
-    raise InputError("vessel_count, prop_count", expected, f"{len(footprints)} that do not")
+    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
 
 
 def _attempt(

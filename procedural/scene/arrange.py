@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ...core.mesh import Mesh, joined
+from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..description.edits import in_world
 from ..description.rest import Rest
-from ..description.scene import GlassBody, MeshVessel, SceneObject, Vessel
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, SceneObject, Vessel
 from ..description.surroundings import Table
 from ..physics.bodies import mechanics_of
 from ..physics.piles import pile_up, placed_parts
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline
+from ..things.draw import prop_pose
+from .draw_vessels import Parts, group_mesh, lies
 from .settings import SceneSettings
-from .solids import body_mesh
 
 #: Least angle between the axis of a vessel that lies and the vertical [rad]: it lies on its side or on a corner of its
 #: foot and its rim, and neither stands nor is it turned over.
@@ -26,9 +26,9 @@ LEAST_TILT = np.radians(30.0)
 
 
 def arranged(
-    objects: Sequence[SceneObject], table: Table, settings: SceneSettings, seed: int, scene_id: int
+    objects: Sequence[SceneObject], parts: Parts, table: Table, settings: SceneSettings, seed: int, scene_id: int
 ) -> tuple[list[SceneObject], Rest | None]:
-    """Return the objects in their places, and how they came to rest where they fell.
+    """Return the objects in their places with their parts behind them, and how they came to rest where they fell.
 
     Vessels stand upright, but empty ones lie with `physics.lying_probability`. Props stand apart in a stable pose, or
     with `physics.piled_probability` all props of the scene and the vessels that lie fall onto the table.
@@ -36,7 +36,9 @@ def arranged(
     Parameters
     ----------
     objects : sequence of SceneObject
-        Vessels and props, wherever they are, and parts of them (`part_of`) in the frames of what they belong to.
+        Vessels and props, wherever they are, by ascending id.
+    parts : mapping
+        Parts by the names of the vessels that they move with, in their frames.
     table : Table
         The table.
     settings : SceneSettings
@@ -49,33 +51,29 @@ def arranged(
     InputError
         Where the objects do not fit on the table, or no pile comes to rest.
     """
-    attached: dict[str, list[SceneObject]] = {}
-    for item in objects:
-        if item.part_of is not None:
-            attached.setdefault(item.part_of, []).append(item)
-    whole = [item for item in objects if item.part_of is None]
-    upright = [_stands(item, settings, seed, scene_id) for item in whole]
+    upright = [_stands(item, parts, settings, seed, scene_id) for item in objects]
     piled = stream(seed, scene_id, "physics").random() < settings.physics.piled_probability
     board, rest = outline(table), None
     if piled and not all(upright):
         poses, rest = pile_up(
-            whole, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, attached
+            objects, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, parts
         )
     else:
-        poses = _apart(whole, upright, board, settings, seed, scene_id, attached)
-    placed = []
-    for item, pose in zip(whole, poses, strict=True):
+        poses = _apart(objects, upright, board, settings, seed, scene_id, parts)
+    placed, behind = [], []
+    for item, pose in zip(objects, poses, strict=True):
         placed.append(item.model_copy(update={"world_T_object": pose}))
-        placed += placed_parts(attached.get(item.name, ()), pose)
-    return placed, rest
+        behind += placed_parts(parts.get(item.name, ()), pose)
+    first = FIRST_OBJECT_ID + len(placed)
+    return placed + [part.model_copy(update={"id": first + number}) for number, part in enumerate(behind)], rest
 
 
-def _stands(item: SceneObject, settings: SceneSettings, seed: int, scene_id: int) -> bool:
+def _stands(item: SceneObject, parts: Parts, settings: SceneSettings, seed: int, scene_id: int) -> bool:
     """Return whether an object stands upright: vessels, but for those that lie. A liquid needs a level surface."""
     if not isinstance(item, Vessel | MeshVessel):
         return isinstance(item, GlassBody) and item.liquid is not None
-    lies = stream(seed, scene_id, f"lies/{item.name}").random() < settings.physics.lying_probability
-    return item.liquid is not None or not lies
+    drawn = stream(seed, scene_id, f"lies/{item.name}").random() < settings.physics.lying_probability
+    return item.liquid is not None or not (drawn or lies(item, parts.get(item.name, ())))
 
 
 def _apart(
@@ -85,9 +83,9 @@ def _apart(
     settings: SceneSettings,
     seed: int,
     scene_id: int,
-    attached: Mapping[str, Sequence[SceneObject]],
+    parts: Parts,
 ) -> list[np.ndarray]:
-    meshes = [_with_parts(item, attached.get(item.name, ())) for item in objects]
+    meshes = [group_mesh(item, parts.get(item.name, ())) for item in objects]
     streams = [stream(seed, scene_id, f"pose/{item.name}") for item in objects]
     poses = [_pose(*given) for given in zip(objects, meshes, upright, streams, strict=True)]
     outlines = [footprint(mesh, pose) for mesh, pose in zip(meshes, poses, strict=True)]
@@ -97,17 +95,11 @@ def _apart(
     return poses
 
 
-def _with_parts(item: SceneObject, parts: Sequence[SceneObject]) -> Mesh:
-    """Return the surface of an object and of the parts that move with it, whose poses are in its frame."""
-    if not parts:
-        return body_mesh(item)
-    moved = [in_world(body_mesh(part), part.world_T_object) for part in parts]
-    return joined([body_mesh(item), *(Mesh(item.name, one.points, one.faces) for one in moved)], item.name)
-
-
 def _pose(item: SceneObject, mesh: Mesh, upright: bool, rng: np.random.Generator) -> np.ndarray:
     if upright:
         return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), mesh)
+    if isinstance(item, Prop):
+        return prop_pose(item, rng)
     if isinstance(item, Vessel | MeshVessel):
         centre = mechanics_of(item).whole.centre_of_mass
         return lowered(resting_turn(mesh.vertices.astype(np.float64), rng, LEAST_TILT, centre), mesh)

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
-from ..own_vessels.draw import draw_own_vessel
-from ..props.draw import PropSettings, draw_prop
-from ..shaped_vessels.draw import SHAPERS, draw_shaped_vessel
+from ..props.draw import PropSettings
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table
-from ..vessels.draw import draw_vessel
-from ..vessels.media import draw_media
-from ..vessels.settings import VesselSettings
-from ..vessels.sizes import draw_size
+from ..things.draw import draw_prop_of_kind
 from .arrange import arranged
 from .asset_files import AssetFiles, asset_files, files_for
+from .draw_vessels import draw_vessels
 from .settings import SceneSettings
 from .solids import workspace
 from .splits import families_of, split_of
@@ -51,10 +47,11 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     kinds = settings.vessels.model_copy(update={"categories": families})
-    vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
+    vessels, parts = draw_vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    objects, rest = arranged([*vessels, *props], table, settings, seed, scene_id)
+    kind = stream(seed, scene_id, "table/kind")
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
+    objects, rest = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
@@ -80,32 +77,13 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, files: AssetFiles) -> list[GlassBody]:
-    return [_vessel(settings, seed, scene_id, i, files) for i in range(count)]
-
-
-def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, files: AssetFiles) -> GlassBody:
-    place, media = f"vessels/{number}", stream(seed, scene_id, f"media/{number}")
-    id, name = FIRST_OBJECT_ID + number, f"vessel-{number:02d}"
-    if files.vessels:
-        choice = stream(seed, scene_id, f"vessel-file/{number}")
-        file = files.vessels[int(choice.integers(len(files.vessels)))]
-        if choice.random() < settings.file_probability:
-            rng = stream(seed, scene_id, place)
-            return draw_own_vessel(rng, media, settings, file, id=id, name=name, own=files.media)
-    # The family is the first that a vessel's stream gives; the wall's material follows it.
-    category, *_ = draw_size(stream(seed, scene_id, place), settings)
-    glass, liquid = draw_media(media, settings, category, files.media)
-    draw = draw_shaped_vessel if category in SHAPERS else draw_vessel
-    return draw(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
-
-
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop | GlassBody]:
     return [
-        draw_prop(
+        draw_prop_of_kind(
             stream(seed, scene_id, f"props/{i}"),
+            stream(seed, scene_id, f"prop-kind/{i}"),
             settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
