@@ -48,7 +48,9 @@ def test_two_halves_of_a_box_make_the_box():
 
 
 def test_vessels_and_their_liquids_weigh_what_their_volumes_do():
-    scene = draw_scene(SceneSettings.model_validate({"vessel_count": (3, 3), "prop_count": (0, 0)}), 3, 0)
+    vessels = {"categories": ["tumbler", "bowl", "vase"]}
+    given = {"vessel_count": (3, 3), "prop_count": (0, 0), "vessels": vessels}
+    scene = draw_scene(SceneSettings.model_validate(given), 3, 0)
     for vessel in scene.vessels:
         found, glass = mechanics_of(vessel), as_trimesh(vessel.interfaces[0].mesh)
         assert vessel.glass.density is not None
