@@ -35,7 +35,7 @@ _PACKAGES = (
 
 
 class MeshRecord(Model):
-    """A mesh of the user's folder that scenes draw from."""
+    """A mesh of the user's folders that scenes draw from."""
 
     file: str = Field(description="Below the folder, with forward slashes")
     layout: str = Field(description="Layout of the folder, such as shapenet, gso, ycb, bop or plain")
@@ -68,7 +68,9 @@ class DatasetFile(Model):
         description="Files of each view beside those that every view has; in data sets of earlier versions, four",
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
-    meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
+    meshes: tuple[MeshRecord, ...] = Field(
+        default=(), description="Meshes that its scenes draw from, as props and as vessels"
+    )
     findings: tuple[Finding, ...] = Field(
         default=(), description="Files of the asset folders that were passed over, or of which something is not used"
     )
@@ -117,7 +119,7 @@ def with_files(head: DatasetFile, files: AssetFiles) -> DatasetFile:
     """Return the head of a data set with the meshes that scenes draw from, and what was found about the files."""
     meshes = tuple(
         MeshRecord(file=file.name, layout=file.place.layout, category=file.category, licence=file.place.licence)
-        for file in files.meshes
+        for file in (*files.meshes, *files.vessels)
     )
     return head.model_copy(update={"meshes": meshes, "findings": files.findings})
 

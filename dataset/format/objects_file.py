@@ -142,7 +142,7 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         category=item.category,
         parts=_parts(item),
         material=_material(item),
-        origin=item.origin if isinstance(item, Prop) else None,
+        origin=item.origin,
         liquid=None if isinstance(item, Prop) else item.liquid,
         world_T_object=item.world_T_object,
         size=item.size,
