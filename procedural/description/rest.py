@@ -17,8 +17,8 @@ class Rest(Model):
     seconds: float = Field(ge=0.0, description="Simulated time [s]")
     moved: float = Field(ge=0.0, description="The most that any point moved in the last second [m]")
     contacts: tuple[tuple[int, int], ...] = Field(
-        description="Pairs of objects that touch, by instance id, the smaller first; 1 is the table. Parts of a vessel touch "
-        "as the vessel"
+        description="Pairs of objects that touch, by instance id, the smaller first; 1 is the table. Parts of a "
+        "vessel touch as the vessel"
     )
 
 
