@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import wraps
@@ -55,7 +55,8 @@ def main() -> None:
 def table(name: str, scenes: range, load: bool) -> list[tuple[str, str]]:
     """Return the rows of a preset's table."""
     settings = validated(SceneSettings, preset(name), "preset")
-    seen, times, faults = Seen(), Counter[str](), []
+    seen, faults = Seen(), []
+    times: dict[str, float] = defaultdict(float)
     total = []
     for number in scenes:
         start = process_time()
@@ -132,7 +133,7 @@ def _load(scene: Scene) -> None:
 
 
 @contextmanager
-def timed(times: Counter[str], module: Any, function: str, what: str) -> Iterator[None]:
+def timed(times: dict[str, float], module: Any, function: str, what: str) -> Iterator[None]:
     """Add the processor time of a module's function to a sum within the block."""
     original = getattr(module, function)
 

@@ -53,7 +53,7 @@ def shell_mass(mesh: Mesh, density: float, thickness: float) -> MassProperties:
 def combined(parts: Sequence[MassProperties]) -> MassProperties:
     """Return the mass properties of several bodies that move as one (Steiner's theorem)."""
     mass = sum(part.mass for part in parts)
-    centre = sum(part.mass * np.array(part.centre_of_mass) for part in parts) / mass
+    centre = np.sum([part.mass * np.array(part.centre_of_mass) for part in parts], axis=0) / mass
     inertia = np.zeros((3, 3))
     for part in parts:
         offset = np.array(part.centre_of_mass) - centre

@@ -141,13 +141,13 @@ def pile_up(
     fault = ""
     for attempt in range(settings.attempts):
         rng = stream(seed, scene_id, f"physics/{attempt}")
-        run, found = _begun(case, rng), np.empty(0)
+        run, found = _begun(case, rng), np.empty((0, 4, 4))
         fault = _settled(run)
         if not fault:
             found = poses(run.world)
             fault = _upset(case, found) or _overlapping(case, found)
         if not fault:
-            return list(found), _record(run, attempt)
+            return [*np.asarray(found)], _record(run, attempt)
     expected = f"a pile that comes to rest in one of {settings.attempts} attempts"
     raise InputError("physics.attempts, physics.longest_time", expected, f"none; the last one {fault}")
 
