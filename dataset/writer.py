@@ -24,7 +24,7 @@ from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..procedural.surroundings.photometry import photometry
-from ..render.frame import EYES, Frame, Geometry, LightCheck, SurfaceLight
+from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.checksums import write_checksums
 from .format.dataset_file import DatasetFile, Development, read_head, write_head
@@ -215,10 +215,8 @@ def write_view(
     folder.mkdir()
     write_json(folder / layout.LABELS, labels)
     exposure = scene.cameras[frame.view].exposure
-    # Pictures follow from radiance as it is stored, so that it gives the same ones again (`glassware develop`).
-    light = [stored_radiance(picture, exposure) for picture in (frame.left, frame.right)]
-    for eye, picture, noisy in zip(EYES, light, (frame.left_noisy, frame.right_noisy), strict=True):
-        channels = unstacked(picture, "RGB") if "radiance" in files else {}
+    for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
+        channels = unstacked(stored_radiance(picture, exposure), "RGB") if "radiance" in files else {}
         if "noisy" in files and noisy is not None:
             channels |= unstacked(stored_radiance(noisy, exposure), "noisy.RGB")
         if channels:
@@ -226,7 +224,7 @@ def write_view(
     left = write_developed(
         folder,
         scene.cameras[frame.view],
-        (light[0].astype(np.float32), light[1].astype(np.float32)),
+        (frame.left, frame.right),
         frame.geometry.Z,
         development or development_of(scene),
         (scene.scene_id, frame.view),

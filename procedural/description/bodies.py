@@ -147,6 +147,7 @@ class PropPart(Model):
 
     faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
     material: OpaqueMaterial
+    name: str = Field(default="", exclude_if=lambda name: not name, description="What part it is, such as 'handle'")
 
 
 class Prop(Model):

@@ -12,7 +12,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, volume_of
 from ...core.pose import check_rigid
 from ..description.camera import LONGEST_SIDE, Camera
-from ..description.edits import check_above_table, check_apart, in_world, solid_of
+from ..description.edits import check_above_table, check_pair, in_world, solid_of
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -274,8 +274,8 @@ def _check_places(scene: Scene) -> None:
     solids = {item.name: solid_of(item) for item in scene.objects}
     for name, solid in solids.items():
         check_above_table(name, solid)
-    for (name, solid), (other, another) in combinations(solids.items(), 2):
-        check_apart(name, solid, other, another)
+    for (item, solid), (other, another) in combinations(zip(scene.objects, solids.values(), strict=True), 2):
+        check_pair(item, solid, other, another)
     solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):

@@ -13,9 +13,19 @@ from ..description.mesh_vessel import dry_interfaces_of, with_parts
 from ..optics.medium import Medium
 from ..placement.resting import turn_about_z
 from ..profiles.revolve import segments_for
-from ..vessels.draw import FILLET, LEAST_BORE, LEAST_CORNER, LEAST_DEPTH, MOST_CORNER, PUNT, PUNT_PROBABILITY
+from ..vessels.draw import (
+    FILLET,
+    LEAST_BORE,
+    LEAST_CORNER,
+    LEAST_DEPTH,
+    MOST_CORNER,
+    PUNT,
+    PUNT_PROBABILITY,
+    draw_amount,
+    draw_roughness,
+    draw_within,
+)
 from ..vessels.draw import PUNT_STEEPNESS as STEEPNESS
-from ..vessels.draw import draw_amount, draw_roughness, draw_within
 from ..vessels.families import FAMILIES
 from ..vessels.family_pieces import Size
 from ..vessels.outline import Outline
@@ -66,13 +76,18 @@ def draw_shaped_vessel(
     name: str,
     glass: Medium,
     liquid_medium: Medium | None = None,
-) -> MeshVessel:
+) -> tuple[MeshVessel, ShapedGlass]:
     """Draw a vessel at the origin of its own frame; its liquid, if it has one, is level.
 
     Parameters
     ----------
     rng, settings, id, name, glass, liquid_medium
         As in `vessels.draw.draw_vessel`; the families of `SHAPERS` alone.
+
+    Returns
+    -------
+    MeshVessel, ShapedGlass
+        The vessel, and what it was made of.
 
     Raises
     ------
@@ -96,8 +111,8 @@ def draw_shaped_vessel(
     roughness = draw_roughness(rng, settings)
     vessel = _vessel(made, glass, roughness, id=id, name=name, category=category)
     if amount is None or liquid_medium is None:
-        return vessel
-    return _filled(vessel, made, liquid_medium, float(np.clip(amount, *_volume_limits(made.cavity))))
+        return vessel, made
+    return _filled(vessel, made, liquid_medium, float(np.clip(amount, *_volume_limits(made.cavity)))), made
 
 
 def _built(
