@@ -124,10 +124,10 @@ def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str
     """
     heights = welded(solid)[0][:, 2]
     fraction = volume / interior.volume
-    levels = [_level(hollow, fraction * hollow.volume, heights) for hollow in interior.hollows]
+    levels = [clear_level(heights, level_in(hollow, fraction * hollow.volume)) for hollow in interior.hollows]
     return cut(solid, interior.columns, list(zip(interior.hollows, levels, strict=True)), names), levels[0]
 
 
-def _level(hollow: Hollow, volume: float, heights: np.ndarray) -> float:
-    level = brentq(lambda z: hollow.volume_below(z) - volume, hollow.floor, hollow.brim, xtol=1e-9)
-    return clear_level(heights, float(level))
+def level_in(hollow: Hollow, volume: float) -> float:
+    """Return the level at which a cavity holds a volume [m], by its lines."""
+    return float(brentq(lambda z: hollow.volume_below(z) - volume, hollow.floor, hollow.brim, xtol=1e-9))

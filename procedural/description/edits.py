@@ -11,8 +11,10 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
+from ..cavities.pierce import lid
+from ..optics.medium import Medium
 from ..placement.overlap import ALLOWANCE, Solid, overlap
-from .bodies import Prop, SceneObject
+from .bodies import Prop, SceneObject, glass_solid
 
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
@@ -22,8 +24,12 @@ def solid_of(item: SceneObject) -> Solid:
     """Return a body as others meet it, in the world frame: glass with its liquid, or a prop."""
     if isinstance(item, Prop):
         return in_world(item.mesh, item.world_T_object)
-    outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
-    return in_world(joined(outer, f"{item.name}-body"), item.world_T_object)
+    # Bodies that reach through a liquid's surface leave holes in it, so a flat lid stands for it.
+    outside = joined([part.mesh for part in item.interfaces if part.part == "outside"], f"{item.name}-outside")
+    closing = [part.mesh for part in item.interfaces if part.part == "liquid_surface"]
+    if item.liquids and lid(joined([outside, *closing], "body")) is not None:
+        closing = [some for some in [lid(outside)] if some is not None]
+    return in_world(joined([outside, *closing], f"{item.name}-body"), item.world_T_object)
 
 
 def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
@@ -52,7 +58,16 @@ def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     solid = solid_of(item)
     check_above_table(item.name, solid)
     for other in others:
-        check_apart(item.name, solid, other.name, solid_of(other))
+        check_pair(item, other, solid, solid_of(other))
+
+
+def check_pair(item: SceneObject, other: SceneObject, solid: Solid, another: Solid) -> None:
+    """Refuse two objects that overlap; one that stands in the other may be in its liquid, but not in its glass."""
+    if other.within == item.name:
+        item, other, solid, another = other, item, another, solid
+    if item.within == other.name and not isinstance(other, Prop):
+        another = in_world(glass_solid(other), other.world_T_object)
+    check_apart(item.name, solid, other.name, another)
 
 
 def moved(item: SceneObject, world_T_object: object) -> SceneObject:
@@ -69,6 +84,20 @@ def moved(item: SceneObject, world_T_object: object) -> SceneObject:
     return item.model_copy(update={"world_T_object": pose})
 
 
+def surrounded(item: SceneObject, vessel: str, before: Medium, medium: Medium) -> SceneObject:
+    """Return an object in which a medium around it is another one, where it stands in a vessel."""
+    if item.within != vessel:
+        return item
+    if isinstance(item, Prop):
+        parts = [
+            part.model_copy(update={"surrounding": medium}) if part.surrounding == before else part
+            for part in item.parts
+        ]
+        return item.model_copy(update={"parts": tuple(parts)})
+    sides = [part.model_copy(update={"front": medium}) if part.front == before else part for part in item.interfaces]
+    return item.model_copy(update={"interfaces": tuple(sides)})
+
+
 def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject:
     """Return an object whose id and meshes' names no other object has: free ones where they are taken."""
     ids = {other.id for other in others}
@@ -79,11 +108,17 @@ def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject
     stem = _NOT_IN_NAMES.sub("_", item.name)
     if isinstance(item, Prop):
         return item.model_copy(update={"mesh": replace(item.mesh, name=stem)})
+    old = item.interfaces[0].mesh.name.removesuffix("-outside")
     parts = tuple(
-        part.model_copy(update={"mesh": replace(part.mesh, name=f"{stem}-{part.part.replace('_', '-')}")})
+        part.model_copy(update={"mesh": replace(part.mesh, name=stem + _end_of(part.mesh.name, old, part.part))})
         for part in item.interfaces
     )
     return item.model_copy(update={"interfaces": parts})
+
+
+def _end_of(name: str, stem: str, part: str) -> str:
+    """Return what a mesh's name has after the stem of its body, or of a mesh that is named otherwise its part."""
+    return name.removeprefix(stem) if name.startswith(f"{stem}-") else f"-{part.replace('_', '-')}"
 
 
 def _meshes(item: SceneObject) -> list[Mesh]:

@@ -57,7 +57,7 @@ def mesh_vessel(
         category=category,
         glass=glass,
         roughness=roughness,
-        interfaces=_dry(solid, glass, roughness),
+        interfaces=dry_solid(solid, glass, roughness),
         size=(x, y, z),
         symmetric=symmetric,
         world_T_object=np.eye(4),
@@ -92,7 +92,7 @@ def refilled_mesh(
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(
-            update={"liquid": None, "interfaces": _dry(vessel.solid, vessel.glass, vessel.roughness)}
+            update={"liquid": None, "interfaces": dry_solid(vessel.solid, vessel.glass, vessel.roughness)}
         )
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
@@ -102,7 +102,7 @@ def refilled_mesh(
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    angle = _contact_angle(parts, level)
+    angle = contact_angle_at(parts.wet_wall, level)
     record = Liquid(
         medium=medium,
         level=level,
@@ -130,9 +130,9 @@ def _content(parts: Parts) -> float:
     return volume_of(joined([turned(parts.wet_wall), parts.liquid_surface], "liquid"))
 
 
-def _contact_angle(parts: Parts, level: float) -> float:
+def contact_angle_at(wet_wall: Mesh, level: float) -> float:
     """Return the mean angle inside the liquid between the wall and the flat surface [rad]."""
-    corners = parts.wet_wall.vertices[parts.wet_wall.faces].astype(np.float64)
+    corners = wet_wall.vertices[wet_wall.faces].astype(np.float64)
     at_level = corners[..., 2] == np.float32(level)
     corners = corners[at_level.sum(1) == 2]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -145,7 +145,8 @@ def _contact_angle(parts: Parts, level: float) -> float:
     return float(np.average(angles, weights=np.maximum(edge, 1e-12)))
 
 
-def _dry(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+def dry_solid(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+    """Return the one interface of an empty vessel."""
     name = solid.name.removesuffix("-solid") + "-outside"
     mesh = Mesh(name, solid.vertices, solid.faces, solid.normals)
     return (Interface(part="outside", mesh=mesh, front=AIR, back=glass, roughness=roughness),)

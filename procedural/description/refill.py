@@ -63,7 +63,7 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
     amount = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
     surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
-    interfaces = wet_interfaces(outer, inner, surface.top, liquid=medium, **common)
+    interfaces = wet_interfaces(outer, inner, [surface.top], liquids=[medium], **common)
     return vessel.model_copy(update={"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces})
 
 
@@ -120,16 +120,16 @@ def section_of(vessel: Vessel) -> tuple[Curve, Curve, int]:
     InputError
         Where the meshes are not those of the profiles.
     """
-    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    outside = next(part.mesh for part in vessel.interfaces if part.part == "outside")
     outer, inner = np.array(vessel.outer), np.array(vessel.inner)
-    segments = int((parts["outside"].faces == 0).any(1).sum())  # triangles about the foot's middle
-    points, normals = _rings(parts["outside"], segments)
+    segments = int((outside.faces == 0).any(1).sum())  # triangles about the foot's middle
+    points, normals = _rings(outside, segments)
     count = len(outer)
     # Behind the outer curve comes the inner one from the rim down, without the crown, which both have.
     inside = [(points[: count - 2 : -1], normals[: count - 2 : -1])]
-    if "wet_wall" in parts:
-        below = _rings(parts["wet_wall"], segments)
-        inside.insert(0, (below[0][:-1], below[1][:-1]))
+    walls = [_rings(part.mesh, segments) for part in vessel.interfaces if part.part == "wet_wall"]
+    # Each ends with the ring at the line where a liquid's surface meets it, which the next one begins with.
+    inside = [*((below[0][:-1], below[1][:-1]) for below in walls), *inside]
     places, facing = (np.concatenate([part[i] for part in inside]) for i in (0, 1))
     found = Curve(outer, _matched(vessel, outer, points[:count], normals[:count]))
     return found, Curve(inner, _matched(vessel, inner, places, facing)), segments

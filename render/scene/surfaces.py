@@ -19,7 +19,7 @@ AIR_INDEX = 0
 
 @dataclass(frozen=True)
 class Surface:
-    """One shape as the ray loops see it. `front` and `back` are equal for opaque surfaces."""
+    """One shape as the ray loops see it; before an opaque surface is its `front`, such as the liquid around a straw."""
 
     instance: int  #: instance id; 0 for lights
     object: int  #: position in `Scene.objects`, or -1 for the table and the lights
