@@ -68,8 +68,10 @@ class Liquid(Model):
     contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
     fill: float = Field(gt=0.0, le=1.0, description="Fraction of the vessel's brimful volume")
     volume: float = Field(gt=0.0, description="Volume [m^3]")
-    turbid: OpaqueMaterial | None = Field(
-        default=None, exclude_if=_is_none, description="How a turbid liquid looks, in which light does not travel here"
+    turbid: bool = Field(
+        default=False,
+        exclude_if=_is_false,
+        description="Whether no light travels in it here: its surfaces are opaque, with the colour of the liquid",
     )
 
 

@@ -17,13 +17,14 @@ from ..cavities.interior import Interior, interior_of, most_volume
 from ..cavities.pierce import pierced
 from ..cavities.split import split_at, volume_below
 from ..optics.medium import AIR, Medium
+from ..optics.turbid import is_turbid
 from ..profiles.clearance import clearance
 from ..profiles.liquid import brimful_volume, level_of_volume
 from ..profiles.liquid import volume_below as below_level
 from ..profiles.liquid_surface import most_volume as most_of_revolution
 from .bodies import Content, GlassBody, Interface, Liquid, MeshVessel, Vessel
 from .floating import GAP, Floater, draught_of, equilibrium, lying_rise, raised
-from .interfaces import dry_interfaces, wetted
+from .interfaces import clouded, dry_interfaces, wetted
 from .mesh_vessel import dry_solid
 from .refill import section_of
 from .stack import (
@@ -270,25 +271,12 @@ def _with_bodies(
     wet = wetted(stack.walls, made, media, glass=vessel.glass, roughness=vessel.roughness, name=name)
     held = _records(vessel, stack, pours)
     changes = {
-        "interfaces": tuple(clouded([outside, *wet, *interfaces], pours)),
+        "interfaces": (outside, *wet, *(clouded(part) for part in interfaces)),
         "liquid": held[0],
         "layers": tuple(held[1:]),
         "contents": tuple(records),
     }
     return Filled(vessel.model_copy(update=changes), tuple(standing))
-
-
-def clouded(interfaces: Sequence[Interface], pours: Sequence[Pour]) -> list[Interface]:
-    """Return interfaces of which those of turbid liquids are opaque, seen from the other medium."""
-    found = []
-    for part in interfaces:
-        before, behind = (next((pour for pour in pours if pour.medium == one), None) for one in (part.front, part.back))
-        if behind is not None and behind.turbid is not None:
-            part = part.model_copy(update={"opaque": behind.turbid})
-        elif before is not None and before.turbid is not None:
-            part = part.model_copy(update={"opaque": before.turbid, "seen_from_back": True})
-        found.append(part)
-    return found
 
 
 def _pieces(
@@ -324,7 +312,7 @@ def _records(vessel: GlassBody, stack: Stack, pours: Sequence[Pour]) -> list[Liq
             contact_angle=top.contact_angle,
             fill=min(pour.volume / brimful, 1.0),
             volume=pour.volume,
-            turbid=pour.turbid,
+            turbid=is_turbid(pour.medium),
         )
         for pour, top, level in zip(pours, stack.tops, levels, strict=True)
     ]

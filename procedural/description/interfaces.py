@@ -16,10 +16,16 @@ from dataclasses import replace
 
 from ...core.mesh import Mesh
 from ..optics.medium import AIR, Medium
+from ..optics.turbid import INTO_AIR, INTO_GLASS, diffuse_reflectance, is_turbid
 from ..profiles.curve import Curve, backwards, chained
 from ..profiles.cuts import cut_at
 from ..profiles.revolve import revolved
 from .bodies import Interface
+from .material import OpaqueMaterial, UniformTexture
+
+#: Principled roughness of the surface of a turbid liquid in air [1]: the clear skin of a liquid at rest mirrors
+#: sharply, as far as pictures of this size show (GGX alpha 0.0025).
+_CLEAR_SURFACE = 0.05
 
 
 def dry_interfaces(
@@ -128,4 +134,19 @@ def wetted(
         else:
             top = replace(top, name=f"{name}-liquid-surface")
             found.append(Interface(part="liquid_surface", mesh=top, front=AIR, back=liquid))
-    return tuple(found)
+    return tuple(clouded(part) for part in found)
+
+
+def clouded(part: Interface) -> Interface:
+    """Return an interface of a turbid liquid as an opaque one, seen from the other medium; others as they are."""
+    turbid = next((medium for medium in (part.back, part.front) if is_turbid(medium)), None)
+    if turbid is None:
+        return part
+    index = INTO_GLASS if part.part == "wet_wall" else INTO_AIR
+    look = OpaqueMaterial(
+        name=turbid.name,
+        base_colour=UniformTexture(colour=diffuse_reflectance(turbid.name, index)),
+        # In air the surface mirrors as a smooth one of water does, nearly; behind glass there is next to no step.
+        roughness=1.0 if part.part == "wet_wall" else _CLEAR_SURFACE,
+    )
+    return part.model_copy(update={"opaque": look, "seen_from_back": is_turbid(part.front)})

@@ -10,7 +10,9 @@ from ...core.units import volume_text
 from ..cavities.cut import Parts
 from ..cavities.interior import Interior, filled, interior_of, most_volume
 from ..optics.medium import AIR, Medium
+from ..optics.turbid import is_turbid
 from .bodies import Cavity, Interface, Liquid, MeshVessel
+from .interfaces import wetted
 from .refill import wanted_volume
 
 
@@ -111,6 +113,7 @@ def refilled_mesh(
         contact_angle=angle,
         fill=min(volume / inside.volume, 1.0),
         volume=volume,
+        turbid=is_turbid(medium),
     )
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
@@ -154,8 +157,6 @@ def dry_solid(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, 
 
 def _wet(parts: Parts, vessel: MeshVessel, liquid: Medium) -> tuple[Interface, ...]:
     glass, roughness = vessel.glass, vessel.roughness
-    return (
-        Interface(part="outside", mesh=parts.outside, front=AIR, back=glass, roughness=roughness),
-        Interface(part="wet_wall", mesh=parts.wet_wall, front=liquid, back=glass, roughness=roughness),
-        Interface(part="liquid_surface", mesh=parts.liquid_surface, front=AIR, back=liquid),
-    )
+    name = parts.outside.name.removesuffix("-outside")
+    wet = wetted([parts.wet_wall], [parts.liquid_surface], [liquid], glass=glass, roughness=roughness, name=name)
+    return (Interface(part="outside", mesh=parts.outside, front=AIR, back=glass, roughness=roughness), *wet)

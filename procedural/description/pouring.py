@@ -60,7 +60,7 @@ def is_plain(vessel: Vessel | MeshVessel, objects: Sequence[SceneObject]) -> boo
 
 def held(vessel: Vessel | MeshVessel) -> tuple[Pour, ...]:
     """Return what a vessel holds."""
-    return tuple(Pour(liquid.medium, liquid.volume, liquid.turbid) for liquid in vessel.liquids)
+    return tuple(Pour(liquid.medium, liquid.volume) for liquid in vessel.liquids)
 
 
 def pours_of(

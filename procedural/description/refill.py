@@ -9,6 +9,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.units import volume, volume_text
 from ..optics.medium import Medium
+from ..optics.turbid import is_turbid
 from ..optics.wetting import contact_angle
 from ..profiles.curve import Curve
 from ..profiles.liquid import brimful_volume, level_of_volume
@@ -32,6 +33,7 @@ def liquid_of(inner: Curve, surface: Surface, medium: Medium) -> Liquid:
         contact_angle=surface.contact_angle,
         fill=surface.volume / brimful_volume(inner.points),
         volume=surface.volume,
+        turbid=is_turbid(medium),
     )
 
 

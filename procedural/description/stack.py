@@ -23,7 +23,6 @@ from ..profiles.cuts import CONTACT_MERGE, cut_at
 from ..profiles.liquid_surface import Surface, surface_of_volume
 from ..profiles.revolve import revolved
 from .bodies import MeshVessel, Vessel
-from .material import OpaqueMaterial
 from .mesh_vessel import contact_angle_at
 from .refill import section_of
 
@@ -35,11 +34,10 @@ ROUNDING = 1.0 + 1e-9
 
 @dataclass(frozen=True)
 class Pour:
-    """A liquid and how much of it [m^3]; a turbid one with how it looks, since no light travels in it here."""
+    """A liquid and how much of it [m^3]."""
 
     medium: Medium
     volume: float
-    turbid: OpaqueMaterial | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import math
 from typing import Literal
 
 from .medium import Medium
+from .turbid import TURBID
 from .wetting import contact_angle
 
 #: Of vegetable oils against water [N/m]: the middle of the 23 to 26 mN/m that Fisher, Mitchell and Parker found for all
@@ -31,7 +32,7 @@ def kind_of(medium: Medium) -> Kind | None:
     None for media that are not of the catalogue.
     """
     name = medium.name.partition(" with ")[0]
-    if name == "water" or name.endswith("% sugar solution"):
+    if name == "water" or name in TURBID or name.endswith("% sugar solution"):
         return "aqueous"
     if name in ("ethanol", "glycerol"):
         return "polar"
