@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..profiles.clearance import clearance, floor_under
+from ..profiles.clearance import along_edges, clearance, floor_under
 from .room import Room
 
 #: Distance from the glass at rest [m]: that of objects and the table.
@@ -85,26 +85,17 @@ def _shaft(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return edges[(edges[..., 0] > 0.6 * edges[..., 0].max()).all(1) & (across < 0.05 * along)]
 
 
-def _along(edges: np.ndarray, step: float) -> np.ndarray:
-    """Return points on edges at most a step apart [m]."""
-    length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
-    counts = np.maximum(np.ceil(length / step).astype(int), 1)
-    edge = np.repeat(np.arange(len(edges)), counts)
-    t = (np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[edge]
-    return edges[edge, 0] + t[:, None] * (edges[edge, 1] - edges[edge, 0])
-
-
 def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray) -> tuple[float, float]:
     """Return the least distance of the shaft from the glass [m], and how high on the shaft that is [m].
 
     It is sought coarsely, and around the place that is found finely: rims are about a millimetre round.
     """
-    points, place = _along(shaft, _COARSE), 0.0
+    points, place = along_edges(shaft, _COARSE), 0.0
     free = np.full(1, np.inf)
     for step in (_COARSE, _FINE):
         if step == _FINE:
             low, high = place - 3.0 * _COARSE, place + 3.0 * _COARSE
-            points = _along(shaft, step)
+            points = along_edges(shaft, step)
             points = points[(points[:, 2] > low) & (points[:, 2] < high)]
         free = clearance(room.outer, room.inner, points @ pose[:3, :3].T + pose[:3, 3])
         place = float(points[int(free.argmin()), 2])

@@ -21,6 +21,10 @@ def _is_none(value: object) -> bool:
     return value is None
 
 
+def _is_zero(value: int) -> bool:
+    return value == 0
+
+
 def _is_one(value: int) -> bool:
     return value == 1
 
@@ -99,6 +103,12 @@ class GlassBody(Model):
         default=(), exclude_if=_is_empty, description="The liquids that float on it, upwards, each lighter"
     )
     contents: tuple[Content, ...] = Field(default=(), exclude_if=_is_empty, description="Transparent bodies in it")
+    redrawn: int = Field(
+        default=0,
+        ge=0,
+        exclude_if=_is_zero,
+        description="How often contents were drawn for it that did not fit, and drawn again",
+    )
     within: str | None = Field(
         default=None, exclude_if=_is_none, description="Name of the vessel that it stands in, such as a rod's"
     )

@@ -14,8 +14,11 @@ from ...core.pose import check_rigid
 from ..cavities.pierce import lid
 from ..optics.medium import Medium
 from ..placement.overlap import ALLOWANCE, Solid, overlap
-from .bodies import Prop, SceneObject, glass_solid
+from ..profiles.clearance import along_edges, clearance
+from .bodies import Prop, SceneObject, Vessel, glass_solid
 
+#: Distance of points on edges that are looked at [m]: walls are at least a millimetre thick.
+_ALONG = 8e-4
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
@@ -50,6 +53,17 @@ def check_apart(name: str, solid: Solid, other: str, another: Solid) -> None:
         raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
 
 
+def _check_in_glass(name: str, solid: Solid, vessel: Vessel) -> None:
+    """Refuse what reaches into the glass of a vessel of revolution that it stands in: by the distance from its profile."""
+    pose = vessel.world_T_object
+    points = (solid.points - pose[:3, 3]) @ pose[:3, :3]
+    edges = points[np.unique(np.sort(np.concatenate([solid.faces[:, [0, 1]], solid.faces[:, [1, 2]]]), axis=1), axis=0)]
+    depth = -float(clearance(np.array(vessel.outer), np.array(vessel.inner), along_edges(edges, _ALONG)).min())
+    if depth > ALLOWANCE:
+        expected = f"a place of its own (up to {1e3 * ALLOWANCE:g} mm) in {vessel.name}"
+        raise InputError(name, expected, f"that it is {1e3 * depth:.1f} mm in its glass")
+
+
 def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     """Refuse an object with the name of another one, in the table, or in another object."""
     for other in others:
@@ -65,6 +79,9 @@ def check_pair(item: SceneObject, other: SceneObject, solid: Solid, another: Sol
     """Refuse two objects that overlap; one that stands in the other may be in its liquid, but not in its glass."""
     if other.within == item.name:
         item, other, solid, another = other, item, another, solid
+    if item.within == other.name and isinstance(other, Vessel):
+        _check_in_glass(item.name, solid, other)
+        return
     if item.within == other.name and not isinstance(other, Prop):
         another = in_world(glass_solid(other), other.world_T_object)
     check_apart(item.name, solid, other.name, another)

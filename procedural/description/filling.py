@@ -153,7 +153,7 @@ def _room(vessel: Vessel | MeshVessel, inside: Interior | None) -> _Room:
 
 
 def _floater(vessel: Vessel | MeshVessel, body: Body) -> Floater:
-    draught = draught_of(body.mesh)
+    draught = draught_of(body.mesh, body.density is not None)
     if body.density is None:
         return Floater(draught)
     if isinstance(vessel, Vessel):

@@ -15,8 +15,9 @@ from ...core.mesh import Mesh, volume_of
 from ..cavities.split import volume_below
 from ..profiles.clearance import floor_under
 
-#: Heights at which the volume of a body below them is known [1]; between them it is interpolated.
-_SECTIONS = 65
+#: Heights at which the volume of a body below them is known [1]; between them it is interpolated. Few for those that
+#: stay where they are: what they displace is measured again.
+_SECTIONS, _FEW_SECTIONS = 65, 9
 #: Distance between bodies and the glass that they lie on [m]: as that of objects and the table they stand on.
 GAP = 1e-4
 #: Change of the rises at which levels and bodies count as settled [m], and most rounds until then [1].
@@ -54,9 +55,9 @@ class Floater:
     lowest: float = 0.0
 
 
-def draught_of(mesh: Mesh) -> Draught:
-    """Return the volumes of a closed body below heights."""
-    heights = np.linspace(*mesh.bounds[:, 2], _SECTIONS)
+def draught_of(mesh: Mesh, moves: bool = True) -> Draught:
+    """Return the volumes of a closed body below heights, fewer of one that does not move."""
+    heights = np.linspace(*mesh.bounds[:, 2], _SECTIONS if moves else _FEW_SECTIONS)
     volumes = [volume_below(mesh, lambda points, z=z: points[:, 2] - z) for z in heights[:-1]]
     return Draught(heights, np.array([*volumes, volume_of(mesh)]))
 

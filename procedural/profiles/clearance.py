@@ -24,6 +24,15 @@ def clearance(outer: np.ndarray, inner: np.ndarray, points: np.ndarray) -> np.nd
     return np.where(_within(section, ring), -distance, distance)
 
 
+def along_edges(edges: np.ndarray, step: float) -> np.ndarray:
+    """Return points on edges (n, 2, 3), at most a step apart [m], (k, 3)."""
+    length = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    counts = np.maximum(np.ceil(length / step).astype(int), 1)
+    edge = np.repeat(np.arange(len(edges)), counts)
+    t = (np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[edge]
+    return edges[edge, 0] + t[:, None] * (edges[edge, 1] - edges[edge, 0])
+
+
 def floor_under(inner: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Return the height of the inside at distances from the axis [m]: of its lowest place there; inf beyond it."""
     widest = int(inner[:, 0].argmax())

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.randomness import stream
+from ..contents.draw import draw_contents
+from ..contents.settings import ContentsSettings
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
 from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
@@ -22,8 +24,11 @@ from ..vessels.settings import VesselSettings
 from ..vessels.sizes import draw_size
 from .asset_files import AssetFiles, asset_files, files_for
 from .settings import SceneSettings
-from .solids import body_mesh, workspace
+from .solids import body_mesh, with_standing, workspace
 from .splits import families_of, split_of
+
+#: Most objects of a scene [1]: labels have a bit for each. Nothing leans in vessels beyond it.
+MOST_OBJECTS = 63
 
 
 def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFiles | None = None) -> Scene:
@@ -55,7 +60,10 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
+    vessels, standing = _with_contents(
+        vessels, kinds.contents, seed, scene_id, FIRST_OBJECT_ID + len(vessels) + len(props)
+    )
+    objects = _placed([*vessels, *props], standing, outline(table), settings, seed, scene_id)
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
@@ -115,18 +123,45 @@ def _props(
     ]
 
 
+def _with_contents(
+    vessels: list[GlassBody], settings: ContentsSettings, seed: int, scene_id: int, first_id: int
+) -> tuple[list[GlassBody], list[SceneObject]]:
+    """Return vessels with their contents, and what leans in them, in the frames of the vessels."""
+    filled, standing = [], []
+    for number, vessel in enumerate(vessels):
+
+        def streams(kind: str, number: int = number) -> np.random.Generator:
+            return stream(seed, scene_id, f"contents/{number}/{kind}")
+
+        id = first_id + len(standing)
+        drawn = draw_contents(streams, settings, vessel, standing_id=id, may_stand=id - FIRST_OBJECT_ID < MOST_OBJECTS)
+        filled.append(drawn.vessel)
+        standing += drawn.standing
+    return filled, standing
+
+
 def _placed(
-    objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
+    objects: list[SceneObject],
+    standing: list[SceneObject],
+    board: np.ndarray,
+    settings: SceneSettings,
+    seed: int,
+    scene_id: int,
 ) -> list[SceneObject]:
-    """Return the objects in their places: vessels upright, props in a stable pose."""
+    """Return the objects in their places: vessels upright, with what leans in them, and props in a stable pose."""
     poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
+    outlines = [footprint(with_standing(item, standing), pose) for item, pose in zip(objects, poses, strict=True)]
     shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
     placed = []
     for item, pose, shift in zip(objects, poses, shifts, strict=True):
         world_T_object = pose.copy()
         world_T_object[:3, 3] += [*shift, CONTACT_GAP]
         placed.append(item.model_copy(update={"world_T_object": world_T_object}))
+        placed += [
+            other.model_copy(update={"world_T_object": world_T_object @ other.world_T_object})
+            for other in standing
+            if other.within == item.name
+        ]
     return placed
 
 
