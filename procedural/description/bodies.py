@@ -69,6 +69,11 @@ class Liquid(Model):
     level: float = Field(description="Height at which it would stand with a flat surface, object frame [m]")
     centre: float = Field(description="Height of the surface on the vessel's axis, object frame [m]")
     contact: float = Field(description="Height of the line where the surface meets the wall, object frame [m]")
+    up: Vector3 | None = Field(
+        default=None,
+        exclude_if=_is_none,
+        description="In a vessel that leans: the direction in its frame along which heights are measured; z without it",
+    )
     contact_angle: float = Field(description="Angle inside the liquid between wall and surface at that line [rad]")
     fill: float = Field(gt=0.0, le=1.0, description="Fraction of the vessel's brimful volume")
     volume: float = Field(gt=0.0, description="Volume [m^3]")

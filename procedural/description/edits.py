@@ -54,7 +54,7 @@ def check_apart(name: str, solid: Solid, other: str, another: Solid) -> None:
 
 
 def _check_in_glass(name: str, solid: Solid, vessel: Vessel) -> None:
-    """Refuse what reaches into the glass of a vessel of revolution that it stands in: by the distance from its profile."""
+    """Refuse what reaches into the glass of a vessel of revolution that it stands in, by distances from its profile."""
     pose = vessel.world_T_object
     points = (solid.points - pose[:3, 3]) @ pose[:3, :3]
     edges = points[np.unique(np.sort(np.concatenate([solid.faces[:, [0, 1]], solid.faces[:, [1, 2]]]), axis=1), axis=0)]

@@ -112,8 +112,9 @@ def _check_liquid(body: GlassBody, number: int, others: Sequence[Standing]) -> N
     where = f"{body.name}, {'liquid' if number == 0 else f'layer {number}'}"
     solid = liquid_solid(body, number, [piece for other in others for piece in other.pieces])
     check_closed(where, solid)
-    rim = body.inner[-1][1] if isinstance(body, Vessel) else 0.5 * body.size[2]
-    highest = max(liquid.contact, liquid.level, float(top.bounds[1, 2]))
+    up = np.array(liquid.up or (0.0, 0.0, 1.0))
+    rim = body.inner[-1][1] if isinstance(body, Vessel) else float((glass_solid(body).vertices @ up).max())
+    highest = max(liquid.contact, liquid.level, float((top.vertices @ up).max()))
     if highest > rim:
         raise InputError(where, f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
     volume = volume_of(solid)
@@ -131,7 +132,8 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
     liquid = body.liquids[number]
     where = f"{body.name}, {'liquid' if number == 0 else f'layer {number}'}"
     if isinstance(body, MeshVessel):
-        heights = np.unique(surface.vertices[:, 2])  # one of each cavity
+        # One of each cavity; in a vessel that leans, points of one level differ by rounding.
+        heights = np.unique(np.round(surface.vertices @ np.array(liquid.up or (0.0, 0.0, 1.0)), 7))
         if np.abs(heights - liquid.level).min() > SIZE_TOLERANCE:
             expected = f"that of its surface, {heights[0]:.4f} m"
             raise InputError(f"{where}, level", expected, f"{liquid.level:.4f} m")
