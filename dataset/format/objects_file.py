@@ -11,7 +11,7 @@ from ...annotate.keypoints import SceneKeypoints
 from ...annotate.symmetries import symmetry_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import Liquid, Origin, Prop, Scene, SceneObject, materials_of
+from ...procedural.description.scene import Content, Liquid, Origin, Prop, Scene, SceneObject, materials_of
 from ...procedural.optics.medium import Medium
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -49,10 +49,10 @@ class ContinuousSymmetry(Model):
 
 
 class Part(Model):
-    """A part of an instance: a vessel and its liquid share one instance id."""
+    """A part of an instance: a vessel, its liquids and the bodies in it share one instance id."""
 
-    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid")
-    name: Literal["glass", "liquid", "body"]
+    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid, then layers and contents")
+    name: Literal["glass", "liquid", "body", "layer", "ice cube", "beads", "bubbles"]
 
 
 class ObjectRecord(Model):
@@ -68,7 +68,16 @@ class ObjectRecord(Model):
     origin: Origin | None = Field(
         default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a user's folder"
     )
-    liquid: Liquid | None
+    liquid: Liquid | None = Field(description="The liquid on a vessel's floor")
+    layers: tuple[Liquid, ...] = Field(
+        default=(), exclude_if=lambda layers: not layers, description="Liquids that float on it, upwards"
+    )
+    contents: tuple[Content, ...] = Field(
+        default=(), exclude_if=lambda contents: not contents, description="Ice, beads and bubbles in a vessel"
+    )
+    within: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="Name of the vessel that it leans in"
+    )
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
     symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(
@@ -115,6 +124,9 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         material=_material(item),
         origin=item.origin if isinstance(item, Prop) else None,
         liquid=None if isinstance(item, Prop) else item.liquid,
+        layers=() if isinstance(item, Prop) else item.layers,
+        contents=() if isinstance(item, Prop) else item.contents,
+        within=item.within,
         world_T_object=item.world_T_object,
         size=item.size,
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
@@ -126,8 +138,9 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
 def _parts(item: SceneObject) -> tuple[Part, ...]:
     if isinstance(item, Prop):
         return (Part(id=1, name="body"),)
-    glass = Part(id=1, name="glass")
-    return (glass,) if item.liquid is None else (glass, Part(id=2, name="liquid"))
+    names = ["glass", *(["liquid"] if item.liquid else []), *("layer" for _ in item.layers)]
+    names += [content.kind for content in item.contents]
+    return tuple(Part.model_validate({"id": number, "name": name}) for number, name in enumerate(names, start=1))
 
 
 def _material(item: SceneObject) -> GlassMaterial | OpaqueSurface:
