@@ -153,8 +153,8 @@ def _sides(corners: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 def _without_pinches(faces: np.ndarray, gone: np.ndarray, count: int) -> np.ndarray:
     """Return the triangles to take out, with all around points where two parts of the gap would only touch."""
     while True:
-        starts, _ = _border(faces[gone])
-        pinched = np.flatnonzero(np.bincount(starts, minlength=count) > 1)
+        begin, _ = _border(faces[gone])
+        pinched = np.flatnonzero(np.bincount(begin, minlength=count) > 1)
         if not len(pinched):
             return gone
         more = gone | np.isin(faces, pinched).any(1)

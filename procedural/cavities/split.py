@@ -97,9 +97,9 @@ def whole(pieces: Sequence[Mesh], name: str) -> Mesh:
     """Return one mesh of the pieces of a surface, with their normals and texture coordinates where all have them."""
     offsets = np.cumsum([0] + [len(piece.vertices) for piece in pieces[:-1]])
     faces = np.concatenate([piece.faces + offset for piece, offset in zip(pieces, offsets, strict=True)])
-    columns = [[getattr(piece, field) for piece in pieces] for field in ("vertices", "normals", "uv", "colours")]
-    vertices, *others = (None if any(x is None for x in column) else np.concatenate(column) for column in columns)
-    return Mesh(name, vertices, faces, *others)
+    columns = [[getattr(piece, field) for piece in pieces] for field in ("normals", "uv", "colours")]
+    others = [None if any(x is None for x in column) else np.concatenate(column) for column in columns]
+    return Mesh(name, np.concatenate([piece.vertices for piece in pieces]), faces, *others)
 
 
 def _with_cuts(
@@ -138,10 +138,10 @@ def _rings(vertices: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, ...]
     keys = np.ascontiguousarray(places + np.float32(0.0)).view("V12")[..., 0]
     apart = keys[:, 0] != keys[:, 1]
     keys, places = keys[apart], places[apart]
-    _names, first, index = np.unique(keys.ravel(), return_index=True, return_inverse=True)
+    _, first, index = np.unique(keys.ravel(), return_index=True, return_inverse=True)
     points = places.reshape(-1, 3)[first]
-    pairs = index.reshape(-1, 2).tolist()
-    after = dict(pairs)
+    pairs = index.reshape(-1, 2)
+    after = dict(zip(pairs[:, 0].tolist(), pairs[:, 1].tolist(), strict=True))
     if len(after) != len(pairs) or after.keys() != set(after.values()):
         raise ValueError("expected closed lines where a liquid's surface meets a body, found open ones")
     rings = []
@@ -165,5 +165,5 @@ def _mesh(
     if not proper.any():
         return None
     used, numbers = np.unique(faces[proper], return_inverse=True)
-    vertices, normals, uv = (None if column is None else column[used] for column in columns)
-    return Mesh(mesh.name, vertices, numbers.reshape(-1, 3), normals, uv)
+    normals, uv = (None if column is None else column[used] for column in columns[1:])
+    return Mesh(mesh.name, columns[0][used], numbers.reshape(-1, 3), normals, uv)

@@ -53,7 +53,13 @@ class _Tries:
 
 
 def draw_contents(
-    streams: Streams, settings: ContentsSettings, vessel: GlassBody, *, standing_id: int, may_stand: bool
+    streams: Streams,
+    settings: ContentsSettings,
+    vessel: GlassBody,
+    *,
+    standing_id: int,
+    may_stand: bool,
+    chosen: bool = False,
 ) -> Drawn:
     """Draw what is in a vessel that has been drawn with one liquid or none.
 
@@ -69,6 +75,8 @@ def draw_contents(
         Id of an object that leans in it.
     may_stand : bool
         Whether the scene has room for one more object.
+    chosen : bool
+        Whether the user has chosen the liquids: they are then replaced or covered only where that is asked for.
 
     Raises
     ------
@@ -78,12 +86,15 @@ def draw_contents(
     if not isinstance(vessel, Vessel | MeshVessel):
         return Drawn(vessel)
     tries = _Tries()
-    pours = _liquids(streams, settings, vessel, tries)
+    pours = _liquids(streams, settings, vessel, tries, chosen)
     if isinstance(vessel, MeshVessel):
         changed = vessel if pours == held(vessel) else _filled(vessel, pours)
         return Drawn(_counted(changed, tries))
     room = room_of(vessel)
-    item = draw_standing(streams("standing"), settings, vessel, room, standing_id) if may_stand else None
+    item, again = None, 0
+    if may_stand:
+        item, again = draw_standing(streams("standing"), settings, vessel, room, standing_id)
+        tries.count += again
     leaning = [] if item is None else [_in_vessel(item)]
     bodies = _beads(streams("beads"), settings, room, leaning)
     bodies += _ice(streams("ice"), settings, vessel, room, pours, [*leaning, *(body.mesh for body in bodies)], tries)
@@ -106,11 +117,13 @@ def _filled(vessel: Vessel | MeshVessel, pours: tuple[Pour, ...]) -> GlassBody:
 
 
 def _liquids(
-    streams: Streams, settings: ContentsSettings, vessel: Vessel | MeshVessel, tries: _Tries
+    streams: Streams, settings: ContentsSettings, vessel: Vessel | MeshVessel, tries: _Tries, chosen: bool
 ) -> tuple[Pour, ...]:
     """Return the liquids of a vessel: those that it has, a turbid one in their place, or two in layers."""
     rng = streams("liquids")
     turbid, layered = rng.random() < settings.turbid, rng.random() < settings.layered
+    if chosen:
+        turbid, layered = settings.turbid == 1.0, settings.layered == 1.0
     names = weights_of(settings.turbid_liquids)
     weight = np.array(list(names.values()))
     name = list(names)[int(rng.choice(len(weight), p=weight / weight.sum()))]
@@ -122,9 +135,9 @@ def _liquids(
     if not layered or kind_of(pours[0].medium) != "aqueous" or is_turbid(pours[0].medium):
         return pours
     for _ in range(TRIES):
-        share = float(rng.uniform(*settings.layer_share))
+        fraction = float(rng.uniform(*settings.layer_fraction))
         total = pours[0].volume
-        layers = (Pour(pours[0].medium, (1.0 - share) * total), Pour(olive_oil(), share * total))
+        layers = (Pour(pours[0].medium, (1.0 - fraction) * total), Pour(olive_oil(), fraction * total))
         try:
             _filled(vessel, layers)
         except InputError:
@@ -213,11 +226,12 @@ def _cubes(
     if places is None:
         return None
     return [
-        body_of("ice cube", _cube(rng, edge, *place, level), ice()) for edge, place in zip(edges, places, strict=True)
+        body_of("ice cube", _cube(rng, edge, place, level), ice()) for edge, place in zip(edges, places, strict=True)
     ]
 
 
-def _cube(rng: np.random.Generator, edge: float, x: float, y: float, turn: float, level: float) -> Mesh:
+def _cube(rng: np.random.Generator, edge: float, place: np.ndarray, level: float) -> Mesh:
+    x, y, turn = place.tolist()
     size = edge * np.array([1.0, rng.uniform(0.9, 1.0), rng.uniform(0.85, 1.0)])
     directions = rng.normal(size=(_WAVE_COUNT, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)

@@ -14,7 +14,7 @@ from ..optics.turbid import TURBID
 #: What leans in vessels, and how often which does by default [1].
 STANDING = {"straw": 0.6, "spoon": 0.25, "stirring rod": 0.15}
 
-_Share = Annotated[float, Field(ge=0.05, le=0.8)]
+_Fraction = Annotated[float, Field(ge=0.05, le=0.8)]
 _IceEdge = Annotated[float, Field(ge=0.008, le=0.05), LENGTH]
 _IceCount = Annotated[int, Field(ge=1, le=12)]
 _BeadRadius = Annotated[float, Field(ge=0.001, le=0.01), LENGTH]
@@ -31,16 +31,21 @@ class ContentsSettings(Model):
     """
 
     layered: float = Field(
-        default=0.08, ge=0.0, le=1.0, description="Probability that olive oil floats on a watery liquid in a vessel"
+        default=0.08,
+        ge=0.0,
+        le=1.0,
+        description="Probability that olive oil floats on a watery liquid in a vessel; with `vessels.liquids` only "
+        "if it is 1",
     )
-    layer_share: Annotated[tuple[_Share, _Share], Ordered] = Field(
-        default=(0.12, 0.5), description="Share of the liquids that is the upper one, within 0.05 and 0.8"
+    layer_fraction: Annotated[tuple[_Fraction, _Fraction], Ordered] = Field(
+        default=(0.12, 0.5), description="Fraction of the liquids that is the upper one, within 0.05 and 0.8"
     )
     turbid: float = Field(
         default=0.06,
         ge=0.0,
         le=1.0,
-        description="Probability that a vessel with a liquid holds a turbid one, opaque under its clear surface",
+        description="Probability that a vessel with a liquid holds a turbid one, opaque under its clear surface; "
+        "with `vessels.liquids` only if it is 1",
     )
     turbid_liquids: Weighted = Field(
         default=tuple(TURBID),

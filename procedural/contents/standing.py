@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..optics.catalogue import glass_named
 from ..optics.medium import AIR
 from .lean import MOST_BEYOND, leaning
 from .room import Room
-from .settings import ContentsSettings
+from .settings import STANDING, ContentsSettings
 from .shapes import rod, spoon, tube
 
 #: Lengths that are sold [m]: straws of 140 (cocktail) to 250 mm, tea and latte spoons of 120 to 220 mm, stirring rods
@@ -41,41 +42,57 @@ _STRAWS = (
 )
 
 
+#: From a length [m] to a body.
+Shape = Callable[[float], Mesh]
+
+
 def draw_standing(
     rng: np.random.Generator, settings: ContentsSettings, vessel: Vessel, room: Room, id: int
-) -> SceneObject | None:
-    """Draw an object that leans in a vessel, in the vessel's frame; None where none is drawn or leans.
+) -> tuple[SceneObject | None, int]:
+    """Draw an object that leans in a vessel, in the vessel's frame, and how often another kind had to be drawn.
+
+    None where none is drawn or leans.
 
     Raises
     ------
     InputError
-        Where one is asked for and none of the lengths leans there.
+        Where one is asked for and none of the kinds leans there.
     """
-    wanted, names = rng.random() < settings.standing, weights_of(settings.standing_kinds)
-    weight = np.array(list(names.values()))
-    kind = list(names)[int(rng.choice(len(weight), p=weight / weight.sum()))]
+    wanted, weights = rng.random() < settings.standing, weights_of(settings.standing_kinds)
+    kinds = rng.permutation(list(weights)).tolist()
+    chosen = rng.choice(len(weights), p=np.array(list(weights.values())) / sum(weights.values()))
     place, azimuth, thick, thin, colour = rng.uniform(size=5).tolist()
     if not wanted:
-        return None
-    shape = _shape(kind, thick, thin)
+        return None, 0
+    # The others in turn where the one that is drawn finds no rest.
+    first = list(weights)[int(chosen)]
+    for tries, kind in enumerate([first, *(other for other in kinds if other != first)]):
+        found = _leaning(kind, _shape(kind, thick, thin), room, place)
+        if found is not None:
+            mesh, pose = found
+            return _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, id, colour), tries
+    if settings.standing == 1.0:
+        depth = room.brim - room.floor
+        expected = f"something that leans in {vessel.name} (a {vessel.category}, {1e3 * depth:.0f}mm deep)"
+        others = [kind for kind in STANDING if kind not in weights]
+        working = [kind for kind in others if _leaning(kind, _shape(kind, thick, thin), room, place)]
+        if working:
+            expected += f", such as {working[0]}"
+        raise InputError("vessels.contents.standing_kinds", expected, ", ".join(weights))
+    return None, len(weights)
+
+
+def _leaning(kind: str, shape: Shape, room: Room, place: float) -> tuple[Mesh, np.ndarray] | None:
+    """Return a body of a length that stays in the vessel, and its pose; None where there is none."""
     found = leaning(shape(_PROBE), room)
-    least, most = LENGTHS[kind]
-    if found is not None:
-        least, most = max(least, found.reach + _STANDS_OUT), min(most, 2.0 * MOST_BEYOND * found.reach)
-    if found is None or least > most:
-        if settings.standing == 1.0:
-            where, limit = (
-                "vessels.contents.standing_kinds",
-                f"something that leans in {vessel.name} (a {vessel.category})",
-            )
-            raise InputError(where, limit, kind)
+    if found is None:
         return None
-    mesh = shape(least + place * (most - least))
-    pose = _turned(found.vessel_T_body, 2.0 * np.pi * azimuth)
-    return _item(kind, mesh, pose, vessel.name, id, colour)
+    least, most = LENGTHS[kind]
+    least, most = max(least, found.reach + _STANDS_OUT), min(most, 2.0 * MOST_BEYOND * found.reach)
+    return None if least > most else (shape(least + place * (most - least)), found.vessel_T_body)
 
 
-def _shape(kind: str, thick: float, thin: float):
+def _shape(kind: str, thick: float, thin: float) -> Shape:
     def between(limits: tuple[float, float], t: float) -> float:
         return limits[0] + t * (limits[1] - limits[0])
 

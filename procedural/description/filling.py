@@ -22,7 +22,7 @@ from ..profiles.clearance import clearance
 from ..profiles.liquid import brimful_volume, level_of_volume
 from ..profiles.liquid import volume_below as below_level
 from ..profiles.liquid_surface import most_volume as most_of_revolution
-from .bodies import Content, GlassBody, Interface, Liquid, MeshVessel, Vessel
+from .bodies import Content, Interface, Liquid, MeshVessel, Vessel
 from .floating import GAP, Floater, draught_of, equilibrium, lying_rise, raised
 from .interfaces import clouded, dry_interfaces, wetted
 from .mesh_vessel import dry_solid
@@ -174,20 +174,26 @@ def _settled(
     if not bodies:
         return _stacked(vessel, stacker, pours, wanted), []
     liquids = [(pour.medium.density or 0.0, float(total)) for pour, total in zip(pours, wanted, strict=True)]
-    targets, rises, offsets = wanted, [0.0] * len(bodies), [0.0] * len(pours)
-    for _ in range(2):  # with flat levels, and with those of true surfaces
+    offsets = [0.0] * len(pours)
+
+    def afloat() -> tuple[list[float], list[float], np.ndarray]:
         levels, rises = equilibrium(room.capacity, room.limits, liquids, floaters, offsets)
-        taken = [
+        displaced = [
             sum(one.draught.below(level + up - rise) for one, rise in zip(floaters, rises, strict=True))
             for level, up in zip(levels, offsets, strict=True)
         ]
-        targets = wanted + np.array(taken)
-        stack = _stacked(vessel, stacker, pours, targets)
-        offsets = [top.centre - level for top, level in zip(stack.tops, levels, strict=True)]
+        return levels, rises, wanted + np.array(displaced)
+
+    # First with flat levels, then with those of the true surfaces.
+    levels, rises, targets = afloat()
+    stack = _stacked(vessel, stacker, pours, targets)
+    offsets = [top.centre - level for top, level in zip(stack.tops, levels, strict=True)]
+    levels, rises, targets = afloat()
+    stack = _stacked(vessel, stacker, pours, targets)
     placed = _placed(vessel, bodies, rises)
     for _ in range(MOST_ROUNDS):
-        taken = np.array([sum(volume_below(body.mesh, top.height) for body in placed) for top in stack.tops])
-        missing = wanted - (np.array(stack.volumes) - taken)
+        displaced = np.array([sum(volume_below(body.mesh, top.height) for body in placed) for top in stack.tops])
+        missing = wanted - (np.array(stack.volumes) - displaced)
         if (np.abs(missing) <= VOLUME_ERROR * wanted).all():
             break
         targets = targets + missing
@@ -220,7 +226,7 @@ def _placed(vessel: Vessel | MeshVessel, bodies: Sequence[Body], rises: Sequence
     return placed
 
 
-def _stacked(vessel: GlassBody, stacker: Stacker, pours: Sequence[Pour], targets: np.ndarray) -> Stack:
+def _stacked(vessel: Vessel | MeshVessel, stacker: Stacker, pours: Sequence[Pour], targets: np.ndarray) -> Stack:
     try:
         return stacker(targets.tolist())
     except ThinLayerError as error:
@@ -297,7 +303,7 @@ def _pieces(
     return [*pieces, (AIR, rest)]
 
 
-def _records(vessel: GlassBody, stack: Stack, pours: Sequence[Pour]) -> list[Liquid]:
+def _records(vessel: Vessel | MeshVessel, stack: Stack, pours: Sequence[Pour]) -> list[Liquid]:
     if isinstance(vessel, MeshVessel):
         brimful, levels = sum(cavity.volume for cavity in vessel.cavities), [top.contact for top in stack.tops]
     else:

@@ -57,7 +57,7 @@ class Floater:
 
 def draught_of(mesh: Mesh, moves: bool = True) -> Draught:
     """Return the volumes of a closed body below heights, fewer of one that does not move."""
-    heights = np.linspace(*mesh.bounds[:, 2], _SECTIONS if moves else _FEW_SECTIONS)
+    heights = np.linspace(mesh.bounds[0, 2], mesh.bounds[1, 2], _SECTIONS if moves else _FEW_SECTIONS)
     volumes = [volume_below(mesh, lambda points, z=z: points[:, 2] - z) for z in heights[:-1]]
     return Draught(heights, np.array([*volumes, volume_of(mesh)]))
 
@@ -91,8 +91,8 @@ def equilibrium(
         for k, (_, wanted) in enumerate(liquids):
 
             def excess(level: float, k: int = k, wanted: float = wanted) -> float:
-                taken = [b.draught.below(level + offsets[k] - rise) for b, rise in zip(bodies, rises, strict=True)]
-                return capacity(level) - sum(taken) - wanted
+                displaced = [b.draught.below(level + offsets[k] - rise) for b, rise in zip(bodies, rises, strict=True)]
+                return capacity(level) - sum(displaced) - wanted
 
             # A level over the brim is found out where the liquids are filled in.
             levels[k] = limits[1] if excess(limits[1]) <= 0.0 else float(brentq(excess, *limits, xtol=1e-10))

@@ -99,7 +99,9 @@ def repoured(
         The objects of its scene.
     """
     if is_plain(vessel, objects):
-        return (refilled_mesh if isinstance(vessel, MeshVessel) else refilled)(vessel, medium, fill), ()
+        if isinstance(vessel, MeshVessel):
+            return refilled_mesh(vessel, medium, fill), ()
+        return refilled(vessel, medium, fill), ()
     if medium is None:
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))

@@ -110,7 +110,7 @@ class Scene(Model):
         medium = glass_named(glass) if isinstance(glass, str) else glass
         body = self._body(name)
         changed = body.with_media(glass=medium, roughness=roughness)
-        if not isinstance(body, Vessel):
+        if not isinstance(changed, Vessel) or not isinstance(body, Vessel):
             return self._with_body(changed)
         # Here, as these load SciPy, and the settings import this module.
         from .pouring import held, is_plain, poured

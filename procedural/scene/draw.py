@@ -6,7 +6,6 @@ import numpy as np
 
 from ...core.randomness import stream
 from ..contents.draw import draw_contents
-from ..contents.settings import ContentsSettings
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
 from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
@@ -60,9 +59,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    vessels, standing = _with_contents(
-        vessels, kinds.contents, seed, scene_id, FIRST_OBJECT_ID + len(vessels) + len(props)
-    )
+    vessels, standing = _with_contents(vessels, kinds, seed, scene_id, FIRST_OBJECT_ID + len(vessels) + len(props))
     objects = _placed([*vessels, *props], standing, outline(table), settings, seed, scene_id)
 
     space = workspace(objects, table)
@@ -124,7 +121,7 @@ def _props(
 
 
 def _with_contents(
-    vessels: list[GlassBody], settings: ContentsSettings, seed: int, scene_id: int, first_id: int
+    vessels: list[GlassBody], settings: VesselSettings, seed: int, scene_id: int, first_id: int
 ) -> tuple[list[GlassBody], list[SceneObject]]:
     """Return vessels with their contents, and what leans in them, in the frames of the vessels."""
     filled, standing = [], []
@@ -134,7 +131,14 @@ def _with_contents(
             return stream(seed, scene_id, f"contents/{number}/{kind}")
 
         id = first_id + len(standing)
-        drawn = draw_contents(streams, settings, vessel, standing_id=id, may_stand=id - FIRST_OBJECT_ID < MOST_OBJECTS)
+        drawn = draw_contents(
+            streams,
+            settings.contents,
+            vessel,
+            standing_id=id,
+            may_stand=id - FIRST_OBJECT_ID < MOST_OBJECTS,
+            chosen=settings.liquids is not None,
+        )
         filled.append(drawn.vessel)
         standing += drawn.standing
     return filled, standing

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, volume_of
-from ..cavities.split import volume_below
 from ..description.scene import (
     GlassBody,
     Interface,
@@ -146,8 +145,15 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
         found = {"contact": _rim_height(surface), "centre": surface.vertices[radii.argmin(), 2]}
     if isinstance(body, Vessel):
         inner = np.array(body.inner)
-        stated |= {"level": liquid.level}
-        found |= {"level": level_of_volume(inner, _volume_up_to(body, number, others))}
+        if body.contents or others:  # the volume below the level is that of the liquids and of what is in them
+            low, high = surface.vertices[:, 2].min(), surface.vertices[:, 2].max()
+            if not low - SIZE_TOLERANCE <= liquid.level <= high + SIZE_TOLERANCE:
+                expected = f"one between those of its surface, {low:.4f} to {high:.4f} m"
+                raise InputError(f"{where}, level", expected, f"{liquid.level:.4f} m")
+        else:
+            stated |= {"level": liquid.level}
+            total = sum(one.volume for one in body.liquids[: number + 1])
+            found |= {"level": level_of_volume(inner, total)}
         fill = liquid.volume / brimful_volume(inner)
         if not abs(liquid.fill - fill) <= VOLUME_TOLERANCE:
             raise InputError(f"{where}, fill", f"that of its volume, {fill:.3f}", f"{liquid.fill:.3f}")
@@ -156,18 +162,6 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
     for field, height in found.items():
         if not abs(stated[field] - height) <= SIZE_TOLERANCE:
             raise InputError(f"{where}, {field}", f"that of its surface, {height:.4f} m", f"{stated[field]:.4f} m")
-
-
-def _volume_up_to(body: GlassBody, number: int, others: Sequence[Standing]) -> float:
-    """Return the volume of a liquid and those below it, with what is in them, as the levels tell it [m^3]."""
-    held = body.liquids[: number + 1]
-    total = sum(liquid.volume for liquid in held)
-    if not body.contents and not others:
-        return total
-    level = held[-1].level
-    solids = [content_solid(body, k) for k in range(len(body.contents))]
-    solids += [other.solid for other in others]
-    return total + sum(volume_below(solid, lambda points: points[:, 2] - level) for solid in solids)
 
 
 def _rim_height(surface: Mesh) -> float:

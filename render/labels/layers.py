@@ -123,7 +123,7 @@ def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     opaque = np.array(table.opaque)
     front = media[np.array(table.front)].astype(np.uint32)
     # A turbid liquid is opaque, but what is behind its surface is the liquid.
-    back = np.where(opaque & (np.array(table.part) == 0), solid, media[np.array(table.back)]).astype(np.uint32)
+    back = np.where(opaque & (np.array(table.part) == 0), solid, media[np.array(table.behind)]).astype(np.uint32)
     front, back = mi.UInt32(front), mi.UInt32(back)
     dr.make_opaque(front, back)
     return front, back

@@ -60,17 +60,17 @@ def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[Bo
     """Return one body for each interface, with the BSDF `glass` or, if that is None, a dielectric one of its own."""
     bodies = []
     for part in body.interfaces:
-        mesh, media = part.mesh, (part.front, part.back)
+        mesh, front, back = part.mesh, part.front, part.back
         if part.opaque is None:
             surface, bsdf = (
-                Surface(body.id, index, False, *media, part.roughness, part.part),
+                Surface(body.id, index, False, front, back, part.roughness, part.part),
                 glass or _glass_bsdf(part),
             )
         else:
             # A turbid liquid: its surface shows from the other medium, which is its front here.
             if part.seen_from_back:
-                mesh, media = turned(mesh), media[::-1]
-            surface = Surface(body.id, index, True, *media, 0.0, part.part, _is_polished(part.opaque))
+                mesh, front, back = turned(mesh), back, front
+            surface = Surface(body.id, index, True, front, back, 0.0, part.part, _is_polished(part.opaque))
             bsdf = mi.load_dict(opaque_bsdf(part.opaque))
         bodies.append(Body(mesh, body.world_T_object, bsdf, surface, material=part.opaque))
     return bodies

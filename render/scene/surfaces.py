@@ -58,7 +58,8 @@ class SurfaceTable:
     object: mi.Int32
     opaque: mi.Bool
     front: mi.UInt32
-    back: mi.UInt32
+    back: mi.UInt32  #: of opaque surfaces that before them: rays that shading normals lead into them end there as well
+    behind: mi.UInt32  #: the medium behind, also behind the opaque surface of a turbid liquid
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
     polished: mi.Bool
@@ -107,7 +108,8 @@ def surface_table(
         object=column(mi.Int32, [row.object for row in rows]),
         opaque=column(mi.Bool, [row.opaque for row in rows]),
         front=column(mi.UInt32, [media.index(row.front) for row in rows]),
-        back=column(mi.UInt32, [media.index(row.back) for row in rows]),
+        back=column(mi.UInt32, [media.index(row.front if row.opaque else row.back) for row in rows]),
+        behind=column(mi.UInt32, [media.index(row.back) for row in rows]),
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         polished=column(mi.Bool, [row.polished for row in rows]),

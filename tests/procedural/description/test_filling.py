@@ -8,7 +8,7 @@ from glassware.core.mesh import Mesh, check_closed, joined, volume_of
 from glassware.procedural.contents.draw import body_of
 from glassware.procedural.contents.shapes import balls, rod, rounded_box
 from glassware.procedural.description.filling import Body, Filled, fill_vessel
-from glassware.procedural.description.scene import content_solid, glass_solid, liquid_solid
+from glassware.procedural.description.scene import Vessel, content_solid, glass_solid, liquid_solid
 from glassware.procedural.description.stack import Pour
 from glassware.procedural.description.tilted import poured_in_pose
 from glassware.procedural.optics.capillary import GRAVITY
@@ -27,8 +27,14 @@ FACETS = 2e-3
 OPAQUE = Medium(name="opaque", eta=1.0)
 
 
-def _cup():
+def _cup() -> Vessel:
     return vessel([(0.03, 0.0), (0.036, 0.12)], GLASS)
+
+
+def _filled(pours: list[Pour], *bodies: Body) -> Vessel:
+    found = fill_vessel(_cup(), pours, bodies).vessel
+    assert isinstance(found, Vessel)
+    return found
 
 
 def _cube(x: float, y: float, edge: float = 0.018, rounding: float = 0.15) -> Body:
@@ -99,23 +105,23 @@ def test_liquids_have_their_volume_whatever_is_in_them(drink):
 
 def test_what_floats_takes_its_own_weight_of_water_and_raises_the_level():
     sharp = _cube(0.0, 0.0, rounding=0.02)
-    alone, with_ice = (fill_vessel(_cup(), [Pour(WATER, 1.5e-4)], bodies).vessel for bodies in ([], [sharp]))
+    alone, with_ice = _filled([Pour(WATER, 1.5e-4)]), _filled([Pour(WATER, 1.5e-4)], sharp)
     cube = with_ice.contents[0]
     parts = [part.mesh for part in with_ice.interfaces if part.content == 0 and part.front == AIR]
-    dry = max(mesh.bounds[1, 2] for mesh in parts) - with_ice.liquid.centre
+    dry = max(mesh.bounds[1, 2] for mesh in parts) - with_ice.liquids[0].centre
     # The part of a box above the water is that of the densities (Archimedes).
     assert dry / cube.size[2] == pytest.approx(1.0 - 916.7 / 998.2, abs=0.004)
     inner = np.array(alone.inner)
-    risen = volume_below(inner, with_ice.liquid.level) - volume_below(inner, alone.liquid.level)
+    risen = volume_below(inner, with_ice.liquids[0].level) - volume_below(inner, alone.liquids[0].level)
     assert risen == pytest.approx(cube.volume * 916.7 / 998.2, rel=0.02)
 
 
 def test_ice_sinks_in_oil_and_stops_where_water_begins():
-    in_oil = fill_vessel(_cup(), [Pour(OIL, 1.5e-4)], [_cube(0.0, 0.0)]).vessel
+    in_oil = _filled([Pour(OIL, 1.5e-4)], _cube(0.0, 0.0))
     assert in_oil.contents[0].centre[2] - 0.009 - in_oil.inner[0][1] < 3e-3
-    both = fill_vessel(_cup(), [Pour(OIL, 6e-5), Pour(WATER, 1e-4)], [_cube(0.0, 0.0)]).vessel
+    both = _filled([Pour(OIL, 6e-5), Pour(WATER, 1e-4)], _cube(0.0, 0.0))
     # 916.7 lies between 911.4 and 998.2: nearly all of it is in the oil.
-    assert both.contents[0].centre[2] - both.liquid.centre == pytest.approx(0.009, abs=1.5e-3)
+    assert both.contents[0].centre[2] - both.liquids[0].centre == pytest.approx(0.009, abs=1.5e-3)
 
 
 def test_oil_on_water_meets_the_wall_in_a_capillary_surface_of_its_own():
@@ -181,6 +187,6 @@ def test_milk_reflects_as_was_measured():
 
 def test_turbid_liquids_are_opaque_from_the_glass_and_from_the_air():
     cup = fill_vessel(_cup(), [Pour(turbid_medium("milk"), 1e-4)]).vessel
-    assert cup.liquid.turbid
+    assert cup.liquids[0].turbid
     looks = {part.part: (part.opaque is not None, part.seen_from_back) for part in cup.interfaces}
     assert looks == {"outside": (False, False), "wet_wall": (True, True), "liquid_surface": (True, False)}
