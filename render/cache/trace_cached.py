@@ -220,7 +220,7 @@ def _through_glass(
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
-        violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
+        violations += dr.select((surface.before != medium) & ~surface.buried, mi.UInt32(1), mi.UInt32(0))
         beta *= table.transmittance(surface, si.wavelengths, active)
         outside = ~hit | surface.opaque
         active = hit & ~surface.opaque

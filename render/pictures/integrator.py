@@ -124,7 +124,7 @@ def trace(
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         segments += 1
-        violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
+        violations += dr.select((surface.before != medium) & ~surface.buried, mi.UInt32(1), mi.UInt32(0))
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = mi.UInt32(surface.before)
 

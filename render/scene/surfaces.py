@@ -43,6 +43,8 @@ class SurfaceMedia:
     n: mi.Normal3f  #: geometric normal on the ray's side
     ns: mi.Normal3f  #: shading normal, with the same sign as the geometric one
     distance: mi.Float  #: length of the segment [m]; 0 where nothing is hit
+    #: whether the ray comes from inside an opaque body, where shading normals may lead it; no medium is there
+    buried: mi.Bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +142,8 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     before = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
     behind = dr.select(from_front, back, front)
     sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
-    return SurfaceMedia(row, opaque, before, behind, sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0))
+    n, ns, distance = sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0)
+    return SurfaceMedia(row, opaque, before, behind, n, ns, distance, opaque & ~from_front)
 
 
 def transmittance_rgb(sigma_a: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool) -> mi.Color3f:
