@@ -57,7 +57,6 @@ def draw_contents(
     settings: ContentsSettings,
     vessel: GlassBody,
     *,
-    standing_id: int,
     may_stand: bool,
     chosen: bool = False,
 ) -> Drawn:
@@ -71,10 +70,8 @@ def draw_contents(
         Probabilities and ranges.
     vessel : GlassBody
         At the origin of its own frame. Of a vessel of any shape only the liquids change.
-    standing_id : int
-        Id of an object that leans in it.
     may_stand : bool
-        Whether the scene has room for one more object.
+        Whether something may lean in it.
     chosen : bool
         Whether the user has chosen the liquids: they are then replaced or covered only where that is asked for.
 
@@ -93,7 +90,7 @@ def draw_contents(
     room = room_of(vessel)
     item, again = None, 0
     if may_stand:
-        item, again = draw_standing(streams("standing"), settings, vessel, room, standing_id)
+        item, again = draw_standing(streams("standing"), settings, vessel, room)
         tries.count += again
     leaning = [] if item is None else [_in_vessel(item)]
     bodies = _beads(streams("beads"), settings, room, leaning)

@@ -10,7 +10,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.weighted import weights_of
-from ..description.bodies import GlassBody, Interface, Prop, SceneObject, Vessel
+from ..description.bodies import FIRST_OBJECT_ID, GlassBody, Interface, Prop, SceneObject, Vessel
 from ..description.material import OpaqueMaterial, UniformTexture
 from ..materials.draw import METALS
 from ..optics.catalogue import glass_named
@@ -47,7 +47,7 @@ Shape = Callable[[float], Mesh]
 
 
 def draw_standing(
-    rng: np.random.Generator, settings: ContentsSettings, vessel: Vessel, room: Room, id: int
+    rng: np.random.Generator, settings: ContentsSettings, vessel: Vessel, room: Room
 ) -> tuple[SceneObject | None, int]:
     """Draw an object that leans in a vessel, in the vessel's frame, and how often another kind had to be drawn.
 
@@ -70,7 +70,7 @@ def draw_standing(
         found = _leaning(kind, _shape(kind, thick, thin), room, place)
         if found is not None:
             mesh, pose = found
-            return _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, id, colour), tries
+            return _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, colour), tries
     if settings.standing == 1.0:
         depth = room.brim - room.floor
         expected = f"something that leans in {vessel.name} (a {vessel.category}, {1e3 * depth:.0f}mm deep)"
@@ -112,14 +112,14 @@ def _turned(pose: np.ndarray, azimuth: float) -> np.ndarray:
     return turn @ pose
 
 
-def _item(kind: str, mesh: Mesh, pose: np.ndarray, vessel: str, id: int, colour: float) -> SceneObject:
-    name = f"{kind.replace(' ', '-')}-{id:02d}"
+def _item(kind: str, mesh: Mesh, pose: np.ndarray, vessel: str, colour: float) -> SceneObject:
+    name = f"{kind.replace(' ', '-')}-{vessel.rpartition('-')[2]}"
     centre = mesh.bounds.mean(0)
     centred = replace(mesh, name=name, vertices=mesh.vertices.astype(np.float64) - centre)
     x, y, z = np.ptp(centred.bounds, axis=0).tolist()
     world_T_object = pose.copy()
     world_T_object[:3, 3] += pose[:3, :3] @ centre
-    common = {"id": id, "name": name, "category": kind, "within": vessel, "size": (x, y, z)}
+    common = {"id": FIRST_OBJECT_ID, "name": name, "category": kind, "within": vessel, "size": (x, y, z)}
     common |= {"symmetric": kind != "spoon", "world_T_object": world_T_object}
     if kind == "stirring rod":
         glass = glass_named("borosilicate glass 3.3")

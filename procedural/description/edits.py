@@ -13,12 +13,14 @@ from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
 from ..cavities.pierce import lid
 from ..optics.medium import Medium
-from ..placement.overlap import ALLOWANCE, Solid, overlap
+from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
 from ..profiles.clearance import along_edges, clearance
 from .bodies import Prop, SceneObject, Vessel, glass_solid
 
 #: Distance of points on edges that are looked at [m]: walls are at least a millimetre thick.
 _ALONG = 8e-4
+#: Most corners of a part that are looked at in its vessel [1]: they are 5 mm apart on a label.
+TOUCH_POINTS = 200
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
@@ -64,6 +66,43 @@ def _check_in_glass(name: str, solid: Solid, vessel: Vessel) -> None:
         raise InputError(name, expected, f"that it is {1e3 * depth:.1f} mm in its glass")
 
 
+def check_pair(item: SceneObject, solid: Solid, other: SceneObject, another: Solid) -> None:
+    """Refuse two objects that overlap.
+
+    A vessel and its parts, which are thin and touch it, may come as near as they like, but no corner of one may be
+    inside the other. What leans in a vessel may be in its liquid, but not in its glass.
+    """
+    if item.within == other.name or other.within == item.name:
+        inner, outer = (item, other) if item.within == other.name else (other, item)
+        _check_standing(inner, solid if inner is item else another, outer, another if inner is item else solid)
+        return
+    if not _belong_together(item, other):
+        check_apart(item.name, solid, other.name, another)
+        return
+    for (name, body), (inner, points) in (
+        ((item.name, solid), (other.name, another.points)),
+        ((other.name, another), (item.name, solid.points)),
+    ):
+        low, high = body.points.min(0), body.points.max(0)
+        near = points[((points >= low) & (points <= high)).all(1)]
+        near = near[:: -(-len(near) // TOUCH_POINTS) or 1]
+        if len(near) and contains(body, near).any():
+            raise InputError(inner, f"a place on {name}, which it goes with", "one in it")
+
+
+def _belong_together(item: SceneObject, other: SceneObject) -> bool:
+    hosts = (item.part_of, other.part_of)
+    return other.name == hosts[0] or item.name == hosts[1] or (hosts[0] is not None and hosts[0] == hosts[1])
+
+
+def _check_standing(inner: SceneObject, solid: Solid, vessel: SceneObject, another: Solid) -> None:
+    if isinstance(vessel, Vessel):
+        _check_in_glass(inner.name, solid, vessel)
+        return
+    glass = another if isinstance(vessel, Prop) else in_world(glass_solid(vessel), vessel.world_T_object)
+    check_apart(inner.name, solid, vessel.name, glass)
+
+
 def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     """Refuse an object with the name of another one, in the table, or in another object."""
     for other in others:
@@ -72,19 +111,7 @@ def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     solid = solid_of(item)
     check_above_table(item.name, solid)
     for other in others:
-        check_pair(item, other, solid, solid_of(other))
-
-
-def check_pair(item: SceneObject, other: SceneObject, solid: Solid, another: Solid) -> None:
-    """Refuse two objects that overlap; one that stands in the other may be in its liquid, but not in its glass."""
-    if other.within == item.name:
-        item, other, solid, another = other, item, another, solid
-    if item.within == other.name and isinstance(other, Vessel):
-        _check_in_glass(item.name, solid, other)
-        return
-    if item.within == other.name and not isinstance(other, Prop):
-        another = in_world(glass_solid(other), other.world_T_object)
-    check_apart(item.name, solid, other.name, another)
+        check_pair(item, solid, other, solid_of(other))
 
 
 def moved(item: SceneObject, world_T_object: object) -> SceneObject:

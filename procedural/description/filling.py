@@ -25,7 +25,7 @@ from ..profiles.liquid_surface import most_volume as most_of_revolution
 from .bodies import Content, Interface, Liquid, MeshVessel, Vessel
 from .floating import GAP, Floater, draught_of, equilibrium, lying_rise, raised
 from .interfaces import clouded, dry_interfaces, wetted
-from .mesh_vessel import dry_solid
+from .mesh_vessel import dry_interfaces_of
 from .refill import section_of
 from .stack import (
     Pour,
@@ -326,7 +326,7 @@ def _records(vessel: Vessel | MeshVessel, stack: Stack, pours: Sequence[Pour]) -
 
 def _dry(vessel: Vessel | MeshVessel, name: str) -> tuple[Interface, ...]:
     if isinstance(vessel, MeshVessel):
-        return dry_solid(vessel.solid, vessel.glass, vessel.roughness)
+        return dry_interfaces_of(vessel.solid, vessel.glass, vessel.roughness)
     outer, inner, segments = section_of(vessel)
     return dry_interfaces(outer, inner, glass=vessel.glass, roughness=vessel.roughness, segments=segments, name=name)
 

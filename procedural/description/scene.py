@@ -110,13 +110,16 @@ class Scene(Model):
         medium = glass_named(glass) if isinstance(glass, str) else glass
         body = self._body(name)
         changed = body.with_media(glass=medium, roughness=roughness)
-        if not isinstance(changed, Vessel) or not isinstance(body, Vessel):
+        if not isinstance(changed, Vessel | MeshVessel) or not isinstance(body, Vessel | MeshVessel):
             return self._with_body(changed)
         # Here, as these load SciPy, and the settings import this module.
+        from .mesh_vessel import with_mesh_wall
         from .pouring import held, is_plain, poured
         from .refill import with_wall
 
         if is_plain(body, self.objects):
+            if isinstance(body, MeshVessel):
+                return self._with_body(with_mesh_wall(body, medium, roughness))
             return self._with_body(with_wall(body, medium, roughness))
         return self._with_poured(*poured(changed, held(changed), self.objects))
 
@@ -248,7 +251,11 @@ class Scene(Model):
             raise InputError(name, f"a pose of the vessel that it stands in ({before.within})", "one of its own")
         item = moved(before, world_T_object)
         new_T_old = item.world_T_object @ np.linalg.inv(before.world_T_object)
-        carried = [moved(other, new_T_old @ other.world_T_object) for other in self.objects if other.within == name]
+        carried = [
+            moved(other, new_T_old @ other.world_T_object)
+            for other in self.objects
+            if name in (other.within, other.part_of)
+        ]
         changed = {other.name: other for other in (item, *carried)}
         others = [other for other in self.objects if other.name not in changed]
         for other in changed.values():
@@ -261,7 +268,7 @@ class Scene(Model):
         What stands in a vessel goes with it; without that, a liquid keeps its volume and its level falls.
         """
         gone = {self._object(name).name for name in names}
-        gone |= {item.name for item in self.objects if item.within in gone}
+        gone |= {item.name for item in self.objects if item.within in gone or item.part_of in gone}
         left = [item for item in self.objects if item.name not in gone]
         scene = self._with_objects(left)
         vessels = {item.within for item in self.objects if item.name in gone and item.within} - gone

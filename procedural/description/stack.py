@@ -13,7 +13,7 @@ from ...core.mesh import Mesh, joined, turned, volume_of
 from ...core.units import volume_text
 from ..cavities.cut import clear_level
 from ..cavities.find import Hollow
-from ..cavities.interior import Interior, filled, level_in, most_volume
+from ..cavities.interior import Interior, filled, flat_level, most_volume
 from ..cavities.polygon import triangulated
 from ..cavities.split import Height, split_at
 from ..optics.interfacial import LEAST_DIFFERENCE, mixes
@@ -191,7 +191,8 @@ def stacker_of_mesh(vessel: MeshVessel, media: Sequence[Medium], inside: Interio
         if volumes[-1] > most * ROUNDING:
             where, limit = f"{vessel.name}, liquids", f"at most {volume_text(most)} with what is in them"
             raise InputError(where, limit, volume_text(volumes[-1]))
-        parts, level = filled(vessel.solid, inside, min(volumes[-1], most), ("outside", "wall", "top"))
+        parts, fillings = filled(vessel.solid, inside, min(volumes[-1], most), ("outside", "wall", "top"))
+        level = fillings[0].level
         walls, tops, wet = [], [], parts.wet_wall
         for volume in volumes[:-1]:
             low, wet, top = _layer(wet, inside.hollows[0], volume, len(walls))
@@ -207,7 +208,7 @@ def stacker_of_mesh(vessel: MeshVessel, media: Sequence[Medium], inside: Interio
 
 def _layer(wet: Mesh, hollow: Hollow, volume: float, number: int) -> tuple[Mesh, Mesh, Top]:
     """Return a wall below and above the level of a volume, and the surface there."""
-    level = clear_level(wet.vertices[:, 2].astype(np.float64), level_in(hollow, volume))
+    level = clear_level(wet.vertices[:, 2].astype(np.float64), flat_level(hollow, volume))
     halves = split_at(wet, lambda points: points[:, 2] - level)
     if halves.below is None or halves.above is None or not halves.rings:
         raise ThinLayerError(number, LEAST_LAYER)

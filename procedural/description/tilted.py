@@ -16,7 +16,7 @@ from ..profiles.liquid import brimful_volume
 from .bodies import Cavity, MeshVessel, Vessel
 from .edits import moved
 from .filling import fill_vessel
-from .mesh_vessel import dry_solid, mesh_vessel
+from .mesh_vessel import dry_interfaces_of, mesh_vessel
 from .stack import Pour
 
 #: How far the vertical may be off a vessel's axis and still be that axis [rad]: 10 um across a vessel.
@@ -82,7 +82,7 @@ def solid_of_glass(vessel: Vessel) -> Mesh:
 
 def _as_mesh_vessel(vessel: Vessel | MeshVessel, solid: Mesh) -> MeshVessel:
     """Return an empty vessel of any shape of the same glass, whose cavities are those that it has upright."""
-    dry = {"liquid": None, "layers": (), "interfaces": dry_solid(solid, vessel.glass, vessel.roughness)}
+    dry = {"liquid": None, "layers": (), "interfaces": dry_interfaces_of(solid, vessel.glass, vessel.roughness)}
     if isinstance(vessel, MeshVessel):
         return vessel.model_copy(update=dry)
     inner = np.array(vessel.inner)

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ...core.mesh import Mesh
 from ...core.randomness import stream
-from ..contents.draw import draw_contents
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
-from ..own_vessels.draw import draw_own_vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
-from ..props.draw import PropSettings, draw_prop
+from ..props.draw import PropSettings
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
-from ..vessels.draw import draw_vessel
-from ..vessels.media import draw_media
-from ..vessels.settings import VesselSettings
-from ..vessels.sizes import draw_size
+from ..things.draw import draw_prop_of_kind, prop_pose
 from .asset_files import AssetFiles, asset_files, files_for
+from .draw_vessels import Parts, draw_vessels, group_mesh, lies
 from .settings import SceneSettings
-from .solids import body_mesh, with_standing, workspace
+from .solids import workspace
 from .splits import families_of, split_of
-
-#: Most objects of a scene [1]: labels have a bit for each. Nothing leans in vessels beyond it.
-MOST_OBJECTS = 63
 
 
 def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFiles | None = None) -> Scene:
@@ -56,11 +52,11 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     kinds = settings.vessels.model_copy(update={"categories": families})
-    vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
+    vessels, parts = draw_vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    vessels, standing = _with_contents(vessels, kinds, seed, scene_id, FIRST_OBJECT_ID + len(vessels) + len(props))
-    objects = _placed([*vessels, *props], standing, outline(table), settings, seed, scene_id)
+    kind = stream(seed, scene_id, "table/kind")
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
+    objects = _placed([*vessels, *props], parts, outline(table), settings, seed, scene_id)
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
@@ -85,31 +81,13 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     )
 
 
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, files: AssetFiles) -> list[GlassBody]:
-    return [_vessel(settings, seed, scene_id, i, files) for i in range(count)]
-
-
-def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, files: AssetFiles) -> GlassBody:
-    place, media = f"vessels/{number}", stream(seed, scene_id, f"media/{number}")
-    id, name = FIRST_OBJECT_ID + number, f"vessel-{number:02d}"
-    if files.vessels:
-        choice = stream(seed, scene_id, f"vessel-file/{number}")
-        file = files.vessels[int(choice.integers(len(files.vessels)))]
-        if choice.random() < settings.file_probability:
-            rng = stream(seed, scene_id, place)
-            return draw_own_vessel(rng, media, settings, file, id=id, name=name, own=files.media)
-    # The family is the first that a vessel's stream gives; the wall's material follows it.
-    category, *_ = draw_size(stream(seed, scene_id, place), settings)
-    glass, liquid = draw_media(media, settings, category, files.media)
-    return draw_vessel(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
-
-
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop | GlassBody]:
     return [
-        draw_prop(
+        draw_prop_of_kind(
             stream(seed, scene_id, f"props/{i}"),
+            stream(seed, scene_id, f"prop-kind/{i}"),
             settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
@@ -120,56 +98,31 @@ def _props(
     ]
 
 
-def _with_contents(
-    vessels: list[GlassBody], settings: VesselSettings, seed: int, scene_id: int, first_id: int
-) -> tuple[list[GlassBody], list[SceneObject]]:
-    """Return vessels with their contents, and what leans in them, in the frames of the vessels."""
-    filled, standing = [], []
-    for number, vessel in enumerate(vessels):
-
-        def streams(kind: str, number: int = number) -> np.random.Generator:
-            return stream(seed, scene_id, f"contents/{number}/{kind}")
-
-        id = first_id + len(standing)
-        drawn = draw_contents(
-            streams,
-            settings.contents,
-            vessel,
-            standing_id=id,
-            may_stand=id - FIRST_OBJECT_ID < MOST_OBJECTS,
-            chosen=settings.liquids is not None,
-        )
-        filled.append(drawn.vessel)
-        standing += drawn.standing
-    return filled, standing
-
-
 def _placed(
-    objects: list[SceneObject],
-    standing: list[SceneObject],
-    board: np.ndarray,
-    settings: SceneSettings,
-    seed: int,
-    scene_id: int,
+    objects: list[SceneObject], parts: Parts, board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
 ) -> list[SceneObject]:
-    """Return the objects in their places: vessels upright, with what leans in them, and props in a stable pose."""
-    poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(with_standing(item, standing), pose) for item, pose in zip(objects, poses, strict=True)]
+    """Return the objects in their places: vessels upright, props in a stable pose; each with its parts behind them."""
+    groups = [parts.get(item.name, ()) for item in objects]
+    solids = [group_mesh(item, own) for item, own in zip(objects, groups, strict=True)]
+    poses = [
+        _pose(item, solid, own, stream(seed, scene_id, f"pose/{item.name}"))
+        for item, solid, own in zip(objects, solids, groups, strict=True)
+    ]
+    outlines = [footprint(solid, pose) for solid, pose in zip(solids, poses, strict=True)]
     shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
-    placed = []
-    for item, pose, shift in zip(objects, poses, shifts, strict=True):
+    placed, behind = [], []
+    for item, own, pose, shift in zip(objects, groups, poses, shifts, strict=True):
         world_T_object = pose.copy()
         world_T_object[:3, 3] += [*shift, CONTACT_GAP]
         placed.append(item.model_copy(update={"world_T_object": world_T_object}))
-        placed += [
-            other.model_copy(update={"world_T_object": world_T_object @ other.world_T_object})
-            for other in standing
-            if other.within == item.name
-        ]
-    return placed
+        behind += [part.model_copy(update={"world_T_object": world_T_object @ part.world_T_object}) for part in own]
+    first = FIRST_OBJECT_ID + len(placed)
+    return placed + [part.model_copy(update={"id": first + number}) for number, part in enumerate(behind)]
 
 
-def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if not isinstance(item, Vessel | MeshVessel):
-        return resting_pose(body_mesh(item), rng)
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))
+def _pose(item: SceneObject, solid: Mesh, parts: Sequence[SceneObject], rng: np.random.Generator) -> np.ndarray:
+    if isinstance(item, Prop):
+        return prop_pose(item, rng)
+    if not isinstance(item, Vessel | MeshVessel) or lies(item, parts):
+        return resting_pose(solid, rng)
+    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), solid)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...core.mesh import Mesh, joined
+from ...core.mesh import Mesh
 from ..description.camera import Camera
 from ..description.edits import in_world, solid_of
 from ..description.scene import Prop, SceneObject, glass_solid
@@ -21,14 +21,6 @@ EMPTY_RADIUS = 0.1
 def body_mesh(item: SceneObject) -> Mesh:
     """Return the surface of an object's material, object frame: glass without its liquid, or a prop."""
     return item.mesh if isinstance(item, Prop) else glass_solid(item)
-
-
-def with_standing(item: SceneObject, standing: Sequence[SceneObject]) -> Mesh:
-    """Return the surface of an object and of what leans in it, both at the origin of the object's frame."""
-    within = [other for other in standing if other.within == item.name]
-    moved = [in_world(body_mesh(other), other.world_T_object) for other in within]
-    meshes = [Mesh("standing", solid.points, solid.faces) for solid in moved]
-    return joined([body_mesh(item), *meshes], item.name) if meshes else body_mesh(item)
 
 
 def workspace(objects: Sequence[SceneObject], table: Table) -> Workspace:

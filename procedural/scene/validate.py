@@ -175,8 +175,8 @@ def _check_places(scene: Scene) -> None:
     for name, solid in solids.items():
         check_above_table(name, solid)
     _check_standing(scene)
-    for item, other in combinations(scene.objects, 2):
-        check_pair(item, other, solids[item.name], solids[other.name])
+    for (item, solid), (other, another) in combinations(zip(scene.objects, solids.values(), strict=True), 2):
+        check_pair(item, solid, other, another)
     solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):

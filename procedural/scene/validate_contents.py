@@ -11,6 +11,7 @@ from ...core.mesh import Mesh, check_closed, volume_of
 from ..description.scene import (
     GlassBody,
     Interface,
+    Liquid,
     MeshVessel,
     Scene,
     Vessel,
@@ -131,11 +132,7 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
     liquid = body.liquids[number]
     where = f"{body.name}, {'liquid' if number == 0 else f'layer {number}'}"
     if isinstance(body, MeshVessel):
-        # One of each cavity; in a vessel that leans, points of one level differ by rounding.
-        heights = np.unique(np.round(surface.vertices @ np.array(liquid.up or (0.0, 0.0, 1.0)), 7))
-        if np.abs(heights - liquid.level).min() > SIZE_TOLERANCE:
-            expected = f"that of its surface, {heights[0]:.4f} m"
-            raise InputError(f"{where}, level", expected, f"{liquid.level:.4f} m")
+        _check_mesh_heights(where, liquid, surface, bool(body.contents or others))
         return
     stated = {"contact": liquid.contact, "centre": liquid.centre}
     radii = np.hypot(*surface.vertices[:, :2].T)
@@ -164,10 +161,31 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
             raise InputError(f"{where}, {field}", f"that of its surface, {height:.4f} m", f"{stated[field]:.4f} m")
 
 
+def _check_mesh_heights(where: str, liquid: Liquid, surface: Mesh, pierced: bool) -> None:
+    """Refuse a record that differs from the liquid's surface, which has a piece in each cavity, along what is up."""
+    up = np.array(liquid.up or (0.0, 0.0, 1.0))
+    rows = [("contact", _border(surface) @ up)]
+    rows += [] if pierced else [("centre", surface.vertices @ up)]
+    for field, heights in rows:
+        stated = getattr(liquid, field)
+        nearest = float(heights[np.abs(heights - stated).argmin()])
+        if not abs(nearest - stated) <= SIZE_TOLERANCE:
+            raise InputError(f"{where}, {field}", f"that of its surface, {nearest:.4f} m", f"{stated:.4f} m")
+    low, high = sorted((liquid.centre, liquid.contact))
+    if not low - SIZE_TOLERANCE <= liquid.level <= high + SIZE_TOLERANCE:
+        expected = f"that of its surface, {low:.4f} to {high:.4f} m"
+        raise InputError(f"{where}, level", expected, f"{liquid.level:.4f} m")
+
+
 def _rim_height(surface: Mesh) -> float:
     """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring."""
+    return float(_border(surface)[:, 2].mean())
+
+
+def _border(surface: Mesh) -> np.ndarray:
+    """Return the points on a surface's border, (n, 3) [m]."""
     positions, index = np.unique(surface.vertices, axis=0, return_inverse=True)
     corners = index.reshape(-1)[surface.faces]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     border, count = np.unique(edges, axis=0, return_counts=True)
-    return float(positions[np.unique(border[count == 1]), 2].mean())
+    return positions[np.unique(border[count == 1])]

@@ -12,8 +12,8 @@ from scipy.spatial import ConvexHull
 
 from glassware.core.json_file import json_text
 from glassware.core.mesh import Mesh, as_trimesh
-from glassware.procedural.description.standing import standing_in
 from glassware.procedural.description.scene import Scene, Vessel, glass_solid, liquid_solid
+from glassware.procedural.description.standing import standing_in
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
 from glassware.procedural.scene.settings import SceneSettings
