@@ -28,6 +28,8 @@ from ..profiles.liquid import brimful_volume, level_of_volume
 VOLUME_TOLERANCE = 0.01
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
+#: Distance from the wall within which the border of a surface lies on it [m]: bodies keep 20 times as far from it.
+_ON_WALL = 5e-6
 
 
 def check_parts(body: GlassBody) -> None:
@@ -135,14 +137,13 @@ def _check_heights(body: GlassBody, number: int, surface: Mesh, others: Sequence
         _check_mesh_heights(where, liquid, surface, bool(body.contents or others))
         return
     stated = {"contact": liquid.contact, "centre": liquid.centre}
-    radii = np.hypot(*surface.vertices[:, :2].T)
-    if body.contents or others:  # they may take the middle of the surface, and its border is not only at the wall
-        found = {"contact": surface.vertices[radii.argmax(), 2]}
-    else:
-        found = {"contact": _rim_height(surface), "centre": surface.vertices[radii.argmin(), 2]}
+    pierced = bool(body.contents or others)  # bodies may take the middle of the surface
+    found = {"contact": _rim_height(surface, np.array(body.inner) if isinstance(body, Vessel) else None)}
+    if not pierced:
+        found["centre"] = surface.vertices[np.hypot(*surface.vertices[:, :2].T).argmin(), 2]
     if isinstance(body, Vessel):
         inner = np.array(body.inner)
-        if body.contents or others:  # the volume below the level is that of the liquids and of what is in them
+        if pierced:  # the volume below the level is that of the liquids and of what is in them
             low, high = surface.vertices[:, 2].min(), surface.vertices[:, 2].max()
             if not low - SIZE_TOLERANCE <= liquid.level <= high + SIZE_TOLERANCE:
                 expected = f"one between those of its surface, {low:.4f} to {high:.4f} m"
@@ -177,9 +178,16 @@ def _check_mesh_heights(where: str, liquid: Liquid, surface: Mesh, pierced: bool
         raise InputError(f"{where}, level", expected, f"{liquid.level:.4f} m")
 
 
-def _rim_height(surface: Mesh) -> float:
-    """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring."""
-    return float(_border(surface)[:, 2].mean())
+def _rim_height(surface: Mesh, inner: np.ndarray | None) -> float:
+    """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring.
+
+    With the profile of the inside, borders around bodies in the liquid are left out.
+    """
+    border = _border(surface).astype(np.float64)
+    if inner is not None:
+        away = np.abs(np.hypot(border[:, 0], border[:, 1]) - np.interp(border[:, 2], inner[:, 1], inner[:, 0]))
+        border = border[away < _ON_WALL] if (away < _ON_WALL).any() else border
+    return float(border[:, 2].mean())
 
 
 def _border(surface: Mesh) -> np.ndarray:
