@@ -146,6 +146,11 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     return SurfaceMedia(row, opaque, before, behind, n, ns, distance, opaque & ~from_front)
 
 
+def broken_continuity(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:
+    """Return 1 where the medium before a surface is not the one that the segment started in, else 0."""
+    return dr.select((surface.before != medium) & ~surface.buried, mi.UInt32(1), mi.UInt32(0))
+
+
 def transmittance_rgb(sigma_a: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool) -> mi.Color3f:
     """Return the Beer-Lambert transmittance of a segment for labels, by absorption in linear Rec.709 of each medium."""
     return dr.exp(-dr.gather(mi.Color3f, sigma_a, surface.before, active) * surface.distance)
