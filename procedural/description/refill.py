@@ -17,6 +17,8 @@ from ..profiles.liquid_surface import Surface, most_volume, surface_of_volume
 from .bodies import GlassBody, Liquid, Vessel
 from .interfaces import dry_interfaces, wet_interfaces
 
+#: What a vessel holds that has been emptied.
+_NOTHING_ELSE = {"liquid": None, "layers": (), "contents": ()}
 #: How full an empty vessel becomes where nobody says it [1].
 HALF_FULL = 0.5
 #: Largest distance of a mesh's ring from the profile's point [m]: meshes hold single precision.
@@ -60,13 +62,15 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
     if medium is None:
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
-        return vessel.model_copy(update={"liquid": None, "interfaces": dry_interfaces(outer, inner, **common)})
+        dry = dry_interfaces(outer, inner, **common)
+        return vessel.model_copy(update=_NOTHING_ELSE | {"interfaces": dry})
     most = most_volume(inner, medium, vessel.glass)
     amount = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
     surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
     interfaces = wet_interfaces(outer, inner, [surface.top], liquids=[medium], **common)
-    return vessel.model_copy(update={"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces})
+    held = {"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces}
+    return vessel.model_copy(update=_NOTHING_ELSE | held)
 
 
 def with_wall(vessel: Vessel, glass: Medium, roughness: float | None) -> Vessel:
