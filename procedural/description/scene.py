@@ -268,7 +268,7 @@ class Scene(Model):
         What stands in a vessel goes with it; without that, a liquid keeps its volume and its level falls.
         """
         gone = {self._object(name).name for name in names}
-        gone |= {item.name for item in self.objects if item.within in gone or item.part_of in gone}
+        gone |= {item.name for item in self.objects if item.within in gone}
         left = [item for item in self.objects if item.name not in gone]
         scene = self._with_objects(left)
         vessels = {item.within for item in self.objects if item.name in gone and item.within} - gone

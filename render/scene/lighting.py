@@ -89,7 +89,8 @@ def sun_glints(scene: Scene) -> SunGlints | None:
         if spread is None:
             return sky + dr.select(cos > disc_cos, mi.Color3f(light) / (dr.two_pi * (1.0 - disc_cos)), 0.0)
         inside, area = _in_ellipse(direction, to_sun, 1.0 - dr.square(disc_cos), spread, widest2)
-        return sky + dr.select(inside & (cos > 0.0), mi.Color3f(light) / area, 0.0)
+        # The ellipse is flat; solid angles are larger by 1 / cos.
+        return sky + dr.select(inside & (cos > 0.0), mi.Color3f(light) * (cos / area), 0.0)
 
     return with_wide_sun
 
@@ -101,7 +102,7 @@ def _in_ellipse(
     spread: Spread,
     widest2: mi.Float,
 ) -> tuple[mi.Bool, mi.Float]:
-    """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its solid angle [sr].
+    """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its area there [sr].
 
     In the plane across the direction the ellipse is x^T Q^-1 x < 1, with Q = r^2 I + a a^T + b b^T of the disc's radius
     r and the half-widths a and b of the spread. (For widths that are independent, such matrices add.)
