@@ -10,6 +10,7 @@ from ...core.model import Model, Ordered
 from ...core.units import ANGLE, LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
+from ..contents.settings import ContentsSettings
 from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
@@ -159,6 +160,7 @@ class VesselSettings(Model):
         description="Thickness that surfaces without one get in `vessel_dir`, inwards, 0.0003 to 0.02 [m]; by default "
         "they are refused",
     )
+    contents: ContentsSettings = ContentsSettings()
     smooth: Annotated[float, Field(gt=0.0, le=1.3), ANGLE] | None = Field(
         default=None,
         description="Edges of the files in `vessel_dir` that bend by less than this angle are rounded, such as 50deg, "
