@@ -36,7 +36,7 @@ from .bodies import PropPart as PropPart
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, made_unique, moved
+from .edits import check_place, made_unique, moved_with_parts
 from .material import OpaqueMaterial
 from .picture import Picture
 from .surroundings import AreaLight, Environment, Table
@@ -193,7 +193,7 @@ class Scene(Model):
         return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
 
     def with_pose(self, name: str, world_T_object: np.ndarray) -> Scene:
-        """Return a copy in which a vessel or a prop is in another place.
+        """Return a copy in which a vessel, with what goes with it, or a prop is in another place.
 
         Parameters
         ----------
@@ -207,14 +207,16 @@ class Scene(Model):
         InputError
             Where there is no such object, the pose is not rigid, or the object would be in the table or in another one.
         """
-        item = moved(self._object(name), world_T_object)
-        check_place(item, [other for other in self.objects if other.name != name])
-        return self._with_objects([item if other.name == name else other for other in self.objects])
+        changed = moved_with_parts(self._object(name), world_T_object, self.objects)
+        rest = [other for other in self.objects if other.name not in changed]
+        for item in changed.values():
+            check_place(item, rest)
+        return self._with_objects([changed.get(other.name, other) for other in self.objects])
 
     def without(self, *names: str) -> Scene:
-        """Return a copy without some vessels or props; InputError where there are no such ones."""
+        """Return a copy without some vessels, with what goes with them, or props; InputError where there are none."""
         gone = {self._object(name).name for name in names}
-        return self._with_objects([item for item in self.objects if item.name not in gone])
+        return self._with_objects([item for item in self.objects if not {item.name, item.part_of} & gone])
 
     def add(self, *bodies: SceneObject) -> Scene:
         """Return a copy with more bodies (`procedural.primitives.bodies` makes them).

@@ -124,7 +124,8 @@ def _built(
     punt = rng.uniform(*PUNT) if rng.random() < PUNT_PROBABILITY else 0.0
     glass = Glass(
         wall=wall,
-        taper=wall * rng.uniform(0.0, TAPER),
+        # Facets are thinnest in their middles, below a rim that stands out: there the wall is as thick as asked.
+        taper=wall * rng.uniform(0.0, TAPER) * (shape.measured is shape.form),
         uneven=rng.uniform(0.0, UNEVEN),
         side=rng.uniform(),
         base=base,

@@ -46,6 +46,26 @@ Category = Literal[
     "plastic cup",
 ]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
+#: Families that are no solids of revolution (`shaped_vessels.draw` makes them), and those that are.
+SHAPED: frozenset[Category] = frozenset(
+    (
+        "faceted glass",
+        "fluted glass",
+        "ribbed glass",
+        "square glass",
+        "mug",
+        "cup",
+        "jug",
+        "teapot",
+        "double-walled glass",
+        "spouted beaker",
+        "square bottle",
+        "oval bottle",
+        "plastic bottle",
+        "plastic cup",
+    )
+)
+REVOLVED: tuple[Category, ...] = tuple(category for category in CATEGORIES if category not in SHAPED)
 #: Units of mesh files, and axes of theirs that point up.
 Unit = Literal["m", "cm", "mm", "in"]
 UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
