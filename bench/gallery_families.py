@@ -37,7 +37,11 @@ def main(path: str) -> None:
     objects = []
     for number, category in enumerate(CATEGORIES):
         settings = VesselSettings(
-            categories=(category,), closed_probability=0.7, label_probability=1.0, fill_probability=0.7, rough_probability=0
+            categories=(category,),
+            closed_probability=0.7,
+            label_probability=1.0,
+            fill_probability=0.7,
+            rough_probability=0,
         )
         (body,), parts = draw_vessels(settings, SEED, number, 1, AssetFiles())
         row, column = divmod(number, 7)

@@ -124,7 +124,7 @@ def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float]
     """Return the parts and the level [m]."""
     stem = solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
-    parts, level = filled(solid, inside, wanted, names)
+    parts, _ = filled(solid, inside, wanted, names)
     # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
     return filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
 

@@ -9,8 +9,8 @@ import numpy as np
 from ...core.mesh import Mesh
 from ..cavities.known import KnownCavity
 from ..vessels.outline import Outline
-from .forms import Form
 from .double_wall import double_walled
+from .forms import Form
 from .loft import HalfSection, Inside, Loft, Solid, cavity_solid, loft, lowest_edge
 from .section import half_section, moved
 from .shapes import Handle, Shape, handle_axes, handle_path

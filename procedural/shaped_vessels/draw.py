@@ -13,9 +13,19 @@ from ..description.mesh_vessel import dry_interfaces_of, with_parts
 from ..optics.medium import Medium
 from ..placement.resting import turn_about_z
 from ..profiles.revolve import segments_for
-from ..vessels.draw import FILLET, LEAST_BORE, LEAST_CORNER, LEAST_DEPTH, MOST_CORNER, PUNT, PUNT_PROBABILITY
+from ..vessels.draw import (
+    FILLET,
+    LEAST_BORE,
+    LEAST_CORNER,
+    LEAST_DEPTH,
+    MOST_CORNER,
+    PUNT,
+    PUNT_PROBABILITY,
+    draw_amount,
+    draw_roughness,
+    draw_within,
+)
 from ..vessels.draw import PUNT_STEEPNESS as STEEPNESS
-from ..vessels.draw import draw_amount, draw_roughness, draw_within
 from ..vessels.families import FAMILIES
 from ..vessels.family_pieces import Size
 from ..vessels.outline import Outline
@@ -142,9 +152,7 @@ def _volume_limits(cavity: KnownCavity) -> tuple[float, float]:
     return cavity.volume_below(cavity.floor + LEAST_DEPTH), cavity.volume_below(cavity.most_level)
 
 
-def _vessel(
-    made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name: str, category: str
-) -> MeshVessel:
+def _vessel(made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name: str, category: str) -> MeshVessel:
     x, y, z = np.ptp(made.mesh.bounds, axis=0).tolist()
     cavity = Cavity(floor=made.cavity.floor, brim=made.cavity.brim, volume=made.brimful)
     turns = [turn_about_z(2.0 * np.pi * k / made.fold) for k in range(1, made.fold)]
@@ -169,5 +177,3 @@ def _filled(vessel: MeshVessel, made: ShapedGlass, medium: Medium, volume: float
     first, second, third = (f"{vessel.name}-{part}" for part in _PARTS)
     parts, level = filled_known(made.cavity, volume, (first, second, third))
     return with_parts(vessel, medium, parts, level, made.brimful)
-
-

@@ -55,7 +55,7 @@ def united(bodies: Bodies) -> Solid:
     return _cleaned(table, np.asarray(mesh.tri_verts, np.int64))
 
 
-def _manifold(solid: Solid, inner: bool = False):  # noqa: ANN202
+def _manifold(solid: Solid, inner: bool = False):
     import manifold3d  # here, as only these vessels need it
 
     # Which faces are around the cavity goes along as a property of their corners: where both kinds meet, and at

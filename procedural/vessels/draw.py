@@ -159,7 +159,9 @@ def _draw_filling(
     amount = draw_amount(rng, settings, brimful_volume(inner.points), medium, volume)
     if medium is None or amount is None:
         return None
-    return Filling(medium, amount if volume is not None else float(np.clip(amount, *_volume_limits(inner, medium, glass))))
+    return Filling(
+        medium, amount if volume is not None else float(np.clip(amount, *_volume_limits(inner, medium, glass)))
+    )
 
 
 def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, float]:

@@ -129,8 +129,8 @@ class VesselSettings(Model):
     )
     radius: Annotated[tuple[_Radius, _Radius], Ordered] = Field(
         default=(0.005, 0.08),
-        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of square and "
-        "oval vessels half the smaller width, without handles and lips",
+        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of "
+        "square and oval vessels half the smaller width, without handles and lips",
     )
     wall: Annotated[tuple[_Wall, _Wall], Ordered] = Field(
         default=(0.0003, 0.004), description="Smallest thickness across the wall, within 0.0003 and 0.004 [m]"

@@ -21,7 +21,10 @@ from glassware.procedural.vessels.settings import SHAPED, VesselSettings
 GLASS, WATER = Medium(name="test glass", eta=1.52), Medium(name="test water", eta=1.33)
 FAMILIES = sorted(SHAPED)
 #: Those of the quick suite: a union of solids, another cross-section, a thin wall.
-QUICK = [pytest.param(name, marks=() if name in ("mug", "square bottle", "plastic cup") else pytest.mark.slow) for name in FAMILIES]
+QUICK = [
+    pytest.param(name, marks=() if name in ("mug", "square bottle", "plastic cup") else pytest.mark.slow)
+    for name in FAMILIES
+]
 #: Lines of the Monte Carlo along each side [1].
 LINES = 32
 #: Largest deviation of the thinnest wall and of volumes [1], as the docs state them.
