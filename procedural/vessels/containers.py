@@ -24,6 +24,8 @@ _JAR_MOUTH, _JAR_SHOULDER, _JAR_FINISH, _THREAD = (0.84, 0.95), (0.006, 0.014), 
 #: Vial: radius of the neck and of the crimp, of the body's; heights of the shoulder, of the body's radius, and of the
 #: crimp [m] (ISO 8362-1: injection vials of 2 to 100 ml, neck 13 or 20 mm, crimp 3.6 mm high).
 _VIAL_NECK, _VIAL_CRIMP, _VIAL_SHOULDER, _VIAL_FLANGE = (0.62, 0.72), 1.16, (0.45, 0.7), 0.0036
+#: Height of the step from a vial's neck to its flange [m].
+_STEP = 0.0022
 #: Half the heights over which joints are smoothed [m].
 _BLEND, _SMALL = 0.006, 0.0012
 
@@ -106,8 +108,8 @@ def vial_outline(rng: np.random.Generator, size: Size) -> Outline:
         (
             linear(0.0, collar - shoulder, radius, radius),
             easing(collar - shoulder, collar, radius, neck),
-            linear(collar, flange - 0.001, neck, neck),
-            easing(flange - 0.001, flange, neck, crimp),
+            linear(collar, flange - _STEP, neck, neck),
+            easing(flange - _STEP, flange, neck, crimp),
             linear(flange, height, crimp, crimp),
         ),
         _SMALL,
