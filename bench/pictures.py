@@ -22,6 +22,7 @@ from pathlib import Path
 from time import process_time
 
 import cv2
+import mitsuba as mi
 import numpy as np
 from command import Output, run
 from ours import Ours, our_reference
@@ -33,6 +34,7 @@ from table import Row, report
 from glassware.core.images import srgb8
 from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
+from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import TABLE_ID, GlassBody, Scene
 from glassware.procedural.surroundings.colour import luminance
 from glassware.procedural.surroundings.environments import bake_environment
@@ -44,8 +46,10 @@ from glassware.render.cache.scene_cache import make_tracer, photon_count, uses_c
 from glassware.render.cache.stored_caustics import path_tracer_with_caustics
 from glassware.render.frame import LightCheck
 from glassware.render.labels.geometry import trace_geometry
-from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, denoise_image, trace_picture
-from glassware.render.scene.loaded_scene import load
+from glassware.render.pictures.integrator import Radiance
+from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, Tracer, denoise_image, trace_picture
+from glassware.render.pictures.sampler import SobolSampler
+from glassware.render.scene.loaded_scene import LoadedScene, load
 
 #: Bounds: largest change of a pixel that sees the surroundings [sRGB levels]; largest error of a caustic block, of a
 #: prop and of a vessel [fraction]; smallest PSNR in vessels [dB].
@@ -167,11 +171,29 @@ def _reference(scene: Scene, options: Options) -> Reference:
     if not is_outdoors(scene.environment, pixels):
         return our_reference(Ours(load(scene), 0.0, 0.0), options.cache, options.reference_spp)
     loaded = load(scene, for_cache=True)
+    return our_reference(Ours(loaded, 0.0, 0.0), options.cache, options.reference_spp, tracer=_with_photons())
+
+
+def _with_photons() -> Tracer:
+    """Return the path tracer that reads caustics from many photons, which are traced on its first use."""
+    made: list[Tracer] = []
+
+    def trace(
+        loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
+    ) -> Radiance:
+        if not made:
+            made.append(_photon_tracer(loaded))
+        return made[0].trace(loaded, ray, weight, sampler, picture)
+
+    return Tracer(trace, PATH_TRACER.weights)
+
+
+def _photon_tracer(loaded: LoadedScene) -> Tracer:
     points = cache_points_of(loaded)
-    caustics = np.mean(photon_moments(loaded, points, _REFERENCE_PHOTONS * photon_count(scene, points), 1), axis=0)
+    photons = _REFERENCE_PHOTONS * photon_count(loaded.description, points)
+    caustics = np.mean(photon_moments(loaded, points, photons, 1), axis=0)
     cache = IrradianceCache(points, np.zeros_like(caustics), np.zeros(points.count), caustics=caustics)
-    tracer = path_tracer_with_caustics(loaded, cache)
-    return our_reference(Ours(loaded, 0.0, 0.0), options.cache, options.reference_spp, tracer=tracer)
+    return path_tracer_with_caustics(loaded, cache)
 
 
 def regions(scene: Scene, ids: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -196,7 +218,7 @@ def _inner(mask: np.ndarray) -> np.ndarray:
 
 
 def _rows(made: _Made) -> list[Row]:
-    rows, ids = [], made.ids
+    rows, ids, similarity = [], made.ids, _similarity(made)
     for kind, name, pixels in regions(made.scene, ids):
         title = f"{made.seed}: {name}"
         if pixels.sum() < MIN_PIXELS:
@@ -210,13 +232,21 @@ def _rows(made: _Made) -> list[Row]:
             rows += _caustic_rows(made, title, pixels)
         if kind == "vessel":
             rows.append(_psnr_row(made, title, pixels))
-    reference, clean = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
-    similarity = np.asarray(structural_similarity(reference, clean, channel_axis=2)).item()
-    rows.append(Row(f"{made.seed}: structural similarity", similarity))
+        rows.append(Row(f"{title}, structural similarity", float(similarity[pixels].mean())))
+    rows.append(Row(f"{made.seed}: structural similarity", float(similarity.mean())))
     rows.append(Row(f"{made.seed}: CPU time of one picture", made.seconds, "s"))
     note = "" if made.check is None else f"{made.check.mode}, path traced: {made.check.traced}"
     rows.append(Row(f"{made.seed}: CPU time of the stored light", made.light_seconds, "s", note=note))
     return rows
+
+
+def _similarity(made: _Made) -> np.ndarray:
+    """Return the structural similarity of the sRGB pictures at each pixel, (H, W), by windows of 7 px around it.
+
+    The reference's noise counts as a difference: of a region with much of it no picture has a high similarity.
+    """
+    pictures = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
+    return np.asarray(structural_similarity(*pictures, channel_axis=2, full=True)[1]).mean(axis=2)
 
 
 def _change_row(made: _Made, title: str, pixels: np.ndarray) -> Row:

@@ -17,7 +17,7 @@ from ...core.passed_over import Finding
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from ..cameras.model import ColourCamera
-from .file_kinds import KINDS, FileKinds
+from .file_kinds import EARLIER_KINDS, KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -35,7 +35,7 @@ _PACKAGES = (
 
 
 class MeshRecord(Model):
-    """A mesh of the user's folder that scenes draw from."""
+    """A mesh of the user's folders that scenes draw from."""
 
     file: str = Field(description="Below the folder, with forward slashes")
     layout: str = Field(description="Layout of the folder, such as shapenet, gso, ycb, bop or plain")
@@ -64,10 +64,13 @@ class DatasetFile(Model):
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
     files: FileKinds = Field(
-        default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
+        default=EARLIER_KINDS,
+        description="Files of each view beside those that every view has; in data sets of earlier versions, four",
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
-    meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
+    meshes: tuple[MeshRecord, ...] = Field(
+        default=(), description="Meshes that its scenes draw from, as props and as vessels"
+    )
     findings: tuple[Finding, ...] = Field(
         default=(), description="Files of the asset folders that were passed over, or of which something is not used"
     )
@@ -116,7 +119,7 @@ def with_files(head: DatasetFile, files: AssetFiles) -> DatasetFile:
     """Return the head of a data set with the meshes that scenes draw from, and what was found about the files."""
     meshes = tuple(
         MeshRecord(file=file.name, layout=file.place.layout, category=file.category, licence=file.place.licence)
-        for file in files.meshes
+        for file in (*files.meshes, *files.vessels)
     )
     return head.model_copy(update={"meshes": meshes, "findings": files.findings})
 

@@ -14,6 +14,8 @@ from ...core.silence import quiet
 
 #: Ids are stored as floats, which more programs read. Float32 represents every integer below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
+#: Half represents every integer up to this exactly.
+_LARGEST_HALF = 2048
 #: Errors of the system on writing.
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
@@ -81,6 +83,13 @@ def channel(channels: dict[str, np.ndarray], name: str, path: Path) -> np.ndarra
     if name not in channels:
         raise InputError(path, f"a channel {name}", f"{sorted(channels)}")
     return channels[name]
+
+
+def half_numbers(values: np.ndarray, field: str) -> np.ndarray:
+    """Return whole numbers as half floats, which hold all up to 2048 exactly; ValueError for larger ones."""
+    if values.size and int(values.max()) > _LARGEST_HALF:
+        raise ValueError(f"{field}: expected at most {_LARGEST_HALF}, got {values.max()}")
+    return values.astype(np.float16)
 
 
 def _stored(values: np.ndarray) -> np.ndarray:

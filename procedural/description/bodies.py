@@ -41,6 +41,19 @@ class Liquid(Model):
     volume: float = Field(gt=0.0, description="Volume [m^3]")
 
 
+class Origin(Model):
+    """Where a mesh comes from."""
+
+    file: str = Field(description="The mesh file, below the folder that the user gave")
+    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
+    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
+    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
+    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] = Field(
+        default="z", description="The file's axis that is z here; y and -z are turned about x, x about y"
+    )
+
+
 class GlassBody(Model):
     """A transparent solid, with or without a liquid in it; the frame's origin is the centre of its bounding box."""
 
@@ -57,6 +70,9 @@ class GlassBody(Model):
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    origin: Origin | None = Field(
+        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a file"
+    )
     symmetries: tuple[Matrix4, ...] = Field(
         default=(),
         exclude_if=lambda symmetries: not symmetries,
@@ -131,17 +147,7 @@ class PropPart(Model):
 
     faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
     material: OpaqueMaterial
-
-
-class Origin(Model):
-    """Where a mesh comes from."""
-
-    file: str = Field(description="The mesh file, below the folder that the user gave")
-    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
-    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
-    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
-    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
-    up: Literal["y", "z"] = Field(default="z", description="The file's axis that is z here; y is turned about x")
+    name: str = Field(default="", exclude_if=lambda name: not name, description="What part it is, such as 'handle'")
 
 
 class Prop(Model):

@@ -1,4 +1,4 @@
-"""Vessels of any shape: their surfaces between media, empty or with a liquid in them, whose surface is flat."""
+"""Vessels of any shape: their surfaces between media, empty or with a liquid in them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,15 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, turned, volume_of
 from ...core.units import volume_text
-from ..cavities.cut import Parts
-from ..cavities.interior import Interior, filled, interior_of, most_volume
+from ..cavities.cut import Filling, Parts
+from ..cavities.domes import Dome
+from ..cavities.find import Hollow
+from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
+from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
-from .bodies import Cavity, Interface, Liquid, MeshVessel
-from .refill import wanted_volume
+from .bodies import Cavity, Interface, Liquid, MeshVessel, Origin
+from .mesh_meniscus import meniscus_of
+from .refill import wanted_volume, wets_otherwise
 
 
 def mesh_vessel(
@@ -23,6 +27,7 @@ def mesh_vessel(
     category: str,
     roughness: float = 0.0,
     symmetric: bool = False,
+    origin: Origin | None = None,
     inside: Interior | None = None,
 ) -> MeshVessel:
     """Return an empty vessel at the origin, of a closed solid as it stands: z is up.
@@ -39,6 +44,8 @@ def mesh_vessel(
         GGX alpha of the glass.
     symmetric : bool
         Whether it is a solid of revolution about z.
+    origin : Origin, optional
+        Where it comes from.
     inside : Interior, optional
         Its cavities, where they are known (`cavities.interior.interior_of`).
 
@@ -64,13 +71,17 @@ def mesh_vessel(
         solid=solid,
         wall=inside.wall,
         cavities=cavities,
+        origin=origin,
     )
 
 
 def refilled_mesh(
     vessel: MeshVessel, medium: Medium | None, fill: float | str | None = None, inside: Interior | None = None
 ) -> MeshVessel:
-    """Return a vessel that holds a liquid with a flat surface, or nothing.
+    """Return a vessel that holds a liquid, or nothing.
+
+    The liquid's surface has a meniscus where the wall around it is one of revolution, and is flat elsewhere
+    (`mesh_meniscus`).
 
     Parameters
     ----------
@@ -97,12 +108,13 @@ def refilled_mesh(
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
     try:
-        parts, level = _filled(vessel.solid, inside, volume)
+        parts, filling = _filled(vessel, medium, inside, volume)
     except ValueError as error:
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    return with_parts(vessel, medium, parts, level, inside.volume)
+    filled_one = with_parts(vessel, medium, parts, filling.level, inside.volume)
+    return filled_one if filling.dome is None else _curved(filled_one, filling.hollow, filling.dome)
 
 
 def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, brimful: float) -> MeshVessel:
@@ -120,13 +132,40 @@ def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, b
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
 
-def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float]:
-    """Return the parts and the level [m]."""
-    stem = solid.name.removesuffix("-solid")
+def _curved(vessel: MeshVessel, hollow: Hollow, dome: Dome) -> MeshVessel:
+    """Return a vessel with the record of its liquid's curved surface in the largest cavity."""
+    liquid = vessel.liquid
+    assert liquid is not None
+    slope = float(np.arctan2(-dome.normals[-1, 0], dome.normals[-1, 1]))
+    changes = {
+        "level": flat_level(hollow, liquid.fill * hollow.volume),
+        "centre": float(dome.points[0, 1]),
+        "contact_angle": liquid.contact_angle - slope,
+    }
+    return vessel.model_copy(update={"liquid": liquid.model_copy(update=changes)})
+
+
+def with_mesh_wall(vessel: MeshVessel, glass: Medium, roughness: float | None) -> MeshVessel:
+    """Return a vessel of another glass; where its liquid wets that at another angle, with the surface that follows."""
+    changed = vessel.with_media(glass=glass, roughness=roughness)
+    if changed.liquid is None or not wets_otherwise(vessel, glass):
+        return changed
+    return refilled_mesh(changed, changed.liquid.medium)
+
+
+def _filled(vessel: MeshVessel, medium: Medium, inside: Interior, wanted: float) -> tuple[Parts, Filling]:
+    """Return the parts, and the filling of the largest cavity."""
+    stem = vessel.solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
-    parts, _ = filled(solid, inside, wanted, names)
+
+    def curved(wall: Wall, volume: float) -> Dome | None:
+        return meniscus_of(wall, volume, medium, vessel.glass)
+
+    parts, _ = filled(vessel.solid, inside, wanted, names, curved)
     # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
-    return filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
+    corrected = min(2.0 * wanted - _content(parts), most_volume(inside))
+    parts, fillings = filled(vessel.solid, inside, corrected, names, curved)
+    return parts, fillings[0]
 
 
 def _content(parts: Parts) -> float:
@@ -135,7 +174,7 @@ def _content(parts: Parts) -> float:
 
 
 def _contact_angle(parts: Parts, level: float) -> float:
-    """Return the mean angle inside the liquid between the wall and the flat surface [rad]."""
+    """Return the mean angle inside the liquid between the wall and a flat surface [rad]."""
     corners = parts.wet_wall.vertices[parts.wet_wall.faces].astype(np.float64)
     at_level = corners[..., 2] == np.float32(level)
     corners = corners[at_level.sum(1) == 2]

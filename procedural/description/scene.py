@@ -111,6 +111,10 @@ class Scene(Model):
             from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
 
             return self._with_body(with_wall(body, medium, roughness))
+        if isinstance(body, MeshVessel):
+            from .mesh_vessel import with_mesh_wall
+
+            return self._with_body(with_mesh_wall(body, medium, roughness))
         return self._with_body(body.with_media(glass=medium, roughness=roughness))
 
     def with_liquid(self, name: str, liquid: Medium | str | None, fill: float | str | None = None) -> Scene:

@@ -11,13 +11,14 @@ from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, turn_about_z
-from ..props.draw import PropSettings, draw_prop
+from ..props.draw import PropSettings
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.lights import draw_lights
 from ..surroundings.metering import exposure, irradiance
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
+from ..things.draw import draw_prop_of_kind, prop_pose
 from .asset_files import AssetFiles, asset_files, files_for
 from .draw_vessels import Parts, draw_vessels, group_mesh, lies
 from .settings import SceneSettings
@@ -53,7 +54,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     kinds = settings.vessels.model_copy(update={"categories": families})
     vessels, parts = draw_vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
+    kind = stream(seed, scene_id, "table/kind")
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
     objects = _placed([*vessels, *props], parts, outline(table), settings, seed, scene_id)
 
     space = workspace(objects, table)
@@ -83,8 +85,9 @@ def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop | GlassBody]:
     return [
-        draw_prop(
+        draw_prop_of_kind(
             stream(seed, scene_id, f"props/{i}"),
+            stream(seed, scene_id, f"prop-kind/{i}"),
             settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
@@ -118,6 +121,8 @@ def _placed(
 
 
 def _pose(item: SceneObject, solid: Mesh, parts: Sequence[SceneObject], rng: np.random.Generator) -> np.ndarray:
+    if isinstance(item, Prop):
+        return prop_pose(item, rng)
     if not isinstance(item, Vessel | MeshVessel) or lies(item, parts):
         return resting_pose(solid, rng)
     return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), solid)

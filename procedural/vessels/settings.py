@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ...core.model import Model, Ordered
-from ...core.units import LENGTH, Length, volume_text
+from ...core.units import ANGLE, LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
@@ -178,6 +178,11 @@ class VesselSettings(Model):
         default=None,
         description="Thickness that surfaces without one get in `vessel_dir`, inwards, 0.0003 to 0.02 [m]; by default "
         "they are refused",
+    )
+    smooth: Annotated[float, Field(gt=0.0, le=1.3), ANGLE] | None = Field(
+        default=None,
+        description="Edges of the files in `vessel_dir` that bend by less than this angle are rounded, such as 50deg, "
+        "at most 1.3 [rad]; by default files keep their shape, and edges up to 40deg look smooth",
     )
     chord_error: Length = Field(
         default=15e-6,
