@@ -49,9 +49,10 @@ def vessel_parts(layers: Layers, object_id: int, mouths: Sequence[np.ndarray], c
     own = (layers.id == object_id) & np.isfinite(layers.Z) & ~behind
     masks = {part: (own & (layers.part == PARTS.index(part))).any(axis=0) for part in PARTS[1:]}
     wet, top = masks["wet_wall"], masks["liquid_surface"]
-    opening = np.zeros(layers.count.shape, bool)
+    shape = (layers.count.shape[0], layers.count.shape[1])
+    opening = np.zeros(shape, bool)
     for mouth in mouths:
-        opening |= polygon_mask(project(mouth, camera.K, camera.world_T_camera)[0], opening.shape)
+        opening |= polygon_mask(project(mouth, camera.K, camera.world_T_camera)[0], shape)
     return VesselParts(
         glass=masks["outside"] | wet, wet_wall=wet, liquid_surface=top, content=wet | top, opening=opening
     )

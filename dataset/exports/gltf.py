@@ -20,8 +20,8 @@ from ...procedural.description.camera import Camera
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import Prop, Scene, SceneObject, glass_solid, liquid_solid
 from ...procedural.materials.surface_maps import mean_metallic, mean_roughness
-from ...procedural.materials.textures import bake
 from ...procedural.optics.medium import Medium
+from ...procedural.patterns.bake import bake_material
 from ..format import layout
 from ..format.objects_file import ObjectRecord
 from ..reader import StoredScene
@@ -116,7 +116,10 @@ def write_gltf(path: Path, scene: Scene, records: Sequence[ObjectRecord], ids: S
         The objects; the table is there in any case.
     """
     file = _File()
-    table = file.add("meshes", {"primitives": [file.primitive(scene.table.mesh, _opaque(file, scene.table.material))]})
+    table = file.add(
+        "meshes",
+        {"primitives": [file.primitive(scene.table.mesh, _opaque(file, scene.table.material, scene.table.mesh))]},
+    )
     nodes = [file.add("nodes", {"name": "table", "mesh": table, "extras": {"id": 1}})]
     for item, record in zip(scene.objects, records, strict=True):
         if item.id in ids:
@@ -131,8 +134,8 @@ def _object(file: _File, item: SceneObject, record: ObjectRecord) -> int:
         primitives, start = [], 0
         for piece in item.pieces:
             faces = item.mesh.faces[start : start + piece.faces]
-            part = Mesh(item.mesh.name, item.mesh.vertices, faces, item.mesh.normals)
-            primitives.append(file.primitive(part, _opaque(file, piece.material)))
+            part = Mesh(item.mesh.name, item.mesh.vertices, faces, item.mesh.normals, colours=item.mesh.colours)
+            primitives.append(file.primitive(part, _opaque(file, piece.material, part)))
             start += piece.faces
     else:
         primitives = [file.primitive(glass_solid(item), _medium(file, item.glass, item.roughness))]
@@ -160,8 +163,12 @@ def _camera(file: _File, camera: Camera, number: int) -> int:
     return file.add("nodes", {"name": name, "camera": entry, "matrix": matrix, "extras": extras})
 
 
-def _opaque(file: _File, material: OpaqueMaterial) -> int:
-    colour = np.mean(bake(material.base_colour).reshape(-1, 3), axis=0, dtype=np.float64).clip(0.0, 1.0)
+def _opaque(file: _File, material: OpaqueMaterial, mesh: Mesh) -> int:
+    if material.base_colour.kind == "vertices" and mesh.colours is not None:
+        reflectance = mesh.colours[np.unique(mesh.faces)]
+    else:
+        reflectance = bake_material(material)[0].reshape(-1, 3)
+    colour = np.mean(reflectance, axis=0, dtype=np.float64).clip(0.0, 1.0)
     factors = {
         "baseColorFactor": [*colour.tolist(), 1.0],
         "roughnessFactor": float(np.clip(mean_roughness(material), 0.0, 1.0)),

@@ -84,7 +84,7 @@ def _candidates(local: np.ndarray, camera: Pinhole, grid: _Grid) -> Iterator[tup
     front = local[..., 2] > 1e-6
     with np.errstate(divide="ignore", invalid="ignore"):
         pixels = camera.focal * local[..., :2] / local[..., 2:] + camera.centre
-    whole = front.all(axis=1)[:, None]
+    whole = np.all(front, axis=1)[:, None]
     near = np.where(whole, pixels.min(axis=1) - EDGE, low)
     far = np.where(whole, pixels.max(axis=1) + EDGE, high)
     left: np.ndarray = np.clip(np.floor(near + 0.5), low, high + 1).astype(np.int64) - low
