@@ -85,6 +85,9 @@ class ObjectRecord(Model):
     id: int = Field(description="Instance id, as in instances.png")
     name: str
     category: str
+    part_of: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="Name of the vessel that it goes with"
+    )
     parts: tuple[Part, ...]
     material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")] = Field(
         description="Of a prop of several materials, that of most of its area; the others are in `scene.json`"
@@ -158,6 +161,7 @@ def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRe
         id=item.id,
         name=item.name,
         category=item.category,
+        part_of=item.part_of,
         parts=_parts(item),
         material=_material(item),
         origin=item.origin,

@@ -144,8 +144,8 @@ class GlassBody(Model):
     symmetries: tuple[Matrix4, ...] = Field(
         default=(),
         exclude_if=lambda symmetries: not symmetries,
-        description="Motions that leave it unchanged but for small irregularities, without the identity [m]; where there "
-        "are none they are found from the shape",
+        description="Motions that leave it unchanged but for small irregularities, without the identity [m]; where "
+        "there are none they are found from the shape",
     )
     world_T_object: Matrix4
 

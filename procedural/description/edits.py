@@ -167,3 +167,13 @@ def _end_of(name: str, stem: str, part: str) -> str:
 
 def _meshes(item: SceneObject) -> list[Mesh]:
     return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
+
+
+def moved_with_parts(
+    item: SceneObject, world_T_object: object, objects: Sequence[SceneObject]
+) -> dict[str, SceneObject]:
+    """Return an object in another pose, and what goes with it or stands in it, by name; InputError as `moved`."""
+    placed = moved(item, world_T_object)
+    change = placed.world_T_object @ np.linalg.inv(item.world_T_object)
+    parts = [other for other in objects if item.name in (other.part_of, other.within)]
+    return {item.name: placed} | {part.name: moved(part, change @ part.world_T_object) for part in parts}

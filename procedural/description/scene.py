@@ -38,7 +38,7 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, made_unique, moved, surrounded
+from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .material import OpaqueMaterial
 from .picture import Picture
 from .rest import Rest
@@ -242,7 +242,7 @@ class Scene(Model):
         return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
 
     def with_pose(self, name: str, world_T_object: np.ndarray) -> Scene:
-        """Return a copy in which a vessel or a prop is in another place; straws and rods go with their vessel.
+        """Return a copy in which a vessel, with what goes with it or stands in it, or a prop is in another place.
 
         Parameters
         ----------
@@ -259,26 +259,20 @@ class Scene(Model):
         before = self._object(name)
         if before.within is not None:
             raise InputError(name, f"a pose of the vessel that it stands in ({before.within})", "one of its own")
-        item = moved(before, world_T_object)
-        new_T_old = item.world_T_object @ np.linalg.inv(before.world_T_object)
-        carried = [
-            moved(other, new_T_old @ other.world_T_object)
-            for other in self.objects
-            if name in (other.within, other.part_of)
-        ]
-        changed = {other.name: other for other in (item, *carried)}
-        others = [other for other in self.objects if other.name not in changed]
-        for other in changed.values():
-            check_place(other, others)
+        changed = moved_with_parts(before, world_T_object, self.objects)
+        rest = [other for other in self.objects if other.name not in changed]
+        for item in changed.values():
+            check_place(item, rest)
         return self._with_objects([changed.get(other.name, other) for other in self.objects])
 
     def without(self, *names: str) -> Scene:
         """Return a copy without some vessels or props; InputError where there are no such ones.
 
-        What stands in a vessel goes with it; without that, a liquid keeps its volume and its level falls.
+        What goes with a vessel or stands in it goes with it; without that, a liquid keeps its volume and its level
+        falls.
         """
         gone = {self._object(name).name for name in names}
-        gone |= {item.name for item in self.objects if item.within in gone}
+        gone |= {item.name for item in self.objects if {item.within, item.part_of} & gone}
         left = [item for item in self.objects if item.name not in gone]
         scene = self._with_objects(left)
         vessels = {item.within for item in self.objects if item.name in gone and item.within} - gone

@@ -97,4 +97,6 @@ def group_mesh(body: SceneObject, parts: Sequence[SceneObject]) -> Mesh:
     if not parts:
         return own
     solids = [in_world(body_mesh(part), part.world_T_object) for part in parts]
-    return joined([own, *[Mesh(body.name, solid.points.astype(np.float32), solid.faces) for solid in solids]], body.name)
+    return joined(
+        [own, *[Mesh(body.name, solid.points.astype(np.float32), solid.faces) for solid in solids]], body.name
+    )

@@ -47,6 +47,26 @@ Category = Literal[
     "plastic cup",
 ]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
+#: Families that are no solids of revolution (`shaped_vessels.draw` makes them), and those that are.
+SHAPED: frozenset[Category] = frozenset(
+    (
+        "faceted glass",
+        "fluted glass",
+        "ribbed glass",
+        "square glass",
+        "mug",
+        "cup",
+        "jug",
+        "teapot",
+        "double-walled glass",
+        "spouted beaker",
+        "square bottle",
+        "oval bottle",
+        "plastic bottle",
+        "plastic cup",
+    )
+)
+REVOLVED: tuple[Category, ...] = tuple(category for category in CATEGORIES if category not in SHAPED)
 #: Units of mesh files, and axes of theirs that point up.
 Unit = Literal["m", "cm", "mm", "in"]
 UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
@@ -110,8 +130,8 @@ class VesselSettings(Model):
     )
     radius: Annotated[tuple[_Radius, _Radius], Ordered] = Field(
         default=(0.005, 0.08),
-        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of square and "
-        "oval vessels half the smaller width, without handles and lips",
+        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of "
+        "square and oval vessels half the smaller width, without handles and lips",
     )
     wall: Annotated[tuple[_Wall, _Wall], Ordered] = Field(
         default=(0.0003, 0.004), description="Smallest thickness across the wall, within 0.0003 and 0.004 [m]"
