@@ -26,7 +26,7 @@ import mitsuba as mi
 import numpy as np
 from command import Output, run
 from ours import Ours, our_reference
-from picture import write_exposed
+from picture import srgb_levels, write_exposed
 from references import Reference
 from skimage.metrics import structural_similarity
 from table import Row, report
@@ -251,16 +251,10 @@ def _similarity(made: _Made) -> np.ndarray:
 
 def _change_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
     """Compare clean and noisy pixels that have no noise."""
-    change = np.abs(_srgb(made.clean) - _srgb(made.noisy)).max(axis=-1)[pixels]
+    change = np.abs(srgb_levels(made.clean) - srgb_levels(made.noisy)).max(axis=-1)[pixels]
     note = f"{int((change > MAX_CHANGE).sum())} of {change.size} pixels beyond the bound"
     worst = float(change.max())
     return Row(f"{title}, largest change", worst, "levels", bound=MAX_CHANGE, ok=worst <= MAX_CHANGE, note=note)
-
-
-def _srgb(exposed: np.ndarray) -> np.ndarray:
-    """Return sRGB levels 0 to 255, not rounded (IEC 61966-2-1)."""
-    x = np.clip(exposed, 0.0, 1.0).astype(np.float64)
-    return 255.0 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
 
 
 def _ratio_row(made: _Made, title: str, pixels: np.ndarray, bound: float | None) -> Row:
@@ -326,9 +320,9 @@ def _caustic_rows(made: _Made, title: str, table: np.ndarray) -> list[Row]:
 def _psnr_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
     """Return the PSNR of the sRGB picture in a region, less the error that the reference's own noise adds."""
     reference = made.reference
-    error = ((_srgb(made.clean) - _srgb(reference.picture)) ** 2)[pixels].mean()
+    error = ((srgb_levels(made.clean) - srgb_levels(reference.picture)) ** 2)[pixels].mean()
     step = 1e-3
-    slope = (_srgb(reference.picture + step) - _srgb(reference.picture - step)) / (2.0 * step)
+    slope = (srgb_levels(reference.picture + step) - srgb_levels(reference.picture - step)) / (2.0 * step)
     noise = (slope**2 * reference.variance)[pixels].mean()
     psnr = float(10.0 * np.log10(255.0**2 / max(error - noise, 1e-3)))
     note = f"noise of the reference {float(10.0 * np.log10(255.0**2 / max(noise, 1e-3))):.1f} dB"

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from command import Output, run
+from picture import srgb_levels
 from table import Row, report
 
-from glassware.core.images import srgb_curve
 from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
 from glassware.render.backend.variant import activate
@@ -86,13 +86,8 @@ def _change(loaded: LoadedScene, view: int) -> np.ndarray:
     image = trace_picture(loaded, camera, "left", seed_of)
     ids = trace_geometry(loaded, camera).id
     surroundings = cv2.erode((ids == 0).astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1).astype(bool)
-    noisy, clean = (_levels(camera.exposure * x[surroundings]) for x in (image.radiance, denoise_image(image)))
+    noisy, clean = (srgb_levels(camera.exposure * x[surroundings]) for x in (image.radiance, denoise_image(image)))
     return np.abs(clean - noisy).max(axis=1, initial=0.0)
-
-
-def _levels(exposed: np.ndarray) -> np.ndarray:
-    """Return sRGB levels 0 to 255, not rounded."""
-    return 255.0 * srgb_curve(np.clip(exposed.astype(np.float64), 0.0, 1.0))
 
 
 if __name__ == "__main__":

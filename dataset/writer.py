@@ -27,7 +27,7 @@ from ..procedural.surroundings.photometry import photometry
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.checksums import write_checksums
-from .format.dataset_file import DatasetFile, Development, read_head, write_head
+from .format.dataset_file import DatasetFile, Development, PileCounts, counted_in, read_head, write_head
 from .format.developed import development_of, write_developed
 from .format.exr import half_numbers, unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
@@ -112,6 +112,7 @@ def scene_writer(
             assets=_stored_assets(scene),
             light=check,
             photometry=photometry(scene.environment, scene.lights),
+            rest=scene.rest,
         )
         if light is not None:
             write_light(folder / layout.LIGHT, light)
@@ -154,16 +155,19 @@ def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
         Number of views.
     """
     found: dict[str, Asset] = {}
+    piles = PileCounts()
 
     def records() -> Iterator[SceneViews]:
+        nonlocal piles
         for record in read_scene_views(root):
             found.update({item.sha256: item for item in record.assets})
+            piles = counted_in(piles, record.rest)
             yield record
 
     count = write_views_table(root, records())
     assets = tuple(found[digest] for digest in sorted(found))
     head = _merged_head(read_head(root), head, layout.scene_ids(root))
-    write_head(root, head.model_copy(update={"assets": assets}))
+    write_head(root, head.model_copy(update={"assets": assets, "piles": piles}))
     return count
 
 

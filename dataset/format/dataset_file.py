@@ -14,6 +14,7 @@ from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...core.passed_over import Finding
+from ...procedural.description.rest import Rest
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from ..cameras.model import ColourCamera
@@ -26,6 +27,8 @@ _PACKAGES = (
     "mitsuba",
     "drjit",
     "pyoidn",
+    "mujoco-core",
+    "coacd",
     "numpy",
     "scipy",
     "trimesh",
@@ -41,6 +44,25 @@ class MeshRecord(Model):
     layout: str = Field(description="Layout of the folder, such as shapenet, gso, ycb, bop or plain")
     category: str = Field(description="As labels have it")
     licence: str = Field(description="As the file or its folder states it, or unknown")
+
+
+class PileCounts(Model):
+    """What was drawn again in the scenes of a data set so that their piles came to rest."""
+
+    scenes: int = Field(default=0, description="Scenes with a pile")
+    drawn_again: int = Field(default=0, description="Piles that did not come to rest, and were drawn again")
+    fell_again: int = Field(default=0, description="Objects that left the table or fell into a liquid, and fell again")
+
+
+def counted_in(counts: PileCounts, rest: Rest | None) -> PileCounts:
+    """Return the counts with one more scene."""
+    if rest is None:
+        return counts
+    return PileCounts(
+        scenes=counts.scenes + 1,
+        drawn_again=counts.drawn_again + rest.attempt - 1,
+        fell_again=counts.fell_again + rest.fell_again,
+    )
 
 
 class Development(Model):
@@ -73,6 +95,9 @@ class DatasetFile(Model):
     )
     findings: tuple[Finding, ...] = Field(
         default=(), description="Files of the asset folders that were passed over, or of which something is not used"
+    )
+    piles: PileCounts | None = Field(
+        default=None, description="Counts of its piles; null in data sets of earlier versions and in unfinished ones"
     )
     developed: Development | None = Field(
         default=None,

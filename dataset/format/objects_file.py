@@ -13,6 +13,7 @@ from ...annotate.symmetries import symmetry_of
 from ...core.mesh import volume_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.rest import Rest, touched
 from ...procedural.description.scene import (
     Liquid,
     MeshVessel,
@@ -26,6 +27,7 @@ from ...procedural.description.scene import (
     materials_of,
 )
 from ...procedural.optics.medium import Medium
+from ...procedural.physics.bodies import Mechanics, mechanics_of
 from ...procedural.profiles.liquid import brimful_volume
 
 OBJECTS_SCHEMA = "glassware/objects/1"
@@ -107,6 +109,13 @@ class ObjectRecord(Model):
         default=(), description="Where its liquid meets the wall, closed lines of at most 64 points, object frame [m]"
     )
     volumes: Volumes | None = Field(default=None, description="Of a vessel or another glass body; null for props")
+    mechanics: Mechanics | None = Field(
+        default=None, description="Mass, centre of gravity, inertia and friction; null in data sets of earlier versions"
+    )
+    touches: tuple[int, ...] | None = Field(
+        default=None,
+        description="Ids of what it touches where its scene has a pile, 1 is the table; null where objects stand apart",
+    )
 
 
 class ObjectsFile(Model):
@@ -124,7 +133,7 @@ def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
     """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
-        objects=tuple(_record(item, local) for item, local in rows),
+        objects=tuple(_record(item, local, scene.rest) for item, local in rows),
         materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
@@ -133,7 +142,7 @@ def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | Opaque
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
-def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
+def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRecord:
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -152,6 +161,8 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         openings=_lines(openings(item)),
         fill_lines=_lines(fill_lines(item)),
         volumes=_volumes(item),
+        mechanics=mechanics_of(item),
+        touches=None if rest is None else touched(rest, item.id),
     )
 
 

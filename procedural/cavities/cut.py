@@ -205,6 +205,7 @@ class _Pieces:
 
 
 def links_of(faces: np.ndarray) -> Links:
+    """Return the edges of closed faces, (m, 3); ValueError where an edge has not two of them."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
     keys = ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1]
     _, first, edge = np.unique(keys, return_index=True, return_inverse=True)

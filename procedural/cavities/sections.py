@@ -25,19 +25,19 @@ class Section:
     ----------
     angles : (n,) float64
         Of the first ends of its segments, rising, within one turn [rad].
-    starts, ends : (n, 2) float64
+    first, ends : (n, 2) float64
         Ends of the segments, relative to the point [m].
     """
 
     angles: np.ndarray
-    starts: np.ndarray
+    first: np.ndarray
     ends: np.ndarray
 
     def radii(self, angles: np.ndarray) -> np.ndarray:
         """Return the distances of the line from the point in directions (k,) [m]."""
         turned = (angles - self.angles[0]) % (2.0 * np.pi)
         place = np.searchsorted(self.angles - self.angles[0], turned, side="right") - 1
-        a, along = self.starts[place], self.ends[place] - self.starts[place]
+        a, along = self.first[place], self.ends[place] - self.first[place]
         u = np.stack([np.cos(angles), np.sin(angles)], axis=1)
         cross = _cross(u, along)
         return _cross(a, along) / np.where(cross == 0.0, np.finfo(float).tiny, cross)
@@ -77,20 +77,20 @@ class Wall:
 
     def section(self, height: float, centre: np.ndarray) -> Section | None:
         """Return the section at a height [m]; None where it is no line that each ray from the centre meets once."""
-        starts, ends, _ = _segments(self.corners, np.array([height]))
-        starts, ends = starts - centre, ends - centre
-        turn = _turns(starts, ends)
+        first, ends, _ = _segments(self.corners, np.array([height]))
+        first, ends = first - centre, ends - centre
+        turn = _turns(first, ends)
         if not len(turn) or abs(turn.sum()) < 1.9 * np.pi or abs(turn.sum()) > 2.1 * np.pi:
             return None
         if turn.sum() < 0.0:
-            starts, ends, turn = ends, starts, -turn
+            first, ends, turn = ends, first, -turn
         kept = turn > 0.0  # segments of no length turn by nothing
         if (turn < -1e-9).any() or not kept.any():
             return None
-        starts, ends = starts[kept], ends[kept]
-        angles = np.arctan2(starts[:, 1], starts[:, 0])
+        first, ends = first[kept], ends[kept]
+        angles = np.arctan2(first[:, 1], first[:, 0])
         order = np.argsort(angles)
-        return Section(angles[order], starts[order], ends[order])
+        return Section(angles[order], first[order], ends[order])
 
 
 def wall_of(corners: np.ndarray, hollow: Hollow) -> Wall:
@@ -105,15 +105,15 @@ def wall_of(corners: np.ndarray, hollow: Hollow) -> Wall:
     """
     top = hollow.floor + WALL_TOP * (hollow.brim - hollow.floor)
     heights = hollow.floor + (np.arange(SECTIONS) + 0.5) / SECTIONS * (top - hollow.floor)
-    starts, ends, level = _segments(corners, heights)
-    area2, centres = _areas(starts, ends, level)
+    first, ends, level = _segments(corners, heights)
+    area2, centres = _areas(first, ends, level)
     radii = np.sqrt(np.abs(area2) / (2.0 * np.pi))
-    starts, ends = starts - centres[level], ends - centres[level]
+    first, ends = first - centres[level], ends - centres[level]
     distance = np.hypot(*ends.T) / np.maximum(radii, np.finfo(float).tiny)[level]
-    middle = np.hypot(*(0.5 * (starts + ends)).T) / np.maximum(radii, np.finfo(float).tiny)[level]
+    middle = np.hypot(*(0.5 * (first + ends)).T) / np.maximum(radii, np.finfo(float).tiny)[level]
     away = np.zeros(SECTIONS)
     np.maximum.at(away, level, np.maximum(np.abs(distance - 1.0), np.abs(middle - 1.0)))
-    once = np.abs(np.abs(np.bincount(level, _turns(starts, ends), SECTIONS)) - 2.0 * np.pi) < 0.1
+    once = np.abs(np.abs(np.bincount(level, _turns(first, ends), SECTIONS)) - 2.0 * np.pi) < 0.1
     return Wall(heights, radii, centres, (away <= ROUND) & once & (radii > 0.0), corners)
 
 
@@ -123,10 +123,10 @@ def _segments(corners: np.ndarray, heights: np.ndarray) -> tuple[np.ndarray, np.
     Lines run so that the faces' normals point to the same side of all of them.
     """
     z = corners[..., 2]
-    first, last = (np.searchsorted(heights, end, side="right") for end in (z.min(1), z.max(1)))
-    counts = last - first
+    low, high = (np.searchsorted(heights, end, side="right") for end in (z.min(1), z.max(1)))
+    counts = high - low
     face = np.repeat(np.arange(len(corners)), counts)
-    level = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts, counts) + first[face]
+    level = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts, counts) + low[face]
     height = heights[level]
     below = z[face] < height[:, None]
     alone_low = below.sum(1) == 1
@@ -146,18 +146,18 @@ def _at_height(a: np.ndarray, b: np.ndarray, height: np.ndarray) -> np.ndarray:
     return foot[:, :2] + along[:, None] * (head - foot)[:, :2]
 
 
-def _areas(starts: np.ndarray, ends: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _areas(first: np.ndarray, ends: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return twice the area of each section, and its centroid."""
-    cross = _cross(starts, ends)
+    cross = _cross(first, ends)
     area2 = np.bincount(level, cross, SECTIONS)
     size = np.where(area2 == 0.0, 1.0, area2)
-    sums = [np.bincount(level, cross * (starts + ends)[:, k], SECTIONS) / (3.0 * size) for k in range(2)]
+    sums = [np.bincount(level, cross * (first + ends)[:, k], SECTIONS) / (3.0 * size) for k in range(2)]
     return area2, np.stack(sums, axis=1)
 
 
-def _turns(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+def _turns(first: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Return by how much each segment turns about the origin [rad]."""
-    return np.arctan2(_cross(starts, ends), np.einsum("ij,ij->i", starts, ends))
+    return np.arctan2(_cross(first, ends), np.einsum("ij,ij->i", first, ends))
 
 
 def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:

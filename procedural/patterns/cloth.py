@@ -16,7 +16,7 @@ THREAD = (0.0005, 0.0012)
 #: Width of a check or stripe [m]: gingham is sold with checks of 3-25 mm.
 CHECK = (0.006, 0.03)
 #: Spread of the tone of threads among each other, and of their height, relative to the width [1].
-THREAD_TONE, RELIEF = 0.07, 0.16
+THREAD_TONE, RELIEF = 0.05, 0.16
 
 
 def plain_weave(grid: Grid, colours: np.ndarray) -> Layers:
@@ -72,7 +72,7 @@ def _woven(grid: Grid, colours: np.ndarray, warp_colour: ColourIndex, weft_colou
     thread = np.where(over[..., None], warp, weft)
     thread = seen * thread + (1 - seen) * 0.5 * (warp + weft)
     shade = seen * (0.45 + 0.75 * section) + (1 - seen) * 0.9
-    slub = 1.0 + 0.04 * grid.noise((0.004, 0.03)) + 0.03 * grid.noise(0.06, 2)
+    slub = 1.0 + 0.025 * grid.noise((0.004, 0.03)) + 0.03 * grid.noise(0.06, 2)
     colour = thread * (shade * slub)[..., None]
     height = RELIEF * min(wide, high) * section * seen + 2e-5 * grid.noise(0.006)
     return Layers(colour.astype(np.float32), np.ones(grid.shape, np.float32), height.astype(np.float32))

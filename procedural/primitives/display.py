@@ -7,13 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...core.assets import asset
 from ...core.pose import look_at
 from ..description.material import OpaqueMaterial, ProceduralTexture
 from ..description.picture import Picture
 from ..description.scene import GlassBody, Prop, Scene, glass_solid
-from ..description.surroundings import AreaLight, ConstantEnvironment, PictureEnvironment
-from ..surroundings.shipped_light import shipped_maps
+from ..description.surroundings import AreaLight, ConstantEnvironment
 from .scenes import board, camera, matte, metered, scene
 
 #: Distance between the middles of neighbours [m]: above twice the longest side of a prop, so that none shades another.
@@ -38,8 +36,7 @@ _CHECKERED = OpaqueMaterial(
 def display(objects: Sequence[Prop | GlassBody], width: int = 240, height: int = 200, spp: int = 16) -> Scene:
     """Return a scene of objects upright on a board, in their order, each before a camera of its own.
 
-    The board is grey under an even sky with a lamp; for glass, which shows what is around it, it is checkered, in a
-    studio.
+    They are under an even sky with a lamp. The board is grey; for glass, which shows what is behind it, checkered.
 
     Parameters
     ----------
@@ -71,8 +68,8 @@ def display(objects: Sequence[Prop | GlassBody], width: int = 240, height: int =
             cameras,
             props=[item for item in placed if isinstance(item, Prop)],
             table=board((side, side, 0.03), _CHECKERED if glass else matte((0.35, 0.35, 0.35))),
-            environment=_studio() if glass else ConstantEnvironment(radiance=(0.6, 0.6, 0.6)),
-            lights=() if glass else (_lamp(side),),
+            environment=ConstantEnvironment(radiance=(0.6, 0.6, 0.6)),
+            lights=[_lamp(side)],
             picture=Picture(spp=spp, light="path", layers=0, refraction=False),
         )
     )
@@ -81,8 +78,3 @@ def display(objects: Sequence[Prop | GlassBody], width: int = 240, height: int =
 def _lamp(side: float) -> AreaLight:
     pose = look_at(np.array([-side, -side, _LAMP]), np.zeros(3))
     return AreaLight(world_T_light=pose, size=(2.0, 2.0), radiance=(_LAMP_RADIANCE, _LAMP_RADIANCE, _LAMP_RADIANCE))
-
-
-def _studio() -> PictureEnvironment:
-    path = next(path for path in shipped_maps() if path.stem == "studio")
-    return PictureEnvironment(asset=asset(path).model_copy(update={"licence": "CC0-1.0"}))

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
-from ..interfaces.dielectric import scatter
+from ..interfaces.dielectric import Scattered, scatter
 from ..pictures.integrator import (
     MAX_SURVIVAL,
     Bounce,
@@ -157,8 +157,8 @@ def _through_glass(
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta)
     # (Copies: the loop must not change the caller's arrays.)
-    eta_scale, pdf = mi.Float(state.eta_scale), mi.Float(state.pdf)
-    u_rescaled, u_interval = mi.Float(state.u_rescaled), mi.Float(state.u_interval)
+    floats = state.eta_scale, state.pdf, state.u_rescaled, state.u_interval
+    eta_scale, pdf, u_rescaled, u_interval = (mi.Float(x) for x in floats)
     medium, depth, violations = (mi.UInt32(x) for x in (state.medium, state.depth, state.violations))
     footprint = None if state.footprint is None else replace(state.footprint)
     delta, active, through_glass = (mi.Bool(x) for x in (state.delta, state.active, state.through_glass))
@@ -171,9 +171,7 @@ def _through_glass(
         surface = surface_media(table, si, ray, hit)
         violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
         beta *= table.transmittance(surface, si.wavelengths, active)
-        outside = ~hit | surface.opaque
-        active = hit & ~surface.opaque
-        medium = mi.UInt32(surface.before)
+        outside, active, medium = ~hit | surface.opaque, hit & ~surface.opaque, mi.UInt32(surface.before)
 
         if dr.hint(active, exclude=[table, scene, sampler, emission, tracing]):
             bits = hashed_seed(sampler, depth)
@@ -181,14 +179,12 @@ def _through_glass(
             interface = replace(interface, u_facet=_facet_sample(sampler, depth, interface.alpha))
             index = dr.gather(mi.Float, table.eta_d, surface.before)
             event = scatter(interface, path_guide(emission, index, dr.max(beta) * eta_scale))
-            beta *= event.weight
-            eta_scale *= event.eta_squared
+            beta, eta_scale = beta * event.weight, eta_scale * event.eta_squared
             medium = dr.select(event.transmitted, surface.behind, surface.before)
             triangle = pi.prim_index, dr.sign(dr.dot(si.n, surface.n))
             footprint = followed(footprint, tracing.derivatives, triangle, surface, ray.d, event, interface.eta)
             u_rescaled, u_interval = rescaled_sample(u_rescaled, u_interval, event.probability, event.transmitted, bits)
-            ray, pdf, delta = leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
-            through_glass = through_glass | traced
+            ray, pdf, delta, through_glass = (*_left(si, event, offset), through_glass | traced)
             beta, active = _russian_roulette(beta, eta_scale, depth + 1 >= rr_depth, bits)
         depth += 1
         active &= depth < max_depth
@@ -211,6 +207,11 @@ def _through_glass(
         active=active,
     )
     return end, pi, outside
+
+
+def _left(si: mi.SurfaceInteraction3f, event: Scattered, offset: mi.Float) -> tuple[mi.Ray3f, mi.Float, mi.Bool]:
+    """Return the ray after an interface, and its density: one direction."""
+    return leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
 
 
 @syntax

@@ -47,10 +47,10 @@ def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
     return rows
 
 
-#: Half-width of a pixel's footprint in the direction of the sun [px]: half a pixel's side, and a little more, as a
-#: pixel's paths are few. Measured on seeds 203, 207 and 208: with 1 glints are blurred, and PSNR is up to 1 dB lower.
-_FOOTPRINT = 0.6
-
+#: Half-width of the footprint of a path in its pixel [px]: about the distance between the 50 to 100 paths that a pixel
+#: of glass has. A wider one moves light: a bowl of seed 207, whose rim glitters, has 2.3 % too much light with 0.15 and
+#: 6.4 % with 0.6 (against paths without a footprint, by hand, standard errors 0.2 and 0.4 %).
+_FOOTPRINT = 0.15
 
 #: Derivatives of a direction by two perpendicular offsets of the path's place in the pixel [1/px].
 Spread: TypeAlias = "tuple[mi.Vector3f, mi.Vector3f]"
@@ -89,7 +89,8 @@ def sun_glints(scene: Scene) -> SunGlints | None:
         if spread is None:
             return sky + dr.select(cos > disc_cos, mi.Color3f(light) / (dr.two_pi * (1.0 - disc_cos)), 0.0)
         inside, area = _in_ellipse(direction, to_sun, 1.0 - dr.square(disc_cos), spread, widest2)
-        return sky + dr.select(inside & (cos > 0.0), mi.Color3f(light) / area, 0.0)
+        # The ellipse is flat; solid angles are larger by 1 / cos.
+        return sky + dr.select(inside & (cos > 0.0), mi.Color3f(light) * (cos / area), 0.0)
 
     return with_wide_sun
 
@@ -101,7 +102,7 @@ def _in_ellipse(
     spread: Spread,
     widest2: mi.Float,
 ) -> tuple[mi.Bool, mi.Float]:
-    """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its solid angle [sr].
+    """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its area there [sr].
 
     In the plane across the direction the ellipse is x^T Q^-1 x < 1, with Q = r^2 I + a a^T + b b^T of the disc's radius
     r and the half-widths a and b of the spread. (For widths that are independent, such matrices add.)

@@ -7,8 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from glassware.procedural.description.surroundings import SkyEnvironment
+from glassware.core.assets import asset
+from glassware.procedural.description.surroundings import PictureEnvironment, SkyEnvironment
 from glassware.procedural.surroundings.colour import luminance
+from glassware.procedural.surroundings.shipped_light import shipped_maps
 from glassware.procedural.surroundings.skies import sun_direction
 from glassware.procedural.surroundings.sun import SUN_RADIUS
 from glassware.procedural.surroundings.sun_glints import wide_sun
@@ -40,8 +42,10 @@ def test_a_sky_without_a_sun_or_with_a_wide_one_stays_as_it_is(environment):
 
 
 def test_a_low_sun_is_not_spread_below_the_horizon():
-    low, high = (wide_sun(sky(sun_elevation=elevation), 1e-3) for elevation in (0.4, 0.8))
+    (sunrise,) = (path for path in shipped_maps() if path.stem == "sunrise")
+    low, high = wide_sun(PictureEnvironment(asset=asset(sunrise)), 1e-3), wide_sun(sky(), 1e-3)
     assert low is not None
     assert high is not None
-    assert low.widest == pytest.approx(0.4, abs=2e-3)
-    assert high.widest == pytest.approx(math.radians(25.0))
+    # The map shows it 8 degrees above the horizon.
+    assert low.widest == pytest.approx(math.asin(low.direction[2])) == pytest.approx(math.radians(7.9), abs=2e-3)
+    assert high.widest == pytest.approx(math.radians(15.0))

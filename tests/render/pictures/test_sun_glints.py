@@ -85,5 +85,5 @@ def test_a_spread_disc_keeps_the_light_of_the_sun(tumbler, rng) -> None:
         spread = tuple(x * frame.s + y * frame.t for x, y in (a, b))
         dark = mi.Color3f(0.0)
         found = luminance(np.array(glints(dark, direction, spread)).T).mean() * 2.0 * math.pi * versine
-        # Noise of 2^16 directions of which at least a hundredth hit; the sphere is taken for its tangent plane.
-        assert found == pytest.approx(float(luminance(sun.light)), rel=0.08)
+        # Noise of 2^16 directions of which a hundredth or more hit: three of 1 / sqrt(655).
+        assert found == pytest.approx(float(luminance(sun.light)), rel=0.12)
