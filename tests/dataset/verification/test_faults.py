@@ -176,12 +176,7 @@ FAULTS: list[tuple[str, str, Change, str]] = [
     ("keypoint off the surface", f"{SCENE}/objects.json", first(_add("keypoints", 3, 1, by=0.001)), "objects"),
     ("volume", f"{SCENE}/objects.json", first(_liquid, lambda item: bool(item["liquid"])), "objects"),
     ("symmetry", f"{SCENE}/objects.json", first(_symmetry, lambda item: item["liquid"] is None), "objects"),
-    (
-        "refractive index",
-        f"{SCENE}/objects.json",
-        lambda c: c["materials"][-1].get("medium", c["objects"][0]["material"]["medium"]).update(eta=3.0),
-        "media",
-    ),
+    ("density of glass", f"{SCENE}/objects.json", first(_density, lambda i: i["parts"][0]["name"] == "glass"), "media"),
     ("name of an object", f"{VIEW}/labels.json", first(lambda item: item.update(name="another")), "objects"),
     ("pose", f"{VIEW}/labels.json", first(_add("camera_T_object", 1, 3, by=0.001)), "poses"),
     ("corner of a box", f"{VIEW}/labels.json", first(_add("box3d", 5, 0, by=0.001)), "box3d"),
