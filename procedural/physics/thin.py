@@ -18,7 +18,7 @@ def thickened(points: np.ndarray) -> np.ndarray:
     missing is added on both sides, so that the body stays where it is.
     """
     middle = points.mean(0)
-    axes = np.linalg.svd(points - middle, full_matrices=True)[2]
+    axes = np.linalg.eigh((points - middle).T @ (points - middle))[1].T
     missing = LEAST_THICKNESS - np.ptp((points - middle) @ axes.T, axis=0)
     if (missing <= 0.0).all():
         return points
