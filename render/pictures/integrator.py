@@ -21,7 +21,15 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
-from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, broken_continuity, registry_id, surface_media
+from ..scene.surfaces import (
+    AIR_INDEX,
+    SurfaceMedia,
+    SurfaceTable,
+    broken_continuity,
+    medium_after_bounce,
+    registry_id,
+    surface_media,
+)
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
 #: Shadow rays end before the emitter by this fraction of the distance, to not hit it.
@@ -136,6 +144,7 @@ def trace(
         if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, carried]):
             bounce = opaque_event(scene, si, ray, offset, u, table.maps)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            medium = medium_after_bounce(surface.before, si, direction)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)
