@@ -63,6 +63,9 @@ class ObjectLabel(Model):
     id: int
     name: str
     category: str
+    part_of: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="Name of the vessel that it goes with"
+    )
     camera_T_object: Matrix4
     box2d: Box2d
     box3d: tuple[Vector3, ...] = Field(
@@ -197,6 +200,7 @@ def _object_label(
         id=item.id,
         name=item.name,
         category=item.category,
+        part_of=item.part_of,
         camera_T_object=camera_T_object,
         box2d=Box2d(
             modal=modal_box(instance_mask(geometry, item.id)),

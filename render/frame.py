@@ -18,7 +18,7 @@ Eye = Literal["left", "right"]
 EYES: tuple[Eye, Eye] = ("left", "right")
 
 #: Part that a surface belongs to, by its code in layers: an opaque body, or one of a vessel's interfaces.
-PARTS = ("opaque", "outside", "wet_wall", "liquid_surface")
+PARTS = ("opaque", "outside", "wet_wall", "liquid_surface", "liquid_interface", "content")
 #: How a refracted ray ends, by its code: it leaves the scene, hits an opaque surface, or meets too many interfaces.
 SURROUNDINGS, HIT, LOST = 0, 1, 2
 

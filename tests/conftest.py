@@ -106,6 +106,12 @@ def own_shapes() -> ModuleType:
 
 
 @pytest.fixture(scope="session")
+def media_rays() -> ModuleType:
+    """The module `tests/media_rays.py`: crossings of rays with meshes, and winding numbers."""
+    return _module("media_rays")
+
+
+@pytest.fixture(scope="session")
 def optical_bench() -> ModuleType:
     """The module `tests/optical_bench.py`: scenes of one glass body each."""
     return _module("optical_bench")

@@ -15,6 +15,7 @@ from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.rest import Rest, touched
 from ...procedural.description.scene import (
+    Content,
     Liquid,
     MeshVessel,
     Origin,
@@ -23,7 +24,6 @@ from ...procedural.description.scene import (
     SceneObject,
     Vessel,
     glass_solid,
-    liquid_solid,
     materials_of,
 )
 from ...procedural.optics.medium import Medium
@@ -65,10 +65,10 @@ class ContinuousSymmetry(Model):
 
 
 class Part(Model):
-    """A part of an instance: a vessel and its liquid share one instance id."""
+    """A part of an instance: a vessel, its liquids and the bodies in it share one instance id."""
 
-    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid")
-    name: Literal["glass", "liquid", "body"]
+    id: int = Field(ge=1, description="Number within the instance: 1 the body, 2 its liquid, then layers and contents")
+    name: Literal["glass", "liquid", "body", "layer", "ice cube", "beads", "bubbles"]
 
 
 class Volumes(Model):
@@ -76,7 +76,7 @@ class Volumes(Model):
 
     glass: float = Field(gt=0.0, description="Volume of the glass, by its mesh [m^3]")
     brimful: float | None = Field(gt=0.0, description="Volume of the inside up to the brim [m^3]; null without one")
-    liquid: float = Field(ge=0.0, description="Volume of the liquid, by its meshes [m^3]")
+    liquid: float = Field(ge=0.0, description="Volume of all liquids in it [m^3]")
 
 
 class ObjectRecord(Model):
@@ -85,6 +85,9 @@ class ObjectRecord(Model):
     id: int = Field(description="Instance id, as in instances.png")
     name: str
     category: str
+    part_of: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="Name of the vessel that it goes with"
+    )
     parts: tuple[Part, ...]
     material: Annotated[GlassMaterial | OpaqueSurface, Field(discriminator="kind")] = Field(
         description="Of a prop of several materials, that of most of its area; the others are in `scene.json`"
@@ -92,7 +95,16 @@ class ObjectRecord(Model):
     origin: Origin | None = Field(
         default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a user's folder"
     )
-    liquid: Liquid | None
+    liquid: Liquid | None = Field(description="The liquid on a vessel's floor")
+    layers: tuple[Liquid, ...] = Field(
+        default=(), exclude_if=lambda layers: not layers, description="Liquids that float on it, upwards"
+    )
+    contents: tuple[Content, ...] = Field(
+        default=(), exclude_if=lambda contents: not contents, description="Ice, beads and bubbles in a vessel"
+    )
+    within: str | None = Field(
+        default=None, exclude_if=lambda name: name is None, description="Name of the vessel that it leans in"
+    )
     world_T_object: Matrix4
     size: Vector3 = Field(description="Extent of the bounding box, whose centre is the frame's origin [m]")
     symmetries_continuous: tuple[ContinuousSymmetry, ...] = Field(
@@ -149,10 +161,14 @@ def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRe
         id=item.id,
         name=item.name,
         category=item.category,
+        part_of=item.part_of,
         parts=_parts(item),
         material=_material(item),
         origin=item.origin,
         liquid=None if isinstance(item, Prop) else item.liquid,
+        layers=() if isinstance(item, Prop) else item.layers,
+        contents=() if isinstance(item, Prop) else item.contents,
+        within=item.within,
         world_T_object=item.world_T_object,
         size=item.size,
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
@@ -178,15 +194,16 @@ def _volumes(item: SceneObject) -> Volumes | None:
         brimful = brimful_volume(np.array(item.inner))
     elif isinstance(item, MeshVessel) and item.cavities:
         brimful = sum(cavity.volume for cavity in item.cavities)
-    liquid = volume_of(liquid_solid(item)) if item.liquid else 0.0
+    liquid = sum(one.volume for one in item.liquids)
     return Volumes(glass=volume_of(glass_solid(item)), brimful=brimful, liquid=liquid)
 
 
 def _parts(item: SceneObject) -> tuple[Part, ...]:
     if isinstance(item, Prop):
         return (Part(id=1, name="body"),)
-    glass = Part(id=1, name="glass")
-    return (glass,) if item.liquid is None else (glass, Part(id=2, name="liquid"))
+    names = ["glass", *(["liquid"] if item.liquid else []), *("layer" for _ in item.layers)]
+    names += [content.kind for content in item.contents]
+    return tuple(Part.model_validate({"id": number, "name": name}) for number, name in enumerate(names, start=1))
 
 
 def _material(item: SceneObject) -> GlassMaterial | OpaqueSurface:

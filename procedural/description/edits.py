@@ -11,9 +11,14 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
+from ..cavities.pierce import lid
+from ..optics.medium import Medium
 from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
-from .bodies import Prop, SceneObject
+from ..profiles.clearance import along_edges, clearance
+from .bodies import Prop, SceneObject, Vessel, glass_solid
 
+#: Distance of points on edges that are looked at [m]: walls are at least a millimetre thick.
+_ALONG = 8e-4
 #: Most corners of a part that are looked at in its vessel [1]: they are 5 mm apart on a label.
 TOUCH_POINTS = 200
 #: What the name of a mesh, and so of its file, does not hold.
@@ -24,8 +29,12 @@ def solid_of(item: SceneObject) -> Solid:
     """Return a body as others meet it, in the world frame: glass with its liquid, or a prop."""
     if isinstance(item, Prop):
         return in_world(item.mesh, item.world_T_object)
-    outer = [part.mesh for part in item.interfaces if part.part != "wet_wall"]
-    return in_world(joined(outer, f"{item.name}-body"), item.world_T_object)
+    # Bodies that reach through a liquid's surface leave holes in it, so a flat lid stands for it.
+    outside = joined([part.mesh for part in item.interfaces if part.part == "outside"], f"{item.name}-outside")
+    closing = [part.mesh for part in item.interfaces if part.part == "liquid_surface"]
+    if item.liquids and lid(joined([outside, *closing], "body")) is not None:
+        closing = [some for some in [lid(outside)] if some is not None]
+    return in_world(joined([outside, *closing], f"{item.name}-body"), item.world_T_object)
 
 
 def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
@@ -46,12 +55,27 @@ def check_apart(name: str, solid: Solid, other: str, another: Solid) -> None:
         raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
 
 
+def _check_in_glass(name: str, solid: Solid, vessel: Vessel) -> None:
+    """Refuse what reaches into the glass of a vessel of revolution that it stands in, by distances from its profile."""
+    pose = vessel.world_T_object
+    points = (solid.points - pose[:3, 3]) @ pose[:3, :3]
+    edges = points[np.unique(np.sort(np.concatenate([solid.faces[:, [0, 1]], solid.faces[:, [1, 2]]]), axis=1), axis=0)]
+    depth = -float(clearance(np.array(vessel.outer), np.array(vessel.inner), along_edges(edges, _ALONG)).min())
+    if depth > ALLOWANCE:
+        expected = f"a place of its own (up to {1e3 * ALLOWANCE:g} mm) in {vessel.name}"
+        raise InputError(name, expected, f"that it is {1e3 * depth:.1f} mm in its glass")
+
+
 def check_pair(item: SceneObject, solid: Solid, other: SceneObject, another: Solid) -> None:
     """Refuse two objects that overlap.
 
     A vessel and its parts, which are thin and touch it, may come as near as they like, but no corner of one may be
-    inside the other.
+    inside the other. What leans in a vessel may be in its liquid, but not in its glass.
     """
+    if item.within == other.name or other.within == item.name:
+        inner, outer = (item, other) if item.within == other.name else (other, item)
+        _check_standing(inner, solid if inner is item else another, outer, another if inner is item else solid)
+        return
     if not _belong_together(item, other):
         check_apart(item.name, solid, other.name, another)
         return
@@ -69,6 +93,14 @@ def check_pair(item: SceneObject, solid: Solid, other: SceneObject, another: Sol
 def _belong_together(item: SceneObject, other: SceneObject) -> bool:
     hosts = (item.part_of, other.part_of)
     return other.name == hosts[0] or item.name == hosts[1] or (hosts[0] is not None and hosts[0] == hosts[1])
+
+
+def _check_standing(inner: SceneObject, solid: Solid, vessel: SceneObject, another: Solid) -> None:
+    if isinstance(vessel, Vessel):
+        _check_in_glass(inner.name, solid, vessel)
+        return
+    glass = another if isinstance(vessel, Prop) else in_world(glass_solid(vessel), vessel.world_T_object)
+    check_apart(inner.name, solid, vessel.name, glass)
 
 
 def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
@@ -96,6 +128,20 @@ def moved(item: SceneObject, world_T_object: object) -> SceneObject:
     return item.model_copy(update={"world_T_object": pose})
 
 
+def surrounded(item: SceneObject, vessel: str, before: Medium, medium: Medium) -> SceneObject:
+    """Return an object in which a medium around it is another one, where it stands in a vessel."""
+    if item.within != vessel:
+        return item
+    if isinstance(item, Prop):
+        parts = [
+            part.model_copy(update={"surrounding": medium}) if part.surrounding == before else part
+            for part in item.parts
+        ]
+        return item.model_copy(update={"parts": tuple(parts)})
+    sides = [part.model_copy(update={"front": medium}) if part.front == before else part for part in item.interfaces]
+    return item.model_copy(update={"interfaces": tuple(sides)})
+
+
 def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject:
     """Return an object whose id and meshes' names no other object has: free ones where they are taken."""
     ids = {other.id for other in others}
@@ -106,12 +152,28 @@ def made_unique(item: SceneObject, others: Sequence[SceneObject]) -> SceneObject
     stem = _NOT_IN_NAMES.sub("_", item.name)
     if isinstance(item, Prop):
         return item.model_copy(update={"mesh": replace(item.mesh, name=stem)})
+    old = item.interfaces[0].mesh.name.removesuffix("-outside")
     parts = tuple(
-        part.model_copy(update={"mesh": replace(part.mesh, name=f"{stem}-{part.part.replace('_', '-')}")})
+        part.model_copy(update={"mesh": replace(part.mesh, name=stem + _end_of(part.mesh.name, old, part.part))})
         for part in item.interfaces
     )
     return item.model_copy(update={"interfaces": parts})
 
 
+def _end_of(name: str, stem: str, part: str) -> str:
+    """Return what a mesh's name has after the stem of its body, or of a mesh that is named otherwise its part."""
+    return name.removeprefix(stem) if name.startswith(f"{stem}-") else f"-{part.replace('_', '-')}"
+
+
 def _meshes(item: SceneObject) -> list[Mesh]:
     return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
+
+
+def moved_with_parts(
+    item: SceneObject, world_T_object: object, objects: Sequence[SceneObject]
+) -> dict[str, SceneObject]:
+    """Return an object in another pose, and what goes with it or stands in it, by name; InputError as `moved`."""
+    placed = moved(item, world_T_object)
+    change = placed.world_T_object @ np.linalg.inv(item.world_T_object)
+    parts = [other for other in objects if item.name in (other.part_of, other.within)]
+    return {item.name: placed} | {part.name: moved(part, change @ part.world_T_object) for part in parts}

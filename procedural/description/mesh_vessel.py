@@ -13,7 +13,9 @@ from ..cavities.find import Hollow
 from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
 from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
+from ..optics.turbid import is_turbid
 from .bodies import Cavity, Interface, Liquid, MeshVessel, Origin
+from .interfaces import wetted
 from .mesh_meniscus import meniscus_of
 from .refill import wanted_volume, wets_otherwise
 
@@ -125,9 +127,10 @@ def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, b
         level=level,
         centre=level,
         contact=level,
-        contact_angle=_contact_angle(parts, level),
+        contact_angle=contact_angle_at(parts.wet_wall, level),
         fill=min(volume / brimful, 1.0),
         volume=volume,
+        turbid=is_turbid(medium),
     )
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
@@ -173,9 +176,9 @@ def _content(parts: Parts) -> float:
     return volume_of(joined([turned(parts.wet_wall), parts.liquid_surface], "liquid"))
 
 
-def _contact_angle(parts: Parts, level: float) -> float:
-    """Return the mean angle inside the liquid between the wall and a flat surface [rad]."""
-    corners = parts.wet_wall.vertices[parts.wet_wall.faces].astype(np.float64)
+def contact_angle_at(wet_wall: Mesh, level: float) -> float:
+    """Return the mean angle inside the liquid between the wall and the flat surface [rad]."""
+    corners = wet_wall.vertices[wet_wall.faces].astype(np.float64)
     at_level = corners[..., 2] == np.float32(level)
     corners = corners[at_level.sum(1) == 2]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -197,8 +200,6 @@ def dry_interfaces_of(solid: Mesh, glass: Medium, roughness: float) -> tuple[Int
 
 def _wet(parts: Parts, vessel: MeshVessel, liquid: Medium) -> tuple[Interface, ...]:
     glass, roughness = vessel.glass, vessel.roughness
-    return (
-        Interface(part="outside", mesh=parts.outside, front=AIR, back=glass, roughness=roughness),
-        Interface(part="wet_wall", mesh=parts.wet_wall, front=liquid, back=glass, roughness=roughness),
-        Interface(part="liquid_surface", mesh=parts.liquid_surface, front=AIR, back=liquid),
-    )
+    name = parts.outside.name.removesuffix("-outside")
+    wet = wetted([parts.wet_wall], [parts.liquid_surface], [liquid], glass=glass, roughness=roughness, name=name)
+    return (Interface(part="outside", mesh=parts.outside, front=AIR, back=glass, roughness=roughness), *wet)

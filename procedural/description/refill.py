@@ -9,6 +9,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.units import volume, volume_text
 from ..optics.medium import Medium
+from ..optics.turbid import is_turbid
 from ..optics.wetting import contact_angle
 from ..profiles.curve import Curve
 from ..profiles.liquid import brimful_volume, level_of_volume
@@ -16,6 +17,8 @@ from ..profiles.liquid_surface import Surface, most_volume, surface_of_volume
 from .bodies import GlassBody, Liquid, Vessel
 from .interfaces import dry_interfaces, wet_interfaces
 
+#: What a vessel holds that has been emptied.
+_NOTHING_ELSE = {"liquid": None, "layers": (), "contents": ()}
 #: How full an empty vessel becomes where nobody says it [1].
 HALF_FULL = 0.5
 #: Largest distance of a mesh's ring from the profile's point [m]: meshes hold single precision.
@@ -32,6 +35,7 @@ def liquid_of(inner: Curve, surface: Surface, medium: Medium) -> Liquid:
         contact_angle=surface.contact_angle,
         fill=surface.volume / brimful_volume(inner.points),
         volume=surface.volume,
+        turbid=is_turbid(medium),
     )
 
 
@@ -58,13 +62,15 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
     if medium is None:
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
-        return vessel.model_copy(update={"liquid": None, "interfaces": dry_interfaces(outer, inner, **common)})
+        dry = dry_interfaces(outer, inner, **common)
+        return vessel.model_copy(update=_NOTHING_ELSE | {"interfaces": dry})
     most = most_volume(inner, medium, vessel.glass)
     amount = wanted_volume(vessel, brimful_volume(inner.points), most, fill)
     chord_error = vessel.size[0] / 2.0 * (1.0 - np.cos(np.pi / segments))
     surface = surface_of_volume(inner, amount, medium, chord_error, vessel.glass)
-    interfaces = wet_interfaces(outer, inner, surface.top, liquid=medium, **common)
-    return vessel.model_copy(update={"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces})
+    interfaces = wet_interfaces(outer, inner, [surface.top], liquids=[medium], **common)
+    held = {"liquid": liquid_of(inner, surface, medium), "interfaces": interfaces}
+    return vessel.model_copy(update=_NOTHING_ELSE | held)
 
 
 def with_wall(vessel: Vessel, glass: Medium, roughness: float | None) -> Vessel:
@@ -127,16 +133,16 @@ def section_of(vessel: Vessel) -> tuple[Curve, Curve, int]:
     InputError
         Where the meshes are not those of the profiles.
     """
-    parts = {interface.part: interface.mesh for interface in vessel.interfaces}
+    outside = next(part.mesh for part in vessel.interfaces if part.part == "outside")
     outer, inner = np.array(vessel.outer), np.array(vessel.inner)
-    segments = int((parts["outside"].faces == 0).any(1).sum())  # triangles about the foot's middle
-    points, normals = _rings(parts["outside"], segments)
+    segments = int((outside.faces == 0).any(1).sum())  # triangles about the foot's middle
+    points, normals = _rings(outside, segments)
     count = len(outer)
     # Behind the outer curve comes the inner one from the rim down, without the crown, which both have.
     inside = [(points[: count - 2 : -1], normals[: count - 2 : -1])]
-    if "wet_wall" in parts:
-        below = _rings(parts["wet_wall"], segments)
-        inside.insert(0, (below[0][:-1], below[1][:-1]))
+    walls = [_rings(part.mesh, segments) for part in vessel.interfaces if part.part == "wet_wall"]
+    # Each ends with the ring at the line where a liquid's surface meets it, which the next one begins with.
+    inside = [*((below[0][:-1], below[1][:-1]) for below in walls), *inside]
     places, facing = (np.concatenate([part[i] for part in inside]) for i in (0, 1))
     found = Curve(outer, _matched(vessel, outer, points[:count], normals[:count]))
     return found, Curve(inner, _matched(vessel, inner, places, facing)), segments

@@ -6,7 +6,7 @@ in a. These models are what ``scene.json`` holds (`procedural.scene.scene_file` 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Annotated, Literal
 
@@ -27,16 +27,18 @@ from ..optics.medium import AIR, Medium
 from .bodies import FIRST_OBJECT_ID as FIRST_OBJECT_ID
 from .bodies import TABLE_ID as TABLE_ID
 from .bodies import Cavity as Cavity
+from .bodies import Content as Content
 from .bodies import GlassBody, Prop, SceneObject, Vessel
 from .bodies import Interface as Interface
 from .bodies import Liquid as Liquid
 from .bodies import MeshVessel as MeshVessel
 from .bodies import Origin as Origin
 from .bodies import PropPart as PropPart
+from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, made_unique, moved
+from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .material import OpaqueMaterial
 from .picture import Picture
 from .rest import Rest
@@ -114,15 +116,19 @@ class Scene(Model):
             roughness = number("roughness", roughness, 0.0, 1.0)
         medium = glass_named(glass) if isinstance(glass, str) else glass
         body = self._body(name)
-        if isinstance(body, Vessel):
-            from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
+        changed = body.with_media(glass=medium, roughness=roughness)
+        if not isinstance(changed, Vessel | MeshVessel) or not isinstance(body, Vessel | MeshVessel):
+            return self._with_body(changed)
+        # Here, as these load SciPy, and the settings import this module.
+        from .mesh_vessel import with_mesh_wall
+        from .pouring import held, is_plain, poured
+        from .refill import with_wall
 
+        if is_plain(body, self.objects):
+            if isinstance(body, MeshVessel):
+                return self._with_body(with_mesh_wall(body, medium, roughness))
             return self._with_body(with_wall(body, medium, roughness))
-        if isinstance(body, MeshVessel):
-            from .mesh_vessel import with_mesh_wall
-
-            return self._with_body(with_mesh_wall(body, medium, roughness))
-        return self._with_body(body.with_media(glass=medium, roughness=roughness))
+        return self._with_poured(*poured(changed, held(changed), self.objects))
 
     def with_liquid(self, name: str, liquid: Medium | str | None, fill: float | str | None = None) -> Scene:
         """Return a copy in which a vessel holds another liquid, or nothing.
@@ -150,18 +156,43 @@ class Scene(Model):
             raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
         check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
         medium = liquid_named(liquid) if isinstance(liquid, str) else liquid
-        upright = float(body.world_T_object[2, 2])
-        if medium is not None and upright < UPRIGHT:
-            found = f"one tilted by {np.degrees(np.arccos(max(upright, -1.0))):.0f} degrees"
-            raise InputError(f"{name}, liquid", "a vessel that stands upright, as liquids are level", found)
-        # Here, as these load SciPy, and the settings import this module.
-        if isinstance(body, MeshVessel):
-            from .mesh_vessel import refilled_mesh
+        if medium is not None:
+            _check_upright(body)
+        # Here, as it loads SciPy, and the settings import this module.
+        from .pouring import repoured
 
-            return self._with_body(refilled_mesh(body, medium, fill))
-        from .refill import refilled
+        return self._with_poured(*repoured(body, medium, fill, self.objects))
 
-        return self._with_body(refilled(body, medium, fill))
+    def with_liquids(
+        self, name: str, liquids: Mapping[str, float | str] | Sequence[tuple[Medium | str, float | str]]
+    ) -> Scene:
+        """Return a copy in which a vessel holds liquids that float on each other, the heaviest on its floor.
+
+        Ice in it floats at its new level, and straws and rods get new waterlines.
+
+        Parameters
+        ----------
+        name : str
+            Name of the vessel.
+        liquids : mapping or sequence of pairs
+            Each liquid, a medium or its name in the catalogue, with how much of it: a fraction of the brimful volume,
+            or a volume, such as ``{"water": "120ml", "olive oil": 0.2}``; in any order.
+
+        Raises
+        ------
+        InputError
+            Where there is no such vessel or liquid, two liquids mix, or they do not fit in.
+        """
+        body = self._body(name)
+        if not isinstance(body, Vessel) and not (isinstance(body, MeshVessel) and body.cavities):
+            raise InputError(f"{name}, liquids", "a vessel, which has an inside", f"a {body.category}")
+        check_type("liquids", liquids, (Mapping, Sequence), "liquids with their volumes")
+        _check_upright(body)
+        from .pouring import poured, pours_of  # here, as it loads SciPy, and the settings import this module
+
+        pairs = list(liquids.items()) if isinstance(liquids, Mapping) else list(liquids)
+        media = [(liquid_named(liquid) if isinstance(liquid, str) else liquid, amount) for liquid, amount in pairs]
+        return self._with_poured(*poured(body, pours_of(body, media), self.objects))
 
     def with_dye(self, name: str, dye: str, concentration: float) -> Scene:
         """Return a copy in which a dye is dissolved in a vessel's liquid (`optics.catalogue.dyed`).
@@ -183,7 +214,10 @@ class Scene(Model):
         body = self._body(name)
         if body.liquid is None:
             raise InputError(f"{name}, liquid", "a vessel that holds one", "an empty one")
-        return self._with_body(body.with_media(liquid=dyed(body.liquid.medium, dye, concentration)))
+        medium = dyed(body.liquid.medium, dye, concentration)
+        before = body.liquid.medium
+        changed = self._with_body(body.with_media(liquid=medium))
+        return changed._with_objects([surrounded(item, name, before, medium) for item in changed.objects])
 
     def with_camera(self, view: int, eye: Vector3, target: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
         """Return a copy in which a camera is at another place and looks at a point, +z up in the picture.
@@ -208,7 +242,7 @@ class Scene(Model):
         return self.model_copy(update={"cameras": (*self.cameras[:view], moved, *self.cameras[view + 1 :])})
 
     def with_pose(self, name: str, world_T_object: np.ndarray) -> Scene:
-        """Return a copy in which a vessel or a prop is in another place.
+        """Return a copy in which a vessel, with what goes with it or stands in it, or a prop is in another place.
 
         Parameters
         ----------
@@ -222,14 +256,33 @@ class Scene(Model):
         InputError
             Where there is no such object, the pose is not rigid, or the object would be in the table or in another one.
         """
-        item = moved(self._object(name), world_T_object)
-        check_place(item, [other for other in self.objects if other.name != name])
-        return self._with_objects([item if other.name == name else other for other in self.objects])
+        before = self._object(name)
+        if before.within is not None:
+            raise InputError(name, f"a pose of the vessel that it stands in ({before.within})", "one of its own")
+        changed = moved_with_parts(before, world_T_object, self.objects)
+        rest = [other for other in self.objects if other.name not in changed]
+        for item in changed.values():
+            check_place(item, rest)
+        return self._with_objects([changed.get(other.name, other) for other in self.objects])
 
     def without(self, *names: str) -> Scene:
-        """Return a copy without some vessels or props; InputError where there are no such ones."""
+        """Return a copy without some vessels or props; InputError where there are no such ones.
+
+        What goes with a vessel or stands in it goes with it; without that, a liquid keeps its volume and its level
+        falls.
+        """
         gone = {self._object(name).name for name in names}
-        return self._with_objects([item for item in self.objects if item.name not in gone])
+        gone |= {item.name for item in self.objects if {item.within, item.part_of} & gone}
+        left = [item for item in self.objects if item.name not in gone]
+        scene = self._with_objects(left)
+        vessels = {item.within for item in self.objects if item.name in gone and item.within} - gone
+        if vessels:
+            from .pouring import held, poured  # here, as it loads SciPy, and the settings import this module
+
+            for body in [scene._body(name) for name in sorted(vessels)]:
+                if isinstance(body, Vessel | MeshVessel):
+                    scene = scene._with_poured(*poured(body, held(body), left))
+        return scene
 
     def add(self, *bodies: SceneObject) -> Scene:
         """Return a copy with more bodies (`procedural.primitives.bodies` makes them).
@@ -269,6 +322,10 @@ class Scene(Model):
             raise InputError("vessel", f"one of {known}{suggest(name, names)}", repr(name))
         return self.vessels[names.index(name)]
 
+    def _with_poured(self, vessel: GlassBody, standing: Sequence[SceneObject]) -> Scene:
+        changed = {item.name: item for item in (vessel, *standing)}
+        return self._with_objects([changed.get(item.name, item) for item in self.objects])
+
     def _with_body(self, body: GlassBody) -> Scene:
         vessels = tuple(body if other.id == body.id else other for other in self.vessels)
         return self.model_copy(update={"vessels": vessels})
@@ -298,6 +355,14 @@ class Scene(Model):
         return text + svg_plan(outlines) + html_table(("id", "name", "what"), rows)
 
 
+def _check_upright(body: GlassBody) -> None:
+    """Refuse to fill a vessel that leans or lies: liquids are level."""
+    upright = float(body.world_T_object[2, 2])
+    if upright < UPRIGHT:
+        found = f"one tilted by {np.degrees(np.arccos(max(upright, -1.0))):.0f} degrees"
+        raise InputError(f"{body.name}, liquid", "a vessel that stands upright, as liquids are level", found)
+
+
 def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
     """Return the materials of a scene, each once: air, the table's, then those of the objects by their ids.
 
@@ -314,4 +379,4 @@ def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
         return [piece.material for piece in item.pieces]
     media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
-    return [item.glass, *([item.liquid.medium] if item.liquid else []), *media]
+    return [item.glass, *(liquid.medium for liquid in item.liquids), *media]

@@ -13,6 +13,7 @@ from ...core.setting_errors import suggest
 from .catalogue import SUCROSE, catalogue, dyed, glasses, liquids, olive_oil, soda_lime, sugar_solution, water
 from .dyes import DYES, PIGMENTS
 from .medium import Absorber, Medium
+from .turbid import TURBID, turbid_medium
 
 #: How often a vessel holds what [1]. Water most; coloured water next, because colour is what liquids differ in.
 LIQUID_WEIGHTS = {
@@ -43,7 +44,7 @@ def glass_names() -> list[str]:
 
 def liquid_names() -> list[str]:
     """Return the names of the liquids that can be drawn: those of the catalogue, and mixtures with random parts."""
-    return list(dict.fromkeys([*(medium.name for medium in liquids()), *LIQUID_WEIGHTS]))
+    return list(dict.fromkeys([*(medium.name for medium in liquids()), *LIQUID_WEIGHTS, *TURBID]))
 
 
 def is_sugar_solution(name: str) -> bool:
@@ -53,8 +54,8 @@ def is_sugar_solution(name: str) -> bool:
 
 
 def dissolves_dyes(name: str) -> bool:
-    """Return whether food dyes dissolve in a liquid: oils do not take them."""
-    return not name.endswith("oil")
+    """Return whether food dyes dissolve in a liquid: oils do not take them, and turbid liquids keep their look."""
+    return not (name.endswith("oil") or name in TURBID)
 
 
 def draw_glass(rng: np.random.Generator, weights: Mapping[str, float], own: Mapping[str, Medium] = NO_MEDIA) -> Medium:
@@ -96,9 +97,12 @@ def liquid_named(name: str) -> Medium:
     """Return a liquid by its name in the catalogue, or a sugar solution; InputError with the nearest name."""
     if is_sugar_solution(name):
         return sugar_solution(float(name.split()[0]) / 100.0)
+    if name in TURBID:
+        return turbid_medium(name)
     known = {medium.name: medium for medium in liquids()}
     if name not in known:
-        raise InputError("liquid", f"one of {', '.join(known)}{suggest(name, list(known))}", repr(name))
+        names = [*known, *TURBID]
+        raise InputError("liquid", f"one of {', '.join(names)}{suggest(name, names)}", repr(name))
     return known[name]
 
 

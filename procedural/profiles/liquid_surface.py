@@ -16,6 +16,7 @@ from scipy.optimize import root_scalar
 
 from ...core.errors import InputError
 from ..optics.capillary import Meniscus, capillary_length, meniscus
+from ..optics.interfacial import angle_between, interfacial_tension
 from ..optics.medium import Medium
 from ..optics.wetting import contact_angle
 from .curve import Curve, directions, simplified
@@ -74,7 +75,12 @@ class Surface:
 
 
 def surface_of_volume(
-    inner: Curve, volume: float, medium: Medium, chord_error: float, wall: Medium | None = None
+    inner: Curve,
+    volume: float,
+    medium: Medium,
+    chord_error: float,
+    wall: Medium | None = None,
+    above: Medium | None = None,
 ) -> Surface:
     """Return the surface under which the inside holds a volume of a liquid.
 
@@ -92,13 +98,15 @@ def surface_of_volume(
         Largest distance of the surface's polygon from the true curve [m].
     wall : Medium, optional
         What the wall is made of, which decides the contact angle (`wetting.contact_angle`); glass without it.
+    above : Medium, optional
+        The liquid that floats on it (`interfacial.angle_between`); air without one.
 
     Raises
     ------
     InputError
         Where the volume is not positive, or the contact line would come nearer to the rim than `liquid.RIM_MARGIN`.
     """
-    liquid = _capillary(medium, wall)
+    liquid = _capillary(medium, wall, above)
     if liquid is not None:
         for fraction in SLOPE_FRACTIONS:
             surface = _fitted(inner, volume, liquid, fraction, chord_error)
@@ -116,19 +124,24 @@ def most_volume(inner: Curve, medium: Medium, wall: Medium | None = None) -> flo
 
 @dataclass(frozen=True)
 class _Capillary:
-    """What shapes a liquid's surface: density [kg/m^3], surface tension [N/m], contact angle [rad]."""
+    """What shapes a surface: density over that of what is above [kg/m^3], tension [N/m], contact angle [rad]."""
 
     density: float
     tension: float
     angle: float
 
 
-def _capillary(medium: Medium, wall: Medium | None) -> _Capillary | None:
-    angle = contact_angle(medium, wall)
-    if medium.density is None or medium.surface_tension is None or angle is None:
+def _capillary(medium: Medium, wall: Medium | None, above: Medium | None = None) -> _Capillary | None:
+    """Return what shapes the surface of a liquid below air or another liquid; None where that is not known."""
+    if above is None:
+        angle, tension, lighter = contact_angle(medium, wall), medium.surface_tension, 0.0
+    else:
+        angle, tension = angle_between(medium, above, wall), interfacial_tension(medium, above)
+        lighter = above.density
+    if medium.density is None or lighter is None or tension is None or angle is None:
         return None
-    angle = min(max(angle, LEAST_ANGLE), np.pi - LEAST_ANGLE)
-    return _Capillary(medium.density, medium.surface_tension, angle)
+    # Of two liquids gravity acts on the difference: the upper one buoys up the lower (de Gennes et al. 2004, 2.1).
+    return _Capillary(medium.density - lighter, tension, min(max(angle, LEAST_ANGLE), np.pi - LEAST_ANGLE))
 
 
 def _fitted(inner: Curve, volume: float, liquid: _Capillary, fraction: float, chord_error: float) -> Surface:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.mesh import Mesh, joined
 from ...core.randomness import stream
+from ..contents.draw import draw_contents
 from ..description.edits import in_world
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, SceneObject
 from ..own_vessels.draw import draw_own_vessel
@@ -23,6 +24,8 @@ from .solids import body_mesh
 
 #: Parts by the name of the vessel that they go with; their poses are in its frame.
 Parts = Mapping[str, tuple[SceneObject, ...]]
+#: Vessels of a scene in which something may lean [1]: labels have 63 objects.
+MOST_LEANING = 12
 #: How often an empty vessel that does not stand by itself is held by something [1]; filled ones always are.
 HELD = 0.5
 
@@ -38,6 +41,7 @@ def draw_vessels(
         As `draw_vessel` and `draw_own_vessel`.
     """
     drawn = [_vessel(settings, seed, scene_id, number, files) for number in range(count)]
+    drawn = [_with_contents(settings, seed, scene_id, number, *one) for number, one in enumerate(drawn)]
     return [body for body, _ in drawn], {body.name: parts for body, parts in drawn}
 
 
@@ -67,6 +71,21 @@ def _vessel(
     return body, draw_parts(choice, settings, host, stands=held)
 
 
+def _with_contents(
+    settings: VesselSettings, seed: int, scene_id: int, number: int, body: GlassBody, parts: tuple[SceneObject, ...]
+) -> tuple[GlassBody, tuple[SceneObject, ...]]:
+    """Return a vessel with what is in it, and its parts with what leans in it; a closed one has nothing that leans."""
+    if lies(body, parts):
+        return body, parts
+
+    def streams(kind: str) -> np.random.Generator:
+        return stream(seed, scene_id, f"contents/{number}/{kind}")
+
+    open_one = number < MOST_LEANING and not parts
+    drawn = draw_contents(streams, settings.contents, body, may_stand=open_one, chosen=settings.liquids is not None)
+    return drawn.vessel, (*parts, *drawn.standing)
+
+
 def lies(body: SceneObject, parts: Sequence[SceneObject]) -> bool:
     """Return whether a vessel does not stand: its bottom is round, and nothing holds it."""
     return body.category in LYING and not any(part.category in ("rack", "ring") for part in parts)
@@ -78,4 +97,6 @@ def group_mesh(body: SceneObject, parts: Sequence[SceneObject]) -> Mesh:
     if not parts:
         return own
     solids = [in_world(body_mesh(part), part.world_T_object) for part in parts]
-    return joined([own, *[Mesh(body.name, solid.points.astype(np.float32), solid.faces) for solid in solids]], body.name)
+    return joined(
+        [own, *[Mesh(body.name, solid.points.astype(np.float32), solid.faces) for solid in solids]], body.name
+    )

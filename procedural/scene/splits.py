@@ -25,7 +25,7 @@ class SplitSettings(Model):
     val: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is in the validation split")
     test: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that a scene is in the test split")
     unseen_families: int = Field(
-        default=0, ge=0, le=7, description="Number of vessel families that only test scenes show (no others)"
+        default=0, ge=0, le=27, description="Number of vessel families that only test scenes show (no others)"
     )
     unseen_assets: float = Field(
         default=0.0,

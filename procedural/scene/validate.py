@@ -16,31 +16,23 @@ from ..description.edits import check_above_table, check_pair, in_world, solid_o
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
-    Liquid,
     MeshVessel,
     Prop,
     Scene,
     Vessel,
     glass_solid,
-    liquid_solid,
 )
-from ..optics.medium import AIR
 from ..placement.overlap import Solid, contains
-from ..profiles.liquid import brimful_volume, level_of_volume
 from .fields import check_fields
 from .solids import body_mesh
+from .validate_contents import SIZE_TOLERANCE, check_contents, check_parts
 from .validate_light import check_lamp, check_sun
 
-#: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
-#: most of that, and the default ones a twentieth of a percent.
-VOLUME_TOLERANCE = 0.01
 #: Largest relative difference between a solid's volume and that of its surfaces when these are cut: rounding of single
 #: precision at the contact line.
 SOLID_TOLERANCE = 1e-4
 #: Largest instance id: `instances.png` holds 16 bits a pixel.
 LARGEST_ID = (1 << 16) - 1
-#: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
-SIZE_TOLERANCE = 1e-4
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
 #: rest is room for maps of floats in other units.
 EXPOSURES = (1e-12, 1e12)
@@ -75,7 +67,7 @@ def check_scene(scene: Scene) -> None:
     _check_size("table, size", scene.table.mesh, np.array([*scene.table.size]), top=True)
     for item in scene.objects:
         if isinstance(item, GlassBody):
-            _check_parts(item)
+            check_parts(item)
         if isinstance(item, Vessel):
             _check_profiles(item)
         if isinstance(item, MeshVessel):
@@ -87,8 +79,7 @@ def check_scene(scene: Scene) -> None:
         _check_camera(f"camera {number}", camera)
     for body in scene.vessels:
         _check_media(body)
-        _check_interfaces(body)
-        _check_liquid(body)
+        check_contents(scene, body)
     check_sun(scene)
     _check_places(scene)
 
@@ -114,13 +105,6 @@ def _poses(scene: Scene) -> Iterator[tuple[str, np.ndarray]]:
         yield f"camera {number}, world_T_camera", camera.world_T_camera
     for number, light in enumerate(scene.lights):
         yield f"light {number}, world_T_light", light.world_T_light
-
-
-def _check_parts(body: GlassBody) -> None:
-    parts = [interface.part for interface in body.interfaces]
-    expected = ["outside"] if body.liquid is None else ["liquid_surface", "outside", "wet_wall"]
-    if sorted(parts) != expected:
-        raise InputError(body.name, f"the interfaces {', '.join(expected)}", ", ".join(parts) or "none")
 
 
 def _check_pieces(prop: Prop) -> None:
@@ -186,100 +170,25 @@ def _check_media(body: GlassBody) -> None:
             raise InputError(where, "two media, one on each side", f"{interface.front.name} on both")
 
 
-def _check_interfaces(body: GlassBody) -> None:
-    """Refuse interfaces that differ from the fields of their body, or do not close it."""
-    glass, air = ("the body's glass", body.glass), ("air", AIR)
-    liquid = ("its liquid", AIR if body.liquid is None else body.liquid.medium)
-    sides = {"outside": (air, glass), "wet_wall": (liquid, glass), "liquid_surface": (air, liquid)}
-    for interface in body.interfaces:
-        where = f"{body.name}, {interface.part}"
-        for side, (what, medium) in zip(("front", "back"), sides[interface.part], strict=True):
-            found = getattr(interface, side)
-            if found != medium:
-                same_name = f"{found.name} with other constants" if found.name == medium.name else found.name
-                raise InputError(f"{where}, {side}", f"{what} ({medium.name})", same_name)
-        roughness = 0.0 if interface.part == "liquid_surface" else body.roughness
-        if interface.roughness != roughness:
-            raise InputError(f"{where}, roughness", f"{roughness:g}, as its body says", f"{interface.roughness:g}")
-    check_closed(f"{body.name}, glass", glass_solid(body))
-    if body.liquid is not None:
-        check_closed(f"{body.name}, liquid", liquid_solid(body))
-
-
-def _check_liquid(body: GlassBody) -> None:
-    if body.liquid is None:
-        return
-    rim = body.inner[-1][1] if isinstance(body, Vessel) else 0.5 * body.size[2]
-    surface = next(interface for interface in body.interfaces if interface.part == "liquid_surface")
-    highest = max(body.liquid.contact, body.liquid.level, float(surface.mesh.bounds[1, 2]))
-    if highest > rim:
-        raise InputError(f"{body.name}, liquid", f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
-    stated, volume = body.liquid.volume, volume_of(liquid_solid(body))
-    if not abs(stated - volume) <= VOLUME_TOLERANCE * volume:
-        raise InputError(f"{body.name}, liquid, volume", f"that of its body, {volume:.4g} m^3", f"{stated:.4g} m^3")
-    _check_heights(body, body.liquid, surface.mesh)
-
-
-def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
-    """Refuse a record of a liquid that differs from its surface, or from what the vessel's profile holds."""
-    if isinstance(body, MeshVessel):
-        _check_mesh_heights(body.name, liquid, surface)
-        return
-    radii = np.hypot(*surface.vertices[:, :2].T)
-    stated = {"contact": liquid.contact, "centre": liquid.centre}
-    found = {"contact": _rim_height(surface), "centre": surface.vertices[radii.argmin(), 2]}
-    if isinstance(body, Vessel):
-        inner = np.array(body.inner)
-        stated |= {"level": liquid.level}
-        found |= {"level": level_of_volume(inner, liquid.volume)}
-        fill = liquid.volume / brimful_volume(inner)
-        if not abs(liquid.fill - fill) <= VOLUME_TOLERANCE:
-            raise InputError(f"{body.name}, liquid, fill", f"that of its volume, {fill:.3f}", f"{liquid.fill:.3f}")
-    elif not body.symmetric:
-        return
-    for field, height in found.items():
-        if not abs(stated[field] - height) <= SIZE_TOLERANCE:
-            expected = f"that of its surface, {height:.4f} m"
-            raise InputError(f"{body.name}, liquid, {field}", expected, f"{stated[field]:.4f} m")
-
-
-def _check_mesh_heights(name: str, liquid: Liquid, surface: Mesh) -> None:
-    """Refuse a record that differs from the liquid's surface, which has a piece in each cavity."""
-    for field, heights in (("contact", _border_heights(surface)), ("centre", surface.vertices[:, 2])):
-        stated = getattr(liquid, field)
-        nearest = float(heights[np.abs(heights - stated).argmin()])
-        if not abs(nearest - stated) <= SIZE_TOLERANCE:
-            raise InputError(f"{name}, liquid, {field}", f"that of its surface, {nearest:.4f} m", f"{stated:.4f} m")
-    low, high = sorted((liquid.centre, liquid.contact))
-    if not low - SIZE_TOLERANCE <= liquid.level <= high + SIZE_TOLERANCE:
-        expected = f"that of its surface, {low:.4f} to {high:.4f} m"
-        raise InputError(f"{name}, liquid, level", expected, f"{liquid.level:.4f} m")
-
-
-def _rim_height(surface: Mesh) -> float:
-    """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring."""
-    return float(_border_heights(surface).mean())
-
-
-def _border_heights(surface: Mesh) -> np.ndarray:
-    """Return the heights of the points on a surface's border [m]."""
-    positions, index = np.unique(surface.vertices, axis=0, return_inverse=True)
-    corners = index.reshape(-1)[surface.faces]
-    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    border, count = np.unique(edges, axis=0, return_counts=True)
-    return positions[np.unique(border[count == 1]), 2]
-
-
 def _check_places(scene: Scene) -> None:
     solids = {item.name: solid_of(item) for item in scene.objects}
     for name, solid in solids.items():
         check_above_table(name, solid)
+    _check_standing(scene)
     for (item, solid), (other, another) in combinations(zip(scene.objects, solids.values(), strict=True), 2):
         check_pair(item, solid, other, another)
     solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):
         check_lamp(scene, number, solids)
+
+
+def _check_standing(scene: Scene) -> None:
+    """Refuse objects in vessels that are not there."""
+    names = [vessel.name for vessel in scene.vessels if isinstance(vessel, Vessel | MeshVessel)]
+    for item in scene.objects:
+        if item.within is not None and item.within not in names:
+            raise InputError(f"{item.name}, within", f"a vessel of the scene ({', '.join(names)})", item.within)
 
 
 def _check_eyes(scene: Scene, solids: dict[str, Solid]) -> None:

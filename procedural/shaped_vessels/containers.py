@@ -35,9 +35,7 @@ def oval_bottle(rng: np.random.Generator, drawn: Drawn) -> Shape:
     """Draw an oval body under a round neck."""
     ratio, (low, high) = rng.uniform(*OVAL_RATIO), _shoulder(drawn)
     weight = rising(low, high)
-    form = stretched(
-        round_form(_columns(drawn, ratio)), lambda z: ratio + (1.0 - ratio) * weight(z), ((low, high),)
-    )
+    form = stretched(round_form(_columns(drawn, ratio)), lambda z: ratio + (1.0 - ratio) * weight(z), ((low, high),))
     return Shape(form, form)
 
 

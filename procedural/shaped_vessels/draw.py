@@ -134,7 +134,8 @@ def _built(
     punt = rng.uniform(*PUNT) if rng.random() < PUNT_PROBABILITY else 0.0
     glass = Glass(
         wall=wall,
-        taper=wall * rng.uniform(0.0, TAPER),
+        # Facets are thinnest in their middles, below a rim that stands out: there the wall is as thick as asked.
+        taper=wall * rng.uniform(0.0, TAPER) * (shape.measured is shape.form),
         uneven=rng.uniform(0.0, UNEVEN),
         side=rng.uniform(),
         base=base,
@@ -151,9 +152,7 @@ def _volume_limits(cavity: KnownCavity) -> tuple[float, float]:
     return cavity.volume_below(cavity.floor + LEAST_DEPTH), cavity.volume_below(cavity.most_level)
 
 
-def _vessel(
-    made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name: str, category: str
-) -> MeshVessel:
+def _vessel(made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name: str, category: str) -> MeshVessel:
     x, y, z = np.ptp(made.mesh.bounds, axis=0).tolist()
     cavity = Cavity(floor=made.cavity.floor, brim=made.cavity.brim, volume=made.brimful)
     turns = [turn_about_z(2.0 * np.pi * k / made.fold) for k in range(1, made.fold)]
@@ -178,5 +177,3 @@ def _filled(vessel: MeshVessel, made: ShapedGlass, medium: Medium, volume: float
     first, second, third = (f"{vessel.name}-{part}" for part in _PARTS)
     parts, level = filled_known(made.cavity, volume, (first, second, third))
     return with_parts(vessel, medium, parts, level, made.brimful)
-
-

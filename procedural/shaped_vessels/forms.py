@@ -106,9 +106,7 @@ def polygon_form(corners: np.ndarray, fold: int, corner: float, arc_steps: int, 
         turned = (1.0 - corner) * core + corner * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
         return (r + 0.0 * z)[..., None] * turned
 
-    within = np.concatenate(
-        [0.5 * np.arange(arc_steps) / arc_steps, 0.5 + 0.5 * np.arange(side_steps) / side_steps]
-    )
+    within = np.concatenate([0.5 * np.arange(arc_steps) / arc_steps, 0.5 + 0.5 * np.arange(side_steps) / side_steps])
     columns = ((np.arange(count)[:, None] + within) / count).ravel()
     return Form(xy, tuple(columns.tolist()), fold)
 

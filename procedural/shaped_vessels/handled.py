@@ -28,7 +28,8 @@ LIP_COLUMNS, LIP_COVER = 41, 3.2
 def mug(rng: np.random.Generator, drawn: Drawn) -> Shape:
     """Draw a mug: round or faceted, with a handle."""
     plain = rng.random() >= FACETED_MUGS
-    shape = Shape(*[round_form(drawn.segments)] * 2) if plain else faceted(rng, drawn)
+    circle = round_form(drawn.segments)
+    shape = Shape(circle, circle) if plain else faceted(rng, drawn)
     handle = draw_handle(rng, drawn, (MUG_LOW, MUG_HIGH), MUG_REACH, MUG_DEPTH, MUG_WIDTH)
     return Shape(shape.form, shape.measured, handle=handle)
 

@@ -270,7 +270,7 @@ def _floor(ring: np.ndarray, inside: Inside) -> tuple[np.ndarray, np.ndarray, np
     normals[..., 2] = 1.0
     normals[..., :2] = slope[None, :, None] * flat[:, None, :2] / distance**2
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    return rows, normals, middle + [0.0, 0.0, inside.dome]
+    return rows, normals, middle + np.array([0.0, 0.0, inside.dome])
 
 
 def _check_unfolded(side: np.ndarray) -> None:
@@ -286,9 +286,7 @@ def _check_unfolded(side: np.ndarray) -> None:
         raise NoRoomError("the wall leaves no room inside: the inside crosses itself")
 
 
-def _closed(
-    grid: np.ndarray, normals: np.ndarray, poles: tuple[np.ndarray, np.ndarray], first_inner: int
-) -> Solid:
+def _closed(grid: np.ndarray, normals: np.ndarray, poles: tuple[np.ndarray, np.ndarray], first_inner: int) -> Solid:
     """Return the closed surface of a grid (columns, rows, 3) between two poles."""
     columns, rows = grid.shape[:2]
     number = 1 + np.arange(columns * rows).reshape(rows, columns)  # row by row
@@ -316,9 +314,7 @@ def cavity_solid(made: Loft, above: float) -> Solid:
     high, after = count + np.arange(number), count + np.roll(np.arange(number), -1)
     following = np.roll(border, -1)
     # The border's edges are passed from start to end by the inside's faces, so what joins them goes back.
-    wall = np.concatenate(
-        [np.stack([following, border, high], 1), np.stack([following, high, after], 1)]
-    )
+    wall = np.concatenate([np.stack([following, border, high], 1), np.stack([following, high, after], 1)])
     lid = np.stack([after, high, np.full(number, count + number)], 1)
     faces = np.concatenate([solid.faces[solid.inner], wall, lid])[:, ::-1]
     vertices = np.concatenate([solid.vertices, lifted, top[None]])

@@ -21,8 +21,8 @@ from .forms import (
 )
 from .shapes import Drawn, Shape
 
-#: Facets: number (French bistro glasses have 9, old-fashioned ones 8 or 10, Soviet ones 10 to 20), radius of their edges
-#: and height up to which they go, of radius and height; how often they go up to the rim; widening above them.
+#: Facets: number (French bistro glasses have 9, old-fashioned ones 8 or 10, Soviet ones 10 to 20), radius of their
+#: edges and height up to which they go, of radius and height; how often they go up to the rim; widening above them.
 FACETS, FACET_EDGE, FACET_TOP, FACETS_TO_RIM, FACET_WIDENING = (6, 16), (0.05, 0.2), (0.5, 0.85), 0.3, (1.0, 1.04)
 #: Height over which facets and flutes fade [m].
 FADE = 0.012

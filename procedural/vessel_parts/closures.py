@@ -14,7 +14,12 @@ from .host import Host
 #: Thickness of a cap's wall and of its top, rounding of its edges [m].
 _CAP_WALL, _CAP_TOP, _CAP_EDGE = (1.0e-3, 1.8e-3), (1.2e-3, 2.2e-3), 0.6e-3
 #: Heights of caps [m]: of bottles (28 mm finishes have caps of 15 to 20 mm), of PET bottles, of jars, of vials.
-CAP_HEIGHTS = {"bottle": (0.013, 0.02), "plastic bottle": (0.013, 0.0155), "jar": (0.012, 0.015), "vial": (0.006, 0.0075)}
+CAP_HEIGHTS = {
+    "bottle": (0.013, 0.02),
+    "plastic bottle": (0.013, 0.0155),
+    "jar": (0.012, 0.015),
+    "vial": (0.006, 0.0075),
+}
 #: A cap covers the neck as far down as that is not wider than this over the rim's radius [1].
 _WIDER = 1.25
 #: Cork: how far it goes in and stands out [m]; how often it has a head, which is this much wider than the mouth [1].

@@ -141,5 +141,3 @@ def host_of_shape(body: GlassBody, made: ShapedGlass) -> Host:
         brimful=made.brimful,
         bore=bore,
     )
-
-

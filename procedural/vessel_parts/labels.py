@@ -26,7 +26,18 @@ _MOST, _LEAST_MARK = 0.86, 0.2
 #: Long and short lines of a scale, their thickness, height and stroke of its numbers [m].
 _LONG, _SHORT, _LINE, _DIGIT, _STROKE = 0.011, 0.006, 6e-4, 3.6e-3, 5.5e-4
 #: Segments of digits: upper, upper right, lower right, lower, lower left, upper left, middle.
-_SEGMENTS = ("1111110", "0110000", "1101101", "1111001", "0110011", "1011011", "1011111", "1110000", "1111111", "1111011")
+_SEGMENTS = (
+    "1111110",
+    "0110000",
+    "1101101",
+    "1111001",
+    "0110011",
+    "1011011",
+    "1011111",
+    "1110000",
+    "1111111",
+    "1111011",
+)
 
 
 def draw_label(rng: np.random.Generator, host: Host) -> Prop | None:
@@ -34,7 +45,6 @@ def draw_label(rng: np.random.Generator, host: Host) -> Prop | None:
     low, high = host.straight(_STRAIGHT)
     height, cover, around = rng.uniform(*_HEIGHT), rng.uniform(*_COVER), rng.random() < _AROUND
     middle, place = rng.uniform(0.4, 0.6), rng.uniform()
-    style = rng.integers(2**31)
     if high - low < _LEAST / _HEIGHT[0]:
         return None
     size = height * (high - low)
@@ -45,11 +55,9 @@ def draw_label(rng: np.random.Generator, host: Host) -> Prop | None:
     area = Area(place - 0.5 * cover, place + 0.5 * cover, centre - 0.5 * size, centre + 0.5 * size)
     radius = float(host.radius(np.array(centre)))
     rows, columns = max(8, round(size / _CELL)), max(8, round(2.0 * np.pi * radius * cover / _CELL))
-    cells = _printed(np.random.default_rng(style), rows, columns)
+    cells = _printed(rng, rows, columns)
     material = OpaqueMaterial(name="printed paper", base_colour=VertexColours(), roughness=0.6)
-    return opaque_part(
-        host.body.name, "label", label_mesh(host, area, cells, np.array(_PAPER)), material, np.zeros(3)
-    )
+    return opaque_part(host.body.name, "label", label_mesh(host, area, cells, np.array(_PAPER)), material, np.zeros(3))
 
 
 def _side(host: Host, number: int) -> float:

@@ -108,6 +108,6 @@ def _flat(quads: np.ndarray) -> np.ndarray:
 def _of_quads(name: str, corners: np.ndarray, normals: np.ndarray, colours: np.ndarray | None) -> Mesh:
     count = len(corners)
     first = 4 * np.arange(count)[:, None]
-    faces = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]], axis=1).reshape(-1, 3)
+    faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])], axis=1).reshape(-1, 3)
     flat = None if colours is None else colours.reshape(-1, 3)
     return Mesh(name, corners.reshape(-1, 3), faces, normals.reshape(-1, 3), None, flat)

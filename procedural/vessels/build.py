@@ -96,7 +96,7 @@ def build_vessel(
     else:
         surface = surface_of_volume(inner, filling.volume, filling.medium, chord_error, glass)
         liquid = liquid_of(inner, surface, filling.medium)
-        interfaces = wet_interfaces(outer, inner, surface.top, liquid=filling.medium, **common)
+        interfaces = wet_interfaces(outer, inner, [surface.top], liquids=[filling.medium], **common)
     return Vessel(
         id=id,
         name=name,

@@ -11,19 +11,21 @@ from .outline import Outline, bulging, easing, linear, waved
 #: to 31.5 mm; narrower vessels have narrower ones); radius at the base, of the largest.
 _SHOULDER, _COLLAR, _NECK, _FOOT = (0.55, 0.68), (0.74, 0.84), (0.0115, 0.0155), (0.96, 1.0)
 #: PET bottle: radius of the neck and of its support ring, height of the finish above that [m] (PCO 1881: 24.9 and
-#: 17 mm; its ring of 33 mm is solid, a blown wall bends less); heights where shoulder and collar begin, of the height; number of the rings
-#: around it, their least distance and their depth [m].
+#: 17 mm; its ring of 33 mm is solid, a blown wall bends less); height where the shoulder begins, of the height; number
+#: of the rings around it, their least distance and their depth [m].
 _PET_NECK, _PET_RING, _PET_FINISH = 0.01245, 0.0150, 0.017
 _PET_SHOULDER, _PET_RINGS, _PET_PITCH, _PET_DEPTH = (0.6, 0.72), (3, 7), 0.012, (0.5e-3, 1.2e-3)
 #: Plastic cup: radius at the base, of the rim's; height and width of the bead at its rim [m] (cups of 0.2 l: 70 mm wide
 #: at the rim, 45 mm at the base).
 _CUP_FOOT, _BEAD_HEIGHT, _BEAD = (0.62, 0.76), 0.0035, (0.8e-3, 1.3e-3)
-#: Jar: radius of the mouth, of the largest; height of the shoulder [m] and of the mouth with its thread [m] (jars of 370
-#: ml with a twist-off lid of 63 to 82 mm), height of the thread's rings [m].
+#: Jar: radius of the mouth, of the largest; height of the shoulder [m] and of the mouth with its thread [m] (jars of
+#: 370 ml with a twist-off lid of 63 to 82 mm), height of the thread's rings [m].
 _JAR_MOUTH, _JAR_SHOULDER, _JAR_FINISH, _THREAD = (0.84, 0.95), (0.006, 0.014), (0.012, 0.015), 0.6e-3
 #: Vial: radius of the neck and of the crimp, of the body's; heights of the shoulder, of the body's radius, and of the
 #: crimp [m] (ISO 8362-1: injection vials of 2 to 100 ml, neck 13 or 20 mm, crimp 3.6 mm high).
 _VIAL_NECK, _VIAL_CRIMP, _VIAL_SHOULDER, _VIAL_FLANGE = (0.62, 0.72), 1.16, (0.45, 0.7), 0.0036
+#: Height of the step from a vial's neck to its flange [m].
+_STEP = 0.0022
 #: Half the heights over which joints are smoothed [m].
 _BLEND, _SMALL = 0.006, 0.0012
 
@@ -74,9 +76,7 @@ def plastic_cup_outline(rng: np.random.Generator, size: Size) -> Outline:
     bead = rng.uniform(*_BEAD)
     top, rim = size.height - _BEAD_HEIGHT, size.radius - bead
     foot = rim * rng.uniform(*_CUP_FOOT)
-    return smoothed(
-        (linear(0.0, top, foot, rim), bulging(top, size.height, rim, rim, bulge=bead, skew=0.0)), _SMALL
-    )
+    return smoothed((linear(0.0, top, foot, rim), bulging(top, size.height, rim, rim, bulge=bead, skew=0.0)), _SMALL)
 
 
 def jar_outline(rng: np.random.Generator, size: Size) -> Outline:
@@ -108,8 +108,8 @@ def vial_outline(rng: np.random.Generator, size: Size) -> Outline:
         (
             linear(0.0, collar - shoulder, radius, radius),
             easing(collar - shoulder, collar, radius, neck),
-            linear(collar, flange - 0.001, neck, neck),
-            easing(flange - 0.001, flange, neck, crimp),
+            linear(collar, flange - _STEP, neck, neck),
+            easing(flange - _STEP, flange, neck, crimp),
             linear(flange, height, crimp, crimp),
         ),
         _SMALL,

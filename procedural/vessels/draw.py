@@ -15,7 +15,7 @@ from .families import FAMILIES
 from .family_pieces import Family, Size
 from .outline import Outline
 from .scaling import draw_wanted, shape_that_holds
-from .settings import VesselSettings
+from .settings import SHAPED, VesselSettings
 from .sizes import draw_size
 from .wall import WallShape, glass_section, round_section
 
@@ -52,7 +52,7 @@ def draw_vessel(
     rng : numpy.random.Generator
         The vessel's own stream. The shape does not depend on the liquid: filling and roughness are drawn after it.
     settings : VesselSettings
-        Ranges to draw from.
+        Ranges to draw from; of families of solids of revolution.
     id, name : int, str
         Instance id and name in the scene.
     glass : Medium
@@ -72,6 +72,8 @@ def draw_vessel(
         volume of the settings, or hold that of its liquid.
     """
     category, *size = draw_size(rng, settings)
+    if category in SHAPED:
+        raise ValueError(f"expected families of solids of revolution, found {category}")
     wanted = draw_wanted(rng, settings, category)
 
     def build(stream: np.random.Generator, height: float, radius: float) -> VesselShape:
@@ -157,7 +159,9 @@ def _draw_filling(
     amount = draw_amount(rng, settings, brimful_volume(inner.points), medium, volume)
     if medium is None or amount is None:
         return None
-    return Filling(medium, amount if volume is not None else float(np.clip(amount, *_volume_limits(inner, medium, glass))))
+    return Filling(
+        medium, amount if volume is not None else float(np.clip(amount, *_volume_limits(inner, medium, glass)))
+    )
 
 
 def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, float]:

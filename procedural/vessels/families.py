@@ -207,7 +207,9 @@ FAMILIES: dict[Category, Family] = {
         (0.14, 0.3), (0.024, 0.064), (0.17, 0.215), (0.001, 0.002), (0.0015, 0.003), volumetric_flask_outline
     ),
     # ISO 1773: 50 ml 51 x 95 mm to 1000 ml 131 x 210 mm.
-    "round flask": Family((0.09, 0.21), (0.025, 0.066), (0.27, 0.32), (0.001, 0.002), (0.001, 0.002), round_flask_profile),
+    "round flask": Family(
+        (0.09, 0.21), (0.025, 0.066), (0.27, 0.32), (0.001, 0.002), (0.001, 0.002), round_flask_profile
+    ),
     # Marasca bottles of 250 to 1000 ml (49 x 49 x 192 mm to 74 x 74 x 305 mm); flask bottles of 100 to 500 ml.
     "square bottle": Family(
         (0.14, 0.3), (0.022, 0.038), (0.115, 0.19), (0.002, 0.0035), (0.003, 0.010), angular_bottle_outline
@@ -221,5 +223,7 @@ FAMILIES: dict[Category, Family] = {
     "plastic bottle": Family(
         (0.15, 0.29), (0.026, 0.042), (0.13, 0.19), (0.0003, 0.0005), (0.0006, 0.0015), plastic_bottle_outline
     ),
-    "plastic cup": Family((0.07, 0.13), (0.03, 0.048), (0.34, 0.48), (0.0003, 0.0006), (0.0004, 0.0008), plastic_cup_outline),
+    "plastic cup": Family(
+        (0.07, 0.13), (0.03, 0.048), (0.34, 0.48), (0.0003, 0.0006), (0.0004, 0.0008), plastic_cup_outline
+    ),
 }

@@ -14,7 +14,8 @@ _NECK, _BODY, _WIDEST, _FOOT = (0.2, 0.26), (0.44, 0.5), (0.3, 0.4), (0.62, 0.75
 #: Round flask: radius of the neck over the body's (ISO 1773: 100 ml 64 mm wide with a neck of 26 mm, 250 ml 85 and 34,
 #: 500 ml 105 and 34), radius of the fillet between them, of the neck's.
 _ROUND_NECK, _FILLET = (0.28, 0.4), (0.3, 0.7)
-#: Test tube: share with a flared rim, the flare's radius, of the tube's, and its angle [rad] (ISO 4142: plain or rimmed).
+#: Test tube: share with a flared rim, the flare's radius, of the tube's, and its angle [rad] (ISO 4142: plain or
+#: rimmed).
 _RIMMED, _FLARE, _FLARE_ANGLE = 0.6, (0.15, 0.3), (0.5, 1.0)
 #: Distance of points on straight parts [m].
 _STEP = 5e-4
@@ -81,5 +82,3 @@ def _concave(centre: tuple[float, float], radius: float, start: float, end: floa
     """Return an arc whose centre is outside the glass, its normals towards the centre."""
     made = arc(np.array(centre), radius, start, end)
     return Curve(made.points, -made.normals)
-
-

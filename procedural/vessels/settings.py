@@ -10,6 +10,7 @@ from ...core.model import Model, Ordered
 from ...core.units import ANGLE, LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
+from ..contents.settings import ContentsSettings
 from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
@@ -46,6 +47,26 @@ Category = Literal[
     "plastic cup",
 ]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
+#: Families that are no solids of revolution (`shaped_vessels.draw` makes them), and those that are.
+SHAPED: frozenset[Category] = frozenset(
+    (
+        "faceted glass",
+        "fluted glass",
+        "ribbed glass",
+        "square glass",
+        "mug",
+        "cup",
+        "jug",
+        "teapot",
+        "double-walled glass",
+        "spouted beaker",
+        "square bottle",
+        "oval bottle",
+        "plastic bottle",
+        "plastic cup",
+    )
+)
+REVOLVED: tuple[Category, ...] = tuple(category for category in CATEGORIES if category not in SHAPED)
 #: Units of mesh files, and axes of theirs that point up.
 Unit = Literal["m", "cm", "mm", "in"]
 UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
@@ -109,8 +130,8 @@ class VesselSettings(Model):
     )
     radius: Annotated[tuple[_Radius, _Radius], Ordered] = Field(
         default=(0.005, 0.08),
-        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of square and "
-        "oval vessels half the smaller width, without handles and lips",
+        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of "
+        "square and oval vessels half the smaller width, without handles and lips",
     )
     wall: Annotated[tuple[_Wall, _Wall], Ordered] = Field(
         default=(0.0003, 0.004), description="Smallest thickness across the wall, within 0.0003 and 0.004 [m]"
@@ -159,6 +180,7 @@ class VesselSettings(Model):
         description="Thickness that surfaces without one get in `vessel_dir`, inwards, 0.0003 to 0.02 [m]; by default "
         "they are refused",
     )
+    contents: ContentsSettings = ContentsSettings()
     smooth: Annotated[float, Field(gt=0.0, le=1.3), ANGLE] | None = Field(
         default=None,
         description="Edges of the files in `vessel_dir` that bend by less than this angle are rounded, such as 50deg, "

@@ -14,8 +14,8 @@ from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings, family_we
 #: Nominal volume over the brimful one [1]. Laboratory glass is named by its graduation: by the diameters and heights of
 #: ISO 3819 (beakers, low form, 50 to 1000 ml) and ISO 1773 (conical flasks) less 1.3 mm walls it is 0.71 to 0.86. A
 #: wine bottle of 750 ml holds 770 ml (CETIE data sheets). Drinking glasses, bowls and vases are sold by what they hold.
-#: Volumetric flasks are filled to the mark in the middle of the neck (ISO 1042), injection vials of 10 ml hold 13.5 (ISO
-#: 8362-1), jars and plastic bottles have some room under the lid.
+#: Volumetric flasks are filled to the mark in the middle of the neck (ISO 1042), injection vials of 10 ml hold 13.5
+#: (ISO 8362-1), jars and plastic bottles have some room under the lid.
 NOMINAL: dict[Category, float] = {
     "beaker": 0.8,
     "spouted beaker": 0.8,

@@ -36,7 +36,7 @@ from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import registry_id, surface_media
+from ..scene.surfaces import broken_continuity, registry_id, surface_media
 from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
@@ -169,7 +169,7 @@ def _through_glass(
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
-        violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
+        violations += broken_continuity(surface, medium)
         beta *= table.transmittance(surface, si.wavelengths, active)
         outside, active, medium = ~hit | surface.opaque, hit & ~surface.opaque, mi.UInt32(surface.before)
 

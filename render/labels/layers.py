@@ -13,8 +13,8 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
 from ..scene.surfaces import SurfaceTable, registry_id
 
-# A layer's small integers share one 32-bit word: 16 bits of id, 2 of part, 1 of entering, 13 of material.
-_PART_SHIFT, _ENTERING_SHIFT, _MATERIAL_SHIFT = 16, 18, 19
+# A layer's small integers share one 32-bit word: 16 bits of id, 3 of part, 1 of entering, 12 of material.
+_PART_SHIFT, _ENTERING_SHIFT, _MATERIAL_SHIFT = 16, 19, 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ def recorded_layers(recorder: LayerRecorder, surfaces: mi.UInt32, shape: tuple[i
         Z=stored(recorder.distance),
         normal=np.stack([stored(axis) for axis in recorder.normal], axis=-1),
         id=(word & 0xFFFF).astype(np.uint16),
-        part=(word >> _PART_SHIFT & 0b11).astype(np.uint8),
+        part=(word >> _PART_SHIFT & 0b111).astype(np.uint8),
         material=(word >> _MATERIAL_SHIFT).astype(np.uint16),
         entering=(word >> _ENTERING_SHIFT & 1).astype(bool),
         count=np.array(surfaces).astype(np.uint16).reshape(shape),
@@ -111,7 +111,7 @@ def recorded_layers(recorder: LayerRecorder, surfaces: mi.UInt32, shape: tuple[i
 
 
 def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
-    """Return the material before and behind each surface, by registry id; before an opaque surface it is air."""
+    """Return the material before and behind each surface, by registry id."""
     scene, table = loaded.description, loaded.surfaces
     materials = materials_of(scene)
     media = np.array([materials.index(medium) for medium in table.media], np.uint32)
@@ -121,8 +121,9 @@ def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     rows = zip(np.array(table.object).tolist(), np.array(table.piece).tolist(), strict=True)
     solid = np.array([solids[number][piece] for number, piece in rows], np.uint32)
     opaque = np.array(table.opaque)
-    front = np.where(opaque, 0, media[np.array(table.front)]).astype(np.uint32)
-    back = np.where(opaque, solid, media[np.array(table.back)]).astype(np.uint32)
+    front = media[np.array(table.front)].astype(np.uint32)
+    # A turbid liquid is opaque, but what is behind its surface is the liquid.
+    back = np.where(opaque & (np.array(table.part) == 0), solid, media[np.array(table.behind)]).astype(np.uint32)
     front, back = mi.UInt32(front), mi.UInt32(back)
     dr.make_opaque(front, back)
     return front, back

@@ -21,7 +21,7 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
-from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, registry_id, surface_media
+from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, broken_continuity, registry_id, surface_media
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
 #: Shadow rays end before the emitter by this fraction of the distance, to not hit it.
@@ -124,7 +124,7 @@ def trace(
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         segments += 1
-        violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
+        violations += broken_continuity(surface, medium)
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = mi.UInt32(surface.before)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.mesh import Mesh, some_faces
+from ...core.mesh import Mesh, some_faces, turned
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
 from ...procedural.materials.surface_maps import bake_maps, mean_metallic, mean_roughness
@@ -38,6 +38,7 @@ class Body:
     bsdf: mi.BSDF
     surface: Surface
     maps: np.ndarray | None = None  #: of roughness, metalness and normals (`surface_maps.bake_maps`)
+    material: OpaqueMaterial | None = None  #: of an opaque body
 
 
 def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
@@ -48,7 +49,7 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
     material, surface = scene.table.material, Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
     pixels, maps = bake_material(material)
     table = mi.load_dict(opaque_bsdf(material, pixels, maps))
-    bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps)]
+    bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps, material)]
     glass = None if glass_for_mitsuba else table
     for index, item in enumerate(scene.objects):
         bodies += _prop_bodies(item, index) if isinstance(item, Prop) else _glass_bodies(item, index, glass)
@@ -58,10 +59,20 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
 def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[Body]:
     """Return one body for each interface, with the BSDF `glass` or, if that is None, a dielectric one of its own."""
     bodies = []
-    for interface in body.interfaces:
-        media = interface.front, interface.back
-        surface = Surface(body.id, index, False, *media, interface.roughness, interface.part)
-        bodies.append(Body(interface.mesh, body.world_T_object, glass or _glass_bsdf(interface), surface))
+    for part in body.interfaces:
+        mesh, front, back = part.mesh, part.front, part.back
+        if part.opaque is None:
+            surface, bsdf = (
+                Surface(body.id, index, False, front, back, part.roughness, part.part),
+                glass or _glass_bsdf(part),
+            )
+        else:
+            # A turbid liquid: its surface shows from the other medium, which is its front here.
+            if part.seen_from_back:
+                mesh, front, back = turned(mesh), back, front
+            surface = Surface(body.id, index, True, front, back, 0.0, part.part, _is_polished(part.opaque))
+            bsdf = mi.load_dict(opaque_bsdf(part.opaque))
+        bodies.append(Body(mesh, body.world_T_object, bsdf, surface, material=part.opaque))
     return bodies
 
 
@@ -77,14 +88,15 @@ def _prop_bodies(prop: Prop, index: int) -> list[Body]:
     for number, piece in enumerate(prop.pieces):
         material, end = piece.material, start + piece.faces
         mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
-        surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(material), piece=number)
+        front = piece.surrounding or AIR
+        surface = Surface(prop.id, index, True, front, AIR, 0.0, polished=_is_polished(material), piece=number)
         if material.base_colour.kind == "vertices":
             mesh, pixels = coloured(mesh)
             maps = bake_maps(material) if material.is_mapped else None
         else:
             pixels, maps = bake_material(material)
         bsdf = mi.load_dict(opaque_bsdf(material, pixels, maps))
-        bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface, maps))
+        bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface, maps, material))
         start = end
     return bodies
 

@@ -79,7 +79,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     light = Surface(0, -1, True, AIR, AIR, 0.0)
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
-    opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
+    opaque = _opaque_bodies(mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
     maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
     table = surface_table(by_id, scene.picture.dispersion, maps)
@@ -94,12 +94,12 @@ def _robust(mi_scene: mi.Scene) -> mi.Scene:
     return mi.load_dict({"type": "scene", "embree_use_robust_intersections": True, **shapes}, optimize=False)
 
 
-def _opaque_bodies(scene: Scene, mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:
+def _opaque_bodies(mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:
     rows = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
-    return tuple(_opaque_body(scene, rows[f"body{i}"], body) for i, body in enumerate(bodies) if body.surface.opaque)
+    return tuple(_opaque_body(rows[f"body{i}"], body) for i, body in enumerate(bodies) if body.surface.opaque)
 
 
-def _opaque_body(scene: Scene, row: int, body: Body) -> OpaqueBody:
+def _opaque_body(row: int, body: Body) -> OpaqueBody:
     mesh = body.mesh
     positions, faces = to_world(mesh.vertices, body.world_T_mesh), mesh.faces.astype(np.int64)
     if mesh.normals is not None:
@@ -109,9 +109,8 @@ def _opaque_body(scene: Scene, row: int, body: Body) -> OpaqueBody:
         normals = np.empty((len(positions), 3))
         normals[faces] = np.cross(b - a, c - a)[:, None]
     closed = as_trimesh(mesh).is_watertight
-    pieces = {prop.id: prop.pieces for prop in scene.props}.get(body.surface.instance)
-    material = scene.table.material if pieces is None else pieces[body.surface.piece].material
-    return OpaqueBody(row, positions, normals, faces, closed, material.roughness, material.metallic)
+    assert body.material is not None  # every opaque body has one
+    return OpaqueBody(row, positions, normals, faces, closed, body.material.roughness, body.material.metallic)
 
 
 def _registry_id(shape: mi.Shape) -> int:

@@ -19,7 +19,7 @@ AIR_INDEX = 0
 
 @dataclass(frozen=True)
 class Surface:
-    """One shape as the ray loops see it. `front` and `back` are equal for opaque surfaces."""
+    """One shape as the ray loops see it; before an opaque surface is its `front`, such as the liquid around a straw."""
 
     instance: int  #: instance id; 0 for lights
     object: int  #: position in `Scene.objects`, or -1 for the table and the lights
@@ -43,6 +43,8 @@ class SurfaceMedia:
     n: mi.Normal3f  #: geometric normal on the ray's side
     ns: mi.Normal3f  #: shading normal, with the same sign as the geometric one
     distance: mi.Float  #: length of the segment [m]; 0 where nothing is hit
+    #: whether the ray comes from inside an opaque body, where shading normals may lead it; no medium is there
+    buried: mi.Bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,8 @@ class SurfaceTable:
     object: mi.Int32
     opaque: mi.Bool
     front: mi.UInt32
-    back: mi.UInt32
+    back: mi.UInt32  #: of opaque surfaces that before them: rays that shading normals lead into them end there as well
+    behind: mi.UInt32  #: the medium behind, also behind the opaque surface of a turbid liquid
     alpha: mi.Float
     part: mi.UInt32  #: index into `PARTS`
     polished: mi.Bool
@@ -107,7 +110,8 @@ def surface_table(
         object=column(mi.Int32, [row.object for row in rows]),
         opaque=column(mi.Bool, [row.opaque for row in rows]),
         front=column(mi.UInt32, [media.index(row.front) for row in rows]),
-        back=column(mi.UInt32, [media.index(row.back) for row in rows]),
+        back=column(mi.UInt32, [media.index(row.front if row.opaque else row.back) for row in rows]),
+        behind=column(mi.UInt32, [media.index(row.back) for row in rows]),
         alpha=column(mi.Float, [row.alpha for row in rows]),
         part=column(mi.UInt32, [PARTS.index(row.part) for row in rows]),
         polished=column(mi.Bool, [row.polished for row in rows]),
@@ -138,7 +142,13 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     before = dr.select(hit, dr.select(from_front, front, back), AIR_INDEX)
     behind = dr.select(from_front, back, front)
     sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
-    return SurfaceMedia(row, opaque, before, behind, sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0))
+    n, ns, distance = sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0)
+    return SurfaceMedia(row, opaque, before, behind, n, ns, distance, opaque & ~from_front)
+
+
+def broken_continuity(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:
+    """Return 1 where the medium before a surface is not the one that the segment started in, else 0."""
+    return dr.select((surface.before != medium) & ~surface.buried, mi.UInt32(1), mi.UInt32(0))
 
 
 def transmittance_rgb(sigma_a: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool) -> mi.Color3f:

@@ -9,7 +9,7 @@ from glassware.core.randomness import stream
 from glassware.procedural.description.scene import Vessel
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.vessels.draw import draw_vessel
-from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
+from glassware.procedural.vessels.settings import REVOLVED, VesselSettings
 
 GLASS = Medium(name="test glass", eta=1.52)
 #: No capillary constants: its surface is flat.
@@ -27,7 +27,7 @@ def many_vessels() -> list[Vessel]:
     return [
         draw_vessel(
             stream(11, seed, "vessels"),
-            VesselSettings(categories=(CATEGORIES[seed % len(CATEGORIES)],)),
+            VesselSettings(categories=(REVOLVED[seed % len(REVOLVED)],)),
             id=2,
             name=f"vessel-{seed}",
             glass=GLASS,
@@ -49,5 +49,5 @@ def full_vessels() -> list[Vessel]:
             glass=GLASS,
             liquid_medium=(WATER, SPIRIT)[number % 2],
         )
-        for number, category in enumerate(CATEGORIES)
+        for number, category in enumerate(REVOLVED)
     ]

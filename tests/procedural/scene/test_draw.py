@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull
 from glassware.core.json_file import json_text
 from glassware.core.mesh import Mesh, as_trimesh
 from glassware.procedural.description.scene import Scene, Vessel, glass_solid, liquid_solid
+from glassware.procedural.description.standing import standing_in
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
 from glassware.procedural.scene.settings import SceneSettings
@@ -72,8 +73,9 @@ def _deepest(points: np.ndarray, hull: ConvexHull) -> float:
 def _check_bodies(scene: Scene) -> None:
     for vessel in scene.vessels:
         assert as_trimesh(glass_solid(vessel)).is_volume, vessel.name
-        if vessel.liquid is not None:
-            assert as_trimesh(liquid_solid(vessel)).is_volume, vessel.name
+        pieces = [piece for other in standing_in(scene.objects, vessel) for piece in other.pieces]
+        for number in range(len(vessel.liquids)):
+            assert as_trimesh(liquid_solid(vessel, number, pieces)).is_volume, vessel.name
 
 
 def _check_standing(scene: Scene) -> None:
@@ -81,6 +83,9 @@ def _check_standing(scene: Scene) -> None:
     sides = ConvexHull(board).equations
     for item in scene.objects:
         points = _placed(item)
+        if item.within is not None:  # it leans in a vessel
+            assert points[:, 2].min() > 0.0
+            continue
         assert abs(points[:, 2].min()) <= SLACK, item.name
         assert (points[:, :2] @ sides[:, :2].T + sides[:, 2]).max() <= 0.0, item.name
 

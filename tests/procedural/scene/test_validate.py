@@ -272,7 +272,8 @@ def test_another_glass_or_roughness_without_its_interfaces_is_refused(scene):
     assert _refused(_with(scene, glass=dyed)).endswith(f"found {glass.name} with other constants")
     assert _refused(_with(scene, part=1, roughness=0.3)).startswith("vessel-00, wet_wall, roughness: expected 0, as")
     changed = scene.vessels[0].with_media(glass=other, roughness=0.3)
-    assert [part.roughness for part in changed.interfaces] == [0.3, 0.3, 0.0]
+    rough = {part.part for part in changed.interfaces if part.roughness == 0.3}
+    assert rough == {"outside", "wet_wall"}
     check_scene(scene.model_copy(update={"vessels": (changed, *scene.vessels[1:])}))
 
 

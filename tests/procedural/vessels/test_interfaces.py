@@ -46,38 +46,11 @@ def test_the_three_interfaces_share_the_contact_line_bit_for_bit(full_vessels):
         assert rings[0] == rings[1] == rings[2]
 
 
-def _hits(mesh: Mesh, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances at which a ray meets a mesh, and whether it comes from the front (Moeller and Trumbore 1997)."""
-    a, b, c = np.moveaxis(mesh.vertices.astype(np.float64)[mesh.faces], 1, 0)
-    normal = np.cross(b - a, c - a)
-    slope = normal @ direction
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = ((a - origin) * normal).sum(1) / slope
-        across = np.cross(origin - a, direction)
-        u = -((c - a) * across).sum(1) / slope
-        v = ((b - a) * across).sum(1) / slope
-    hit = (slope != 0.0) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > 0.0)
-    return distance[hit], slope[hit] < 0.0
-
-
-def _winding(mesh: Mesh, points: np.ndarray) -> np.ndarray:
-    """Winding number of a closed mesh about points: its solid angle over 4 pi (Van Oosterom and Strackee 1983)."""
-    corners = mesh.vertices.astype(np.float64)[mesh.faces]
-    winding = []
-    for point in points:
-        a, b, c = np.moveaxis(corners - point, 1, 0)
-        la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-        volume = (a * np.cross(b, c)).sum(1)
-        corner = la * lb * lc + (a * b).sum(1) * lc + (a * c).sum(1) * lb + (b * c).sum(1) * la
-        winding.append(np.arctan2(volume, corner).sum() / (2.0 * np.pi))
-    return np.round(winding, 6)
-
-
-def _media_along(vessel: Vessel, origin: np.ndarray, direction: np.ndarray) -> tuple[list[Medium], np.ndarray]:
+def _media_along(hits, vessel: Vessel, origin: np.ndarray, direction: np.ndarray) -> tuple[list[Medium], np.ndarray]:
     """Media of the stretches of a ray, each vouched for by the crossings on both of its sides, and the distances."""
     crossings = []
     for interface in vessel.interfaces:
-        for distance, from_front in zip(*_hits(interface.mesh, origin, direction), strict=True):
+        for distance, from_front in zip(*hits(interface.mesh, origin, direction), strict=True):
             pair = (interface.front, interface.back) if from_front else (interface.back, interface.front)
             crossings.append((distance, pair))
     crossings.sort(key=lambda crossing: crossing[0])
@@ -89,7 +62,7 @@ def _media_along(vessel: Vessel, origin: np.ndarray, direction: np.ndarray) -> t
     return media, np.array([distance for distance, _ in crossings])
 
 
-def test_media_along_random_rays_agree_with_the_closed_bodies(full_vessels, rng):
+def test_media_along_random_rays_agree_with_the_closed_bodies(full_vessels, media_rays, rng):
     met = set()
     for vessel in full_vessels:
         points, expected = [], []
@@ -98,12 +71,12 @@ def test_media_along_random_rays_agree_with_the_closed_bodies(full_vessels, rng)
             direction = rng.normal(size=3)
             direction /= np.linalg.norm(direction)
             origin = target - direction
-            media, distances = _media_along(vessel, origin, direction)
+            media, distances = _media_along(media_rays.hits, vessel, origin, direction)
             for medium, near, far in zip(media[1:-1], distances[:-1], distances[1:], strict=True):
                 points.append(origin + 0.5 * (near + far) * direction)
                 expected.append(medium)
-        in_glass = _winding(glass_solid(vessel), np.array(points))
-        in_liquid = _winding(liquid_solid(vessel), np.array(points))
+        in_glass = media_rays.winding(glass_solid(vessel), np.array(points))
+        in_liquid = media_rays.winding(liquid_solid(vessel), np.array(points))
         assert set(np.unique(in_glass)) <= {0.0, 1.0}
         assert set(np.unique(in_liquid)) <= {0.0, 1.0}
         assert not ((in_glass == 1.0) & (in_liquid == 1.0)).any()

@@ -15,7 +15,7 @@ from glassware.procedural.vessels.build import VesselShape
 from glassware.procedural.vessels.draw import draw_vessel
 from glassware.procedural.vessels.rolling import NoRoomError
 from glassware.procedural.vessels.scaling import VOLUME_TOLERANCE, WantedVolume, shape_that_holds
-from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
+from glassware.procedural.vessels.settings import REVOLVED, VesselSettings
 from glassware.procedural.vessels.sizes import NOMINAL, draw_size, volumes_of
 
 GLASS = Medium(name="test glass", eta=1.52)
@@ -31,7 +31,7 @@ def _vessel(number: int, **settings):
     return vessel, vessel.liquid
 
 
-@pytest.mark.parametrize("category", CATEGORIES)
+@pytest.mark.parametrize("category", REVOLVED)
 def test_a_vessel_has_the_nominal_volume_that_was_ordered(category):
     for number in range(3):
         vessel, _ = _vessel(number, categories=[category], volume="250ml")
@@ -46,7 +46,7 @@ def test_a_beaker_of_250_ml_has_the_size_of_the_trade():
     assert height == pytest.approx(0.095, rel=0.15)
 
 
-@pytest.mark.parametrize("category", CATEGORIES)
+@pytest.mark.parametrize("category", REVOLVED)
 @pytest.mark.parametrize("fill", ["60ml", "400ml"])
 def test_a_vessel_holds_the_volume_that_was_ordered_and_has_room_for_it(category, fill):
     if fill == "400ml" and category == "stem glass":

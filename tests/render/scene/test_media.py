@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from glassware.core.mesh import as_trimesh
-from glassware.procedural.description.scene import glass_solid, liquid_solid
+from glassware.procedural.description.scene import content_solid, glass_solid, liquid_solid
+from glassware.procedural.description.standing import standing_in
 from glassware.render.pictures.picture import MAX_VIOLATIONS, MediumError, trace_picture
 from glassware.render.scene.loaded_scene import load
 from glassware.render.scene.rays import leave
@@ -72,14 +73,15 @@ def _winding(solid, points: np.ndarray) -> np.ndarray:
     return total
 
 
-def _medium_at(vessel, names: dict[str, int], points: np.ndarray) -> np.ndarray:
-    glass = _winding(as_trimesh(glass_solid(vessel), vessel.world_T_object), points)
-    liquid = _winding(as_trimesh(liquid_solid(vessel), vessel.world_T_object), points)
-    # Closed surfaces: away from them winding numbers are whole.
-    assert np.abs(glass - np.round(glass)).max() < 1e-3
-    assert np.abs(liquid - np.round(liquid)).max() < 1e-3
-    assert not ((glass > 0.5) & (liquid > 0.5)).any()
-    return np.where(glass > 0.5, names["glass"], np.where(liquid > 0.5, names["liquid"], 0))
+def _medium_at(vessel, solids, points: np.ndarray) -> np.ndarray:
+    found = np.zeros(len(points), int)
+    for medium, solid in solids:
+        inside = _winding(as_trimesh(solid, vessel.world_T_object), points)
+        # Closed surfaces: away from them winding numbers are whole.
+        assert np.abs(inside - np.round(inside)).max() < 1e-3
+        assert not ((inside > 0.5) & (found > 0)).any()
+        found[inside > 0.5] = medium
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +95,10 @@ def test_rays_meet_the_media_that_the_bodies_are_made_of(sides, rng, number):
     scene, kernel = sides
     vessel = scene.vessels[number]
     media = kernel.surfaces.media
-    names = {"glass": media.index(vessel.glass), "liquid": media.index(vessel.liquid.medium)}
+    solids = [(media.index(vessel.glass), glass_solid(vessel))]
+    pieces = [piece for other in standing_in(scene.objects, vessel) for piece in other.pieces]
+    solids += [(media.index(one.medium), liquid_solid(vessel, k, pieces)) for k, one in enumerate(vessel.liquids)]
+    solids += [(media.index(one.medium), content_solid(vessel, k)) for k, one in enumerate(vessel.contents)]
     solid = as_trimesh(glass_solid(vessel), vessel.world_T_object)
     origin, direction = _rays(rng, solid, RAYS)
     middles, told = [], []
@@ -102,8 +107,8 @@ def test_rays_meet_the_media_that_the_bodies_are_made_of(sides, rng, number):
         middles += [((start + end) / 2)[long], (end + SHORTEST * direction)[active]]
         told += [facing[long], beyond[active]]
     points, told = np.concatenate(middles), np.concatenate(told)
-    true = _medium_at(vessel, names, points)
-    assert {0, names["glass"], names["liquid"]} <= set(true[told == true].tolist())
+    true = _medium_at(vessel, solids, points)
+    assert {0, solids[0][0], solids[1][0]} <= set(true[told == true].tolist())
     assert (told != true).mean() <= DOUBTFUL
 
 
