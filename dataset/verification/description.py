@@ -189,8 +189,10 @@ def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]
     if record.volumes is None:
         return faults  # as in data sets of earlier versions
     parts = {part.part: part.mesh for part in item.interfaces}
-    glass = _volume([mesh for name, mesh in parts.items() if name != "liquid_surface"])
+    glass = _volume([part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")])
     faults += _near(glass, record.volumes.glass, VOLUME, f"{where} volumes.glass", file)
+    if len(parts) < len(item.interfaces) or "content" in parts or "liquid_interface" in parts:
+        return faults  # several liquids, films or contents: their bodies are not closed by these surfaces alone
     if item.liquid is None or "wet_wall" not in parts:
         return faults + unlike("objects", file, f"{where} volumes.liquid", 0.0, record.volumes.liquid)
     body = _volume([parts["liquid_surface"]]) - _volume([parts["wet_wall"]])
