@@ -24,6 +24,7 @@ from ..description.scene import (
     glass_solid,
     liquid_solid,
 )
+from ..description.surroundings import FIRST_ROOM_ID
 from ..optics.medium import AIR
 from ..placement.overlap import Solid, contains
 from ..profiles.liquid import brimful_volume, level_of_volume
@@ -37,8 +38,8 @@ VOLUME_TOLERANCE = 0.01
 #: Largest relative difference between a solid's volume and that of its surfaces when these are cut: rounding of single
 #: precision at the contact line.
 SOLID_TOLERANCE = 1e-4
-#: Largest instance id: `instances.png` holds 16 bits a pixel.
-LARGEST_ID = (1 << 16) - 1
+#: Largest instance id: `instances.png` holds 16 bits a pixel, and the last ones are those of a room's surfaces.
+LARGEST_ID = FIRST_ROOM_ID - 1
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the

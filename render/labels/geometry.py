@@ -136,9 +136,9 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         si = without_crack(si, robust, ray, offset, active)
         row = registry_id(si.shape)
         # An area light is part of the surroundings, as the sky behind it.
-        active &= si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, si.is_valid()) > 0)
+        active &= si.is_valid() & (dr.gather(mi.UInt32, table.label, row, si.is_valid()) > 0)
         surface = surface_media(table, si, ray, active)
-        instance = dr.gather(mi.UInt32, table.instance, row, active)
+        instance = dr.gather(mi.UInt32, table.label, row, active)
         item = dr.gather(mi.Int32, table.object, row, active)
         # Along the whole ray: a sum over its segments would miss their offsets from the surfaces.
         distance = dr.dot(si.p - origin, direction)
