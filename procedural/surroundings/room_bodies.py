@@ -8,13 +8,13 @@ with all small bodies (`render.scene.room_light_map`).
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...core.mesh import Mesh
 from ..description.surroundings import Detail, Panel, RoomEnvironment, RoomPart, Window
-from .room_finishes import Finish, panel_finish, shell_finish, solid_finish
+from .room_finishes import Finish, palette, panel_finish, shell_finish, solid_finish
 from .room_geometry import ALONG, WALL_FACES, Boxes, boxes_of, face_axis, face_frames, face_points
 from .room_light import solve
 from .windows import BAR_REFLECTANCE, BAR_WIDTH, outside_of
@@ -45,7 +45,7 @@ class RoomBody:
     normals: np.ndarray  #: (n, 3) float64, of the vertices
     inward: np.ndarray  #: (n, 3) float64, from each vertex a little towards the middle of its surface [m]
     irradiance: np.ndarray  #: (n, 3) float64, the estimate, radiance times steradians
-    finish: Finish
+    pixels: np.ndarray  #: (h, w, 3) float32, reflectance of one repeat
     radiance: tuple[float, float, float] | None = None  #: of what shines by itself [kcd/m^2]
 
 
@@ -106,21 +106,43 @@ def room_bodies(room: RoomEnvironment) -> list[RoomBody]:
         parts[detail.part, solid_finish(room, detail.colour, detail.finish)] += _detail(detail)
     for part, finish, patch in _on_walls(room, boxes):
         parts[part, finish].append(patch)
-    bodies = [_joined(number, *key, found, light.mean) for number, (key, found) in enumerate(parts.items())]
+    bodies = _bodies(parts, light.mean)
     lamps = [window for window in room.windows if window.kind == "lamp"]
     return bodies + [_lamp(room, boxes, lamp, len(bodies) + k, light.mean) for k, lamp in enumerate(lamps)]
 
 
-def _joined(number: int, part: RoomPart, finish: Finish, patches: list[_Patch], mean: np.ndarray) -> RoomBody:
+def _bodies(parts: dict[tuple[RoomPart, Finish], list[_Patch]], mean: np.ndarray) -> list[RoomBody]:
+    """Return one body for each part and finish; all plain colours of a part are one body with a palette."""
+    plain: dict[RoomPart, list[tuple[Finish, _Patch]]] = defaultdict(list)
+    bodies: list[RoomBody] = []
+    for (part, finish), patches in parts.items():
+        if finish.kind == "plain":
+            plain[part] += [(finish, patch) for patch in patches]
+            continue
+        bodies.append(_joined(len(bodies), part, patches, mean, finish.pixels(), finish.tile))
+    for part, items in plain.items():
+        colours = list(dict.fromkeys(finish.colour for finish, _ in items))
+        patches = []
+        for finish, patch in items:
+            uv = np.full((len(patch.points), 2), 0.5)
+            uv[:, 0] = (colours.index(finish.colour) + 0.5) / len(colours)
+            patches.append(replace(patch, uv=uv))
+        bodies.append(_joined(len(bodies), part, patches, mean, palette(colours)))
+    return bodies
+
+
+def _joined(
+    number: int, part: RoomPart, patches: list[_Patch], mean: np.ndarray, pixels: np.ndarray, tile: float = 1.0
+) -> RoomBody:
     counts = np.cumsum([0, *(len(patch.points) for patch in patches)])
     faces = np.concatenate([patch.faces + first for patch, first in zip(patches, counts[:-1], strict=True)])
-    uv = np.concatenate([patch.uv for patch in patches]) / finish.tile
+    uv = np.concatenate([patch.uv for patch in patches]) / tile
     points = np.concatenate([patch.points for patch in patches])
     lit = [mean + np.zeros_like(p.points) if p.irradiance is None else p.irradiance for p in patches]
     inward = [np.mean(patch.points, axis=0) - patch.points for patch in patches]
     mesh = Mesh(f"room-{number:03d}", points, faces, uv=uv)
     normals = np.concatenate([patch.normals for patch in patches])
-    return RoomBody(part, mesh, normals, np.concatenate(inward), np.concatenate(lit), finish)
+    return RoomBody(part, mesh, normals, np.concatenate(inward), np.concatenate(lit), pixels)
 
 
 def _shell(room: RoomEnvironment, light: _Light, face: int) -> _Patch:
@@ -314,9 +336,7 @@ class _WallFrame:
         """Return where points are between the corners of a rectangle, (n, 2) in [0, 1]."""
         return (points[:, self.along] - low) / np.subtract(high, low)
 
-    def box(
-        self, low: tuple[float, float], high: tuple[float, float], near: float, far: float
-    ) -> list[_Patch]:
+    def box(self, low: tuple[float, float], high: tuple[float, float], near: float, far: float) -> list[_Patch]:
         """Return the faces of the box over a rectangle between two depths, but the one on the wall."""
         a, b = self.point(low, near), self.point(high, far)
         behind = 2 * self.axis + (0 if self.inward < 0.0 else 1)
@@ -328,9 +348,7 @@ class _WallFrame:
         high = tuple(window.centre[k] + 0.5 * window.size[k] for k in range(2))
         a, b = self.point(low, 0.0), self.point(high, -_REVEAL)
         sides = _box(np.minimum(a, b), np.maximum(a, b), _BODY_STEP)
-        return [
-            _Patch(p.points, -p.normals, p.faces[:, ::-1], p.uv) for face, p in sides if face // 2 != self.axis
-        ]
+        return [_Patch(p.points, -p.normals, p.faces[:, ::-1], p.uv) for face, p in sides if face // 2 != self.axis]
 
 
 def _lamp(room: RoomEnvironment, boxes: Boxes, lamp: Window, number: int, mean: np.ndarray) -> RoomBody:
@@ -339,11 +357,14 @@ def _lamp(room: RoomEnvironment, boxes: Boxes, lamp: Window, number: int, mean: 
     place, normal = _WallFrame(boxes, face), face_frames(boxes)[2][face]
     signs = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
     points = np.array(
-        [place.point((lamp.centre[0] + u * lamp.size[0], lamp.centre[1] + v * lamp.size[1]), _LAMP_DEPTH) for u, v in signs]
+        [
+            place.point((lamp.centre[0] + u * lamp.size[0], lamp.centre[1] + v * lamp.size[1]), _LAMP_DEPTH)
+            for u, v in signs
+        ]
     )
     faces = np.array([[0, 1, 2], [0, 2, 3]])
     if np.cross(points[1] - points[0], points[2] - points[0]) @ normal < 0.0:
         faces = faces[:, ::-1]
     patch = _Patch(points, np.tile(normal, (4, 1)), faces, np.array(signs))
-    body = _joined(number, "lamp", solid_finish(room, (1.0, 1.0, 1.0), "plain"), [patch], mean)
-    return RoomBody("lamp", body.mesh, body.normals, body.inward, body.irradiance, body.finish, lamp.radiance)
+    body = _joined(number, "lamp", [patch], mean, np.ones((1, 1, 3), np.float32))
+    return replace(body, radiance=lamp.radiance)

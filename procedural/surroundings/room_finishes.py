@@ -71,6 +71,11 @@ def panel_finish(room: RoomEnvironment, number: int, picture: bool) -> Finish:
     return Finish("picture", colour, room.seed + number, 1.0) if picture else Finish("plain", colour)
 
 
+def palette(colours: list[Reflectance]) -> np.ndarray:
+    """Return plain colours as one picture, (1, n, 3) float32: colour k at u = (k + 1/2) / n."""
+    return np.array(colours, np.float32)[None]
+
+
 @lru_cache(maxsize=64)
 def _pixels(finish: Finish) -> np.ndarray:
     make = {"plain": _plain, "paint": _paint, "wood": _wood, "boards": _boards, "tiles": _tiles, "picture": _picture}

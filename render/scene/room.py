@@ -48,7 +48,7 @@ def room_surfaces_of(scene: Scene) -> list[RoomSurface]:
 
 def _surface(described: RoomBody, pose: np.ndarray) -> RoomSurface:
     surface = Surface(0, ROOM_OBJECT, True, AIR, AIR, 0.0, label=ROOM_IDS[described.part])
-    bsdf = mi.load_dict(opaque_bsdf(_MATT, np.array(described.finish.pixels())))
+    bsdf = mi.load_dict(opaque_bsdf(_MATT, np.array(described.pixels)))
     return RoomSurface(described, Body(described.mesh, pose, bsdf, surface))
 
 
@@ -71,7 +71,9 @@ def lit_emitter(scene: Scene, mi_scene: mi.Scene, surfaces: list[RoomSurface]) -
     bodies = [shape for name, shape in shapes.items() if name.startswith("body")]
     names = [f"body{k}" for k in range(len(bodies) - len(surfaces), len(bodies))]
     rows = [int(registry_id(mi.ShapePtr(shapes[name]))[0]) for name in names]
-    corners = {row: first_corners(s.described) * scene.environment.strength for row, s in zip(rows, surfaces, strict=True)}
+    corners = {
+        row: first_corners(s.described) * scene.environment.strength for row, s in zip(rows, surfaces, strict=True)
+    }
     outside = bake_outside(scene.environment) * np.float32(scene.environment.strength)
     alone = mi.load_dict({"type": "scene", **{name: shapes[name] for name in names}}, optimize=False)
     estimate = room_emitter(scene.environment, mi_scene, alone, corners, outside)

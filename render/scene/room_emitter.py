@@ -10,6 +10,7 @@ wherever it starts. For points inside the shell this maps directions to directio
 from __future__ import annotations
 
 from dataclasses import dataclass
+
 import numpy as np
 
 from ...procedural.description.surroundings import RoomEnvironment

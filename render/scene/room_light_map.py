@@ -44,8 +44,19 @@ def lit_room(bake: Emitters, bodies: list[tuple[int, RoomBody, np.ndarray]], tab
     table_irradiance : float
         Irradiance of the table's top, which reflects light to the ceiling.
     """
+    lit = [(body, pose) for _, body, pose in bodies if body.radiance is None]
+    points, normals = (np.concatenate(found) for found in zip(*(_origins(*one) for one in lit), strict=True))
+    assert bake.room is not None
     for rays in ROUNDS:
-        corners = [_gathered_corners(bake, body, pose, rays, table_irradiance) for _, body, pose in bodies]
+        light, buried = _all_gathered(bake, points, normals, rays, table_irradiance)
+        corners, first = [], 0
+        for _, body, _ in bodies:
+            if body.radiance is not None:
+                corners.append(first_corners(body))
+                continue
+            part = slice(first, first + len(body.mesh.vertices))
+            corners.append(_spread(body.mesh, light[part], buried[part] > _BURIED)[body.mesh.faces])
+            first = part.stop
         irradiance = mi.Float(np.concatenate([found.astype(np.float32).ravel() for found in corners]))
         dr.make_opaque(irradiance)
         assert bake.room is not None
@@ -54,25 +65,29 @@ def lit_room(bake: Emitters, bodies: list[tuple[int, RoomBody, np.ndarray]], tab
     return bake.room
 
 
-def first_corners(body: RoomBody) -> np.ndarray:
-    """Return the estimate at the corners of a body's faces, (m, 3, 3); of a lamp what makes it shine."""
-    if body.radiance is not None:
-        return np.tile(np.pi * np.array(body.radiance), (len(body.mesh.faces), 3, 1))
-    return body.irradiance[body.mesh.faces]
-
-
-def _gathered_corners(bake: Emitters, body: RoomBody, pose: np.ndarray, rays: int, table: float) -> np.ndarray:
-    if body.radiance is not None:
-        return first_corners(body)
+def _origins(body: RoomBody, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return where the rays of a body's vertices start, and the normals there, in the world."""
     inset = body.inward * np.minimum(1.0, _INSET / np.maximum(np.linalg.norm(body.inward, axis=1), 1e-9))[:, None]
     points = body.mesh.vertices + inset + _LIFT * body.normals
-    points, normals = points @ pose[:3, :3].T + pose[:3, 3], body.normals @ pose[:3, :3].T
+    return points @ pose[:3, :3].T + pose[:3, 3], body.normals @ pose[:3, :3].T
+
+
+def _all_gathered(
+    bake: Emitters, points: np.ndarray, normals: np.ndarray, rays: int, table: float
+) -> tuple[np.ndarray, np.ndarray]:
     parts = [
         _gathered(bake, points[k : k + _VERTICES_PER_PASS], normals[k : k + _VERTICES_PER_PASS], rays, table)
         for k in range(0, len(points), _VERTICES_PER_PASS)
     ]
     light, buried = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
-    return _spread(body.mesh, light, buried > _BURIED)[body.mesh.faces]
+    return light, buried
+
+
+def first_corners(body: RoomBody) -> np.ndarray:
+    """Return the estimate at the corners of a body's faces, (m, 3, 3); of a lamp what makes it shine."""
+    if body.radiance is not None:
+        return np.tile(np.pi * np.array(body.radiance), (len(body.mesh.faces), 3, 1))
+    return body.irradiance[body.mesh.faces]
 
 
 def _spread(mesh: Mesh, light: np.ndarray, buried: np.ndarray) -> np.ndarray:
@@ -101,13 +116,13 @@ def _gathered(
     lane = dr.arange(mi.UInt32, count * rays)
     size = dr.opaque(mi.UInt32, rays)
     vertex = lane // size
-    a, b, c, d = dr.gather(mi.Vector4f, mi.Float(_sample_points(rays).ravel()), lane - vertex * size)
+    numbers = mi.Float(_sample_points(rays).ravel())
+    places, normal = (mi.Float(np.ascontiguousarray(x, np.float32).ravel()) for x in (points, normals))
+    dr.make_opaque(numbers, places, normal)
+    a, b, c, d = dr.gather(mi.Vector4f, numbers, lane - vertex * size)
     si = dr.zeros(mi.SurfaceInteraction3f, count * rays)
-    si.p, normal = (
-        dr.gather(mi.Point3f, mi.Float(np.ascontiguousarray(values, np.float32).ravel()), vertex)
-        for values in (points, normals)
-    )
-    si.n, offset = mi.Normal3f(normal), dr.opaque(mi.Float, _OFFSET)
+    si.p, si.n = dr.gather(mi.Point3f, places, vertex), dr.gather(mi.Normal3f, normal, vertex)
+    offset = dr.opaque(mi.Float, _OFFSET)
     ds, arriving = sample_emitter(bake, si, mi.Point2f(a, b))
     cos = dr.dot(si.n, ds.d)
     arriving = unoccluded(bake, si, (ds, arriving), offset, (ds.pdf > 0.0) & (cos > 0.0))
