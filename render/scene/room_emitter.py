@@ -156,6 +156,30 @@ def _place(room: RoomEmitter, p: mi.Point3f) -> mi.Vector3f:
     return room.to_room(mi.Vector3f(p)) + mi.Vector3f(room.eye)
 
 
+def shell_point(room: RoomEmitter, d: mi.Vector3f) -> tuple[mi.Point3f, mi.Normal3f, mi.Float]:
+    """Return where directions from the table's centre meet the shell, its normal there, and its area per solid angle.
+
+    The normal points outwards; the area is r^2 / cos [m^2/sr].
+    """
+    centre, local = mi.Vector3f(room.eye), room.to_room(d)
+    r, cos = _exit(room, centre, local)
+    end, normal = centre + r * local, mi.Vector3f(0.0)
+    for k in range(3):
+        middle = end[k] - 0.5 * room.size[k]
+        normal[k] = dr.select(dr.abs(dr.abs(local[k]) - cos) < _TINY, dr.sign(middle), 0.0)
+    return mi.Point3f(r * d), mi.Normal3f(dr.normalize(room.to_world(normal))), dr.square(r) / cos
+
+
+def radiance_towards(
+    room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f
+) -> tuple[mi.Color3f, mi.Float]:
+    """Return what the room alone sends to a point against a direction, and how far away that is [m]; +inf outside."""
+    ray = mi.Ray3f(p, d)
+    pi = room.surfaces.ray_intersect_preliminary(ray, False, True)
+    si = pi.compute_surface_interaction(ray, mi.RayFlags.All, True)
+    return room_radiance(room, pi, si, d, mi.Bool(True)), dr.select(si.is_valid(), si.t, dr.inf)
+
+
 def from_shell(room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Vector3f, mi.Float]:
     """Return the direction from a point to where a direction from the table's centre meets the shell.
 
