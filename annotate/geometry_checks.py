@@ -8,6 +8,7 @@ import numpy as np
 
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import TABLE_ID, Scene
+from ..procedural.description.surroundings import ROOM_IDS, RoomEnvironment
 from ..render.frame import Geometry
 from .projection import disparity, pixel_rays, unproject
 
@@ -56,7 +57,7 @@ def at_pixels(check: str, wrong: np.ndarray, expected: str, values: np.ndarray, 
 
 def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
     """Check ids against the scene, against depth, and against the silhouettes."""
-    opaque = [TABLE_ID, *(prop.id for prop in scene.props)]
+    opaque = [TABLE_ID, *(prop.id for prop in scene.props), *_room_ids(scene)]
     known = [*opaque, *(vessel.id for vessel in scene.vessels)]
     found = [
         *at_pixels("ids", ~np.isin(geometry.id, [0, *known]), f"0 or one of {known}", geometry.id, "id"),
@@ -77,6 +78,12 @@ def check_ids(scene: Scene, geometry: Geometry) -> list[Violation]:
         found += at_pixels("ids", visible & ~reached, "a visible pixel to be reached", reached, where)
         found += at_pixels("ids", reached & ~crossed, "a reached pixel to be crossed", crossed, where)
     return found
+
+
+def _room_ids(scene: Scene) -> list[int]:
+    """Return the ids of a room's surfaces; none where the surroundings have no depth."""
+    room = scene.environment
+    return list(ROOM_IDS.values()) if isinstance(room, RoomEnvironment) and not room.at_infinity else []
 
 
 def check_background(geometry: Geometry) -> list[Violation]:

@@ -9,6 +9,9 @@ import numpy as np
 NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
 _TABLE_ID, _FIRST_OBJECT_ID = 1, 2
+#: First id of a room's surfaces (`procedural.description.surroundings`), and colours of these in turn: dim greys.
+_FIRST_ROOM_ID = 65520
+_ROOM_COLOURS = ((45, 45, 48), (58, 58, 60), (50, 46, 44), (40, 40, 44), (48, 54, 66), (74, 74, 66), (66, 58, 70))
 #: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
 _COLOURS = (
     (230, 80, 70),
@@ -57,7 +60,8 @@ def srgb_curve(value: np.ndarray) -> np.ndarray:
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
     """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
     hit = np.isfinite(Z)
-    shown = hit & (ids >= _FIRST_OBJECT_ID) if (hit & (ids >= _FIRST_OBJECT_ID)).any() else hit
+    objects = hit & (ids >= _FIRST_OBJECT_ID) & (ids < _FIRST_ROOM_ID)
+    shown = objects if objects.any() else hit
     if not shown.any():
         return np.full((*Z.shape, 3), NOTHING, np.uint8), (0.0, 0.0)
     near, far = float(Z[shown].min()), float(Z[shown].max())
@@ -76,11 +80,14 @@ def normal_colours(normal: np.ndarray) -> np.ndarray:
 
 
 def id_colours(ids: np.ndarray) -> np.ndarray:
-    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
-    table = np.array([NOTHING, TABLE_COLOUR, *(id_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
-    return table[ids]
+    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey, and a room is dim."""
+    known, index = np.unique(ids, return_inverse=True)
+    table = np.array([NOTHING if i == 0 else id_colour(int(i)) for i in known], np.uint8).reshape(-1, 3)
+    return table[index].reshape(*ids.shape, 3)
 
 
 def id_colour(object_id: int) -> tuple[int, int, int]:
     """Return the colour of an instance id: red, green, blue."""
+    if object_id >= _FIRST_ROOM_ID:
+        return _ROOM_COLOURS[(object_id - _FIRST_ROOM_ID - 1) % len(_ROOM_COLOURS)]
     return _COLOURS[(object_id - _FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > _TABLE_ID else TABLE_COLOUR

@@ -11,8 +11,7 @@ from .._mitsuba import dr, mi
 from ..frame import Layers
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
-from ..scene.room import ROOM_OBJECT
-from ..scene.surfaces import SurfaceTable, registry_id
+from ..scene.surfaces import ROOM_OBJECT, SurfaceTable, registry_id
 
 # A layer's small integers share one 32-bit word: 16 bits of id, 2 of part, 1 of entering, 13 of material.
 _PART_SHIFT, _ENTERING_SHIFT, _MATERIAL_SHIFT = 16, 18, 19
@@ -116,7 +115,7 @@ def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     scene, table = loaded.description, loaded.surfaces
     materials = materials_of(scene)
     media = np.array([materials.index(medium) for medium in table.media], np.uint32)
-    # The table is object -1; the room, -2, has no material among those of the scene and counts as air.
+    # The table is object -1; the room has no material among those of the scene and counts as air.
     solids = {-1: [materials.index(scene.table.material)], ROOM_OBJECT: [0]}
     for number, item in enumerate(scene.objects):
         solids[number] = [materials.index(piece.material) for piece in item.pieces] if isinstance(item, Prop) else [0]

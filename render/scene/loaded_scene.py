@@ -8,15 +8,14 @@ import numpy as np
 
 from ...core.mesh import as_trimesh
 from ...procedural.description.scene import Scene
-from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
 from .emitters import Emitters
 from .lighting import area_light, envmap, make_literals_opaque
-from .room import lit_emitter, room_surfaces_of
+from .room import lamp_surface, lit_emitter, room_surfaces_of
 from .room_emitter import RoomEmitter
 from .spectrum import check_variant
-from .surfaces import Surface, SurfaceTable, registry_id, surface_table
+from .surfaces import SurfaceTable, registry_id, surface_table
 
 #: Offset of rays from the surface that they leave, along its geometric normal, over the scene's largest coordinate [1].
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
@@ -88,7 +87,7 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     mi_scene = mi.load_dict(contents, optimize=False)
     make_literals_opaque(mi_scene)
     records = {f"body{i}": body.surface for i, body in enumerate(bodies)}
-    light = Surface(0, -1, True, AIR, AIR, 0.0)
+    light = lamp_surface(in_room=bool(room))
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
     opaque = _opaque_bodies(scene, mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}

@@ -21,10 +21,8 @@ from .emitters import Emitters
 from .lighting import make_literals_opaque
 from .room_emitter import RoomEmitter, room_emitter
 from .room_light_map import first_corners, lit_room
-from .surfaces import Surface, registry_id
+from .surfaces import ROOM_OBJECT, Surface, registry_id
 
-#: Number of `Surface.object` of a room.
-ROOM_OBJECT = -2
 # Rays end at the room, so its surfaces have a reflectance alone; its colour is that of each surface's own tile.
 _MATT = OpaqueMaterial(name="room", base_colour=UniformTexture(colour=(0.5, 0.5, 0.5)), roughness=1.0)
 
@@ -44,6 +42,13 @@ def room_surfaces_of(scene: Scene) -> list[RoomSurface]:
         return []
     pose = world_T_room(room)
     return [_surface(described, pose) for described in room_bodies(room)]
+
+
+def lamp_surface(in_room: bool) -> Surface:
+    """Return the record of an area light: without depth in labels, but for lamps in a room that has one."""
+    if not in_room:
+        return Surface(0, -1, True, AIR, AIR, 0.0)
+    return Surface(0, ROOM_OBJECT, True, AIR, AIR, 0.0, label=ROOM_IDS["lamp"])
 
 
 def _surface(described: RoomBody, pose: np.ndarray) -> RoomSurface:

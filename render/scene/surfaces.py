@@ -15,6 +15,8 @@ from .surface_maps import SurfaceMaps, surface_maps
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
+#: `Surface.object` of a room's surfaces and lamps.
+ROOM_OBJECT = -3
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class Surface:
     """One shape as the ray loops see it. `front` and `back` are equal for opaque surfaces."""
 
     instance: int  #: instance id; 0 for lights and for a room, which are surroundings
-    object: int  #: position in `Scene.objects`, -1 for the table and the lights, -2 for the room
+    object: int  #: position in `Scene.objects`, -1 for the table and the lights, `ROOM_OBJECT`
     opaque: bool
     front: Medium  #: the medium that the geometric normal points into
     back: Medium

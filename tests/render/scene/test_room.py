@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from glassware.procedural.description.surroundings import FIRST_ROOM_ID, ROOM_IDS, Panel, RoomEnvironment, Window
+from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives import bodies, scenes
 from glassware.procedural.surroundings.metering import polygon_form_factor
 from glassware.render._mitsuba import dr, mi
@@ -142,7 +143,7 @@ def test_a_point_of_a_wall_has_the_disparity_of_its_depth(backend: str) -> None:
 
 
 def test_pixels_that_see_the_room_directly_keep_their_light(backend: str) -> None:
-    loaded = _loaded(_room(0.5, LAMP, WINDOW), bodies.ball("ball", 0.1, glass="window glass"))
+    loaded = _loaded(_room(0.5, LAMP, WINDOW), bodies.ball(0.1, Medium(name="glass", eta=1.5), (0.0, 0.0, 0.11)))
     camera = loaded.description.cameras[0]
     noisy = trace_picture(loaded, camera, "left", 1)
     clean = denoise_image(noisy)
