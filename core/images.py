@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import cv2
 import numpy as np
 
@@ -32,10 +35,89 @@ _COLOURS = (
 )
 
 
-def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
+@dataclass(frozen=True)
+class Tone:
+    """How linear values become those that sRGB encodes: white balance and a shoulder for highlights."""
+
+    #: Factors on red, green and blue that keep the luminance of white; "grey-world" makes the picture's mean grey.
+    balance: tuple[float, float, float] | Literal["grey-world"] = (1.0, 1.0, 1.0)
+    #: Linear value that is encoded as white. Above 1, values from `KNEE` on are compressed, so that a window shows a
+    #: view; those below do not change.
+    white: float = 1.0
+
+
+#: Linear value at which the shoulder begins [1]: sRGB 217 of 255. A white wall in the light of the meter is below.
+KNEE = 0.7
+#: No colour is balanced by more than this factor between two channels: that of a light bulb against daylight (as for
+#: `dataset.cameras.colour`).
+_MOST_BALANCE = 4.0
+#: Luminance of linear Rec.709.
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LINEAR = Tone()
+
+
+def grey_world(linear: np.ndarray, exposure: float) -> tuple[float, float, float]:
+    """Return the factors on red, green and blue that make the mean of a picture grey (Buchsbaum 1980).
+
+    Values above white count as white: a window is no part of the room's colour. The luminance of white is kept.
+
+    Parameters
+    ----------
+    linear : (H, W, 3) float
+        Linear Rec.709 radiance.
+    exposure : float
+        Factor from radiance to linear values.
+    """
+    mean = np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0).reshape(-1, 3).mean(axis=0)
+    return balance_of(mean)
+
+
+def common_tone(tone: Tone, left: np.ndarray, exposure: float) -> Tone:
+    """Return the tone of both pictures of a pair: what follows from a picture's mean follows from the left one's."""
+    return Tone(grey_world(left, exposure), tone.white) if tone.balance == "grey-world" else tone
+
+
+def balance_of(light: np.ndarray) -> tuple[float, float, float]:
+    """Return the factors on red, green and blue that make a light, (3,) linear Rec.709, grey; they keep luminance."""
+    light = np.maximum(light, light.max() / _MOST_BALANCE)
+    if not light.max() > 0.0:
+        return 1.0, 1.0, 1.0
+    gains = 1.0 / light
+    red, green, blue = (gains / (_LUMINANCE @ gains)).tolist()
+    return red, green, blue
+
+
+def toned(linear: np.ndarray, exposure: float, tone: Tone = LINEAR) -> np.ndarray:
+    """Return the linear values in [0, 1] that sRGB encodes, (H, W, 3) float64.
+
+    Above the knee k the shoulder is k + (1 - k) log(1 + a t) / log(1 + a) with t from 0 to 1 between k and white; a
+    makes its slope 1 at the knee.
+    """
+    gains = grey_world(linear, exposure) if tone.balance == "grey-world" else tone.balance
+    # (A factor of 1 changes no bit.)
+    value = linear.astype(np.float64) * exposure * np.array(gains)
+    if tone.white <= 1.0:
+        return np.clip(value, 0.0, 1.0)
+    span = (tone.white - KNEE) / (1.0 - KNEE)
+    a = _shoulder(span)
+    t = np.clip((value - KNEE) / (tone.white - KNEE), 0.0, 1.0)
+    shoulder = KNEE + (1.0 - KNEE) * np.log1p(a * t) / np.log1p(a)
+    return np.where(value > KNEE, shoulder, np.maximum(value, 0.0))
+
+
+def _shoulder(span: float) -> float:
+    """Return a with a / log(1 + a) = span, by fixed-point iteration, which contracts for spans above 1."""
+    a = 2.0 * span
+    for _ in range(100):
+        a = span * np.log1p(a)
+    return float(a)
+
+
+def srgb8(linear: np.ndarray, exposure: float, tone: Tone = LINEAR) -> np.ndarray:
     """Return the 8-bit picture of a pinhole camera.
 
-    Radiance times exposure, clipped to [0, 1], through the sRGB curve (IEC 61966-2-1:1999), rounded to 255 steps.
+    Radiance times exposure, clipped to [0, 1] or as the tone says, through the sRGB curve (IEC 61966-2-1:1999), rounded
+    to 255 steps.
 
     Parameters
     ----------
@@ -43,13 +125,15 @@ def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
         Linear Rec.709 radiance.
     exposure : float
         Factor from radiance to the linear value that sRGB encodes.
+    tone : Tone
+        White balance and highlights; by default none, and highlights are clipped.
 
     Returns
     -------
     (H, W, 3) uint8
         Red, green, blue.
     """
-    return np.rint(srgb_curve(np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)) * 255.0).astype(np.uint8)
+    return np.rint(srgb_curve(toned(linear, exposure, tone)) * 255.0).astype(np.uint8)
 
 
 def srgb_curve(value: np.ndarray) -> np.ndarray:

@@ -48,6 +48,16 @@ class CameraFile(Model):
         default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"
     )
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    balance: tuple[float, float, float] | Literal["grey-world"] = Field(
+        default=(1.0, 1.0, 1.0),
+        exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
+        description="White balance of the ideal camera's 8-bit pictures: factors on red, green and blue",
+    )
+    white: float = Field(
+        default=1.0,
+        exclude_if=lambda white: white == 1.0,
+        description="Linear value that the ideal camera's 8-bit pictures show as white",
+    )
     grid_index: int | None = Field(
         description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"
     )
@@ -65,6 +75,8 @@ def camera_file(camera: Camera) -> CameraFile:
         world_T_right=camera.world_T_right,
         baseline=camera.baseline,
         exposure=camera.exposure,
+        balance=camera.balance,
+        white=camera.white,
         grid_index=camera.grid_index,
         conventions=CONVENTIONS,
     )
@@ -82,5 +94,7 @@ def camera_of(record: CameraFile) -> Camera:
         world_T_camera=record.world_T_camera,
         baseline=record.baseline,
         exposure=record.exposure,
+        balance=record.balance,
+        white=record.white,
         grid_index=record.grid_index,
     )

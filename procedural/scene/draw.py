@@ -14,7 +14,7 @@ from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.furnished_rooms import room_in_place, with_loose_things
 from ..surroundings.lights import draw_lights
-from ..surroundings.metering import exposure, irradiance
+from ..surroundings.photographer import camera_exposure, toned_cameras
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table, outline
 from ..vessels.draw import draw_vessel
@@ -68,8 +68,9 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     environment = room_in_place(rng, settings.environment, environment, table, far)
     pixels = bake_environment(environment)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
-    exposed = exposure(irradiance(pixels, environment.strength, lights))
+    exposed, light = camera_exposure(table, environment, pixels, lights)
     cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, space, exposed, files.poses)
+    cameras = toned_cameras(settings.cameras, cameras, light)
     environment = with_loose_things(rng, environment, table, lights, cameras, space)
     return Scene(
         seed=seed,

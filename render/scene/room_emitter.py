@@ -170,9 +170,7 @@ def shell_point(room: RoomEmitter, d: mi.Vector3f) -> tuple[mi.Point3f, mi.Norma
     return mi.Point3f(r * d), mi.Normal3f(dr.normalize(room.to_world(normal))), dr.square(r) / cos
 
 
-def radiance_towards(
-    room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f
-) -> tuple[mi.Color3f, mi.Float]:
+def radiance_towards(room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Color3f, mi.Float]:
     """Return what the room alone sends to a point against a direction, and how far away that is [m]; +inf outside."""
     ray = mi.Ray3f(p, d)
     pi = room.surfaces.ray_intersect_preliminary(ray, False, True)
