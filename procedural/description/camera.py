@@ -34,7 +34,7 @@ class Camera(Model):
     balance: tuple[float, float, float] | Literal["grey-world"] = Field(
         default=(1.0, 1.0, 1.0),
         exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
-        description="White balance of the 8-bit pictures: factors on red, green and blue, or by the left picture's mean",
+        description="White balance of the 8-bit pictures: factors on red, green, blue, or by the left picture's mean",
     )
     white: float = Field(
         default=1.0,

@@ -348,6 +348,5 @@ def _chair(room: RoomEnvironment, place: np.ndarray, turn: float, back: float, c
         parts.append(body((-0.5 * leg, y, 0.5 * back), (leg, leg, back)))
         front = seat - _SEAT_THICKNESS
         parts.append(body((-_CHAIR + 0.5 * leg, y, 0.5 * front), (leg, leg, front)))
-    for z in np.linspace(seat + 0.12, back - 0.03, 3):
-        parts.append(body((-0.5 * leg, 0.0, float(z)), (0.018, _CHAIR - 2 * leg, 0.05)))
-    return parts
+    slats = np.linspace(seat + 0.12, back - 0.03, 3).tolist()
+    return parts + [body((-0.5 * leg, 0.0, z), (0.018, _CHAIR - 2 * leg, 0.05)) for z in slats]

@@ -1,4 +1,4 @@
-"""Furniture along the walls of a room: cupboards, shelves with books or bottles, kitchens, benches, radiators, curtains.
+"""Furniture along the walls of a room: cupboards, shelves with books or bottles, kitchens, benches, curtains.
 
 Sizes follow kitchen furniture (EN 1116: 60 cm deep, 90 cm high with a worktop of 4 cm, a plinth of 10 cm), laboratory
 benches (EN 13150: 90 cm high, 75 cm deep) and what furniture shops sell. What has no source is chosen.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -77,9 +78,9 @@ class Place:
 
     def cylinder(self, foot: tuple[float, float, float], size: tuple[float, float, float], colour: Reflectance) -> None:
         """Add an upright cylinder by the middle of its foot, its diameters along and away from the wall, its height."""
-        a, b = self._bounds(foot, foot)
+        place, _ = self._bounds(foot, foot)
         pose = np.eye(4)
-        pose[:3, 3] = a + [0.0, 0.0, 0.5 * size[2]]
+        pose[:3, 3] = place + np.array([0.0, 0.0, 0.5 * size[2]])
         across = size[:2] if WALL_FACES[self.wall] // 2 == 1 else size[1::-1]
         extent = (*across, size[2])
         self.furniture.details.append(
@@ -134,7 +135,7 @@ Item = Callable[[Place, np.random.Generator, Style, float], None]
 
 
 def base_units(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """Kitchen base units under a worktop."""
+    """Add kitchen base units under a worktop."""
     top = _WORKTOP - _TOP_THICKNESS
     place.block((0.0, 0.0, _PLINTH), (width, _BASE_DEPTH, top), style.front)
     place.box((0.0, 0.0, 0.0), (width, _BASE_DEPTH - 0.05, _PLINTH), _BLACK)
@@ -142,12 +143,12 @@ def base_units(place: Place, rng: np.random.Generator, style: Style, width: floa
     drawers = rng.random(8) < 0.35
     for number, (x0, x1) in enumerate(_doors(rng, width)):
         edges = [_PLINTH, 0.36, 0.62, top] if drawers[number % 8] else [_PLINTH, top]
-        for z0, z1 in zip(edges[:-1], edges[1:], strict=True):
+        for z0, z1 in pairwise(edges):
             _front(place, style, (x0, z0, x1, z1), _BASE_DEPTH, across=True)
 
 
 def wall_units(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """Kitchen wall units over base units."""
+    """Add kitchen wall units over base units."""
     base_units(place, rng, style, width)
     low, high = _UNITS[0], min(_UNITS[1], place.furniture.size[2] - 0.1)
     place.block((0.0, 0.0, low), (width, _UNIT_DEPTH, high), style.front)
@@ -156,7 +157,7 @@ def wall_units(place: Place, rng: np.random.Generator, style: Style, width: floa
 
 
 def tall_cupboard(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """A cupboard or a refrigerator with full-height doors."""
+    """Add a cupboard or a refrigerator with full-height doors."""
     high, depth = float(rng.uniform(1.75, 2.1)), float(rng.uniform(0.4, 0.62))
     place.block((0.0, 0.0, 0.06), (width, depth, high), style.front)
     place.box((0.02, 0.0, 0.0), (width - 0.02, depth - 0.04, 0.06), _BLACK)
@@ -168,7 +169,7 @@ def tall_cupboard(place: Place, rng: np.random.Generator, style: Style, width: f
 
 
 def sideboard(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """A sideboard on legs, with a vase or two boxes on it."""
+    """Add a sideboard on legs, with a vase or two boxes on it."""
     foot, high, depth = float(rng.uniform(0.08, 0.2)), float(rng.uniform(0.72, 0.9)), float(rng.uniform(0.36, 0.46))
     place.block((0.0, 0.01, foot), (width, depth, high), style.front)
     place.box((-0.015, 0.0, high), (width + 0.015, depth + 0.03, high + 0.022), style.front, finish="wood")
@@ -185,12 +186,12 @@ def sideboard(place: Place, rng: np.random.Generator, style: Style, width: float
 
 
 def book_shelf(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """Open shelves with books."""
+    """Add open shelves with books."""
     _shelves(place, rng, style, (width, 0.0, float(rng.uniform(1.7, 2.15))), _books)
 
 
 def bottle_bench(place: Place, rng: np.random.Generator, style: Style, width: float) -> None:
-    """A laboratory bench with drawers, and shelves with bottles and boxes over it."""
+    """Add a laboratory bench with drawers, and shelves with bottles and boxes over it."""
     top = _WORKTOP - 0.03
     place.box((0.0, 0.0, top), (width, 0.75, _WORKTOP), _BLACK)
     for x in (0.02, width - 0.06):

@@ -1,4 +1,4 @@
-"""Exposure and colour of the pictures as a photographer would set them: highlights of the table kept, light balanced."""
+"""Exposure and colour of pictures as a photographer sets them: highlights of the table kept, the light balanced."""
 
 from __future__ import annotations
 

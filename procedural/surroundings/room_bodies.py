@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from ...core.mesh import Mesh
 from ..description.surroundings import Detail, Panel, RoomEnvironment, RoomPart, Window
 from .room_finishes import Finish, palette, panel_finish, shell_finish, solid_finish
 from .room_geometry import ALONG, WALL_FACES, Boxes, boxes_of, face_axis, face_frames, face_points
-from .room_light import solve
-from .windows import BAR_REFLECTANCE, BAR_WIDTH, outside_of
+from .room_light import room_irradiance
+from .windows import BAR_REFLECTANCE, BAR_WIDTH
 
 # Distance of the vertices on walls and ceiling, on the floor near the table and on furniture [m]: as fine as the light
 # changes there. The floor is near the table up to the distance after these [m].
@@ -89,7 +90,7 @@ def world_T_room(room: RoomEnvironment) -> np.ndarray:
 def room_bodies(room: RoomEnvironment) -> list[RoomBody]:
     """Return the surfaces of a room, without its ``strength``, in an order that depends on the description alone."""
     boxes = boxes_of(room)
-    faces = solve(room, boxes, outside_of(room))
+    faces = room_irradiance(room)
     cells = np.concatenate([face.reshape(-1, 3) for face in faces])
     light = _Light(boxes, faces, cells.mean(axis=0, dtype=np.float64))
     parts: dict[tuple[RoomPart, Finish], list[_Patch]] = defaultdict(list)
@@ -172,7 +173,7 @@ def _subdivided(breaks: np.ndarray, near: float | None) -> np.ndarray:
         inner = [near - _NEAR, near + _NEAR]
         breaks = np.unique([*breaks, *(x for x in inner if breaks[0] < x < breaks[-1])])
     found = [breaks[:1]]
-    for low, high in zip(breaks[:-1], breaks[1:], strict=True):
+    for low, high in pairwise(breaks):
         fine = near is not None and abs(0.5 * (low + high) - near) < _NEAR
         count = max(1, int(np.ceil((high - low) / (_FLOOR_STEP if fine else _SHELL_STEP) - 1e-6)))
         found.append(low + (high - low) * np.arange(1, count + 1) / count)
@@ -185,7 +186,7 @@ def _grid_faces(shape: tuple[int, int], points: np.ndarray, normal: np.ndarray) 
     a, b, c, d = (x.ravel() for x in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
     faces = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=1)
     p, q, r = (points[faces[0, 0, k]] for k in range(3))
-    return faces if np.cross(q - p, r - p) @ normal > 0.0 else faces[..., ::-1]
+    return faces if np.linalg.det([q - p, r - p, normal]) > 0.0 else faces[..., ::-1]
 
 
 def _box(lower: np.ndarray, upper: np.ndarray, step: float) -> list[tuple[int, _Patch]]:
@@ -363,7 +364,7 @@ def _lamp(room: RoomEnvironment, boxes: Boxes, lamp: Window, number: int, mean: 
         ]
     )
     faces = np.array([[0, 1, 2], [0, 2, 3]])
-    if np.cross(points[1] - points[0], points[2] - points[0]) @ normal < 0.0:
+    if np.linalg.det([points[1] - points[0], points[2] - points[0], normal]) < 0.0:
         faces = faces[:, ::-1]
     patch = _Patch(points, np.tile(normal, (4, 1)), faces, np.array(signs))
     body = _joined(number, "lamp", [patch], mean, np.ones((1, 1, 3), np.float32))

@@ -105,7 +105,7 @@ def _wood(finish: Finish) -> np.ndarray:
 
 
 def _boards(finish: Finish) -> np.ndarray:
-    """Planks along u, two in a row, each of another shade and grain, with dark joints."""
+    """Return planks along u, two in a row, each of another shade and grain, with dark joints."""
     rng, (u, v) = _rng(finish), tile_grid(2 * _FINE)
     count = round(finish.tile / finish.width)
     row = np.minimum((v * count).astype(int), count - 1)
@@ -133,7 +133,7 @@ def _tiles(finish: Finish) -> np.ndarray:
 
 
 def _picture(finish: Finish) -> np.ndarray:
-    """A print: a horizon under a sky, or fields of colour, inside a pale mount."""
+    """Return a print: a horizon under a sky, or fields of colour, inside a pale mount."""
     rng, (u, v) = _rng(finish), tile_grid(_COARSE)
     colour = np.array(finish.colour)
     colours = np.clip(colour * rng.uniform(0.3, 1.7, (4, 3)), 0.02, 0.85)

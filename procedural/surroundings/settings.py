@@ -48,8 +48,8 @@ class EnvironmentSettings(Model):
     )
     room_depth: bool = Field(
         default=True,
-        description="Whether a procedural room is furnished and has its walls in their places, with depth and parallax; "
-        "otherwise it is a map at infinity",
+        description="Whether a procedural room is furnished and has its walls in their places, with depth and "
+        "parallax; otherwise it is a map at infinity",
     )
     room_uses: tuple[DrawnUse, ...] = Field(
         default=("kitchen", "laboratory", "dining-room", "study"),

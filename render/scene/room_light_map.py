@@ -19,11 +19,14 @@ from .emitters import Emitters, emitted, emitter_pdf, sample_emitter, unoccluded
 from .rays import leave
 from .room_emitter import RoomEmitter, is_of_room
 
-#: Rays of each vertex by each strategy, round by round [1]. The first spreads the light to small bodies.
-ROUNDS = (16, 128)
-#: Points of the rays start this far off their surface, and at most this far from its edge towards its middle [m]:
-#: vertices on an edge would lie in the neighbouring surface.
-_LIFT, _INSET = 2e-3, 0.012
+#: Rays of each vertex by each strategy [1]: in the first round, which spreads the light to small bodies, and of these
+#: in the last one; and in the last round of walls, floor and ceiling, where shadows fall. (A third number would compile
+#: another kernel.)
+FEW_RAYS, RAYS = 32, 128
+#: Points of the rays start this far off their surface, and at most this far from its edge towards its middle [m], and
+#: this share of the way: vertices on an edge would lie in the neighbouring surface.
+_LIFT, _INSET, _INSET_SHARE = 2e-3, 0.012, 0.25
+_SHELL = ("wall", "floor", "ceiling", "table-leg")
 #: Share of rays that meet a surface from behind above which a vertex is taken to be inside a body [1].
 _BURIED = 0.3
 #: Passes that give vertices inside bodies the light of their neighbours [1], and vertices traced at once.
@@ -47,8 +50,11 @@ def lit_room(bake: Emitters, bodies: list[tuple[int, RoomBody, np.ndarray]], tab
     lit = [(body, pose) for _, body, pose in bodies if body.radiance is None]
     points, normals = (np.concatenate(found) for found in zip(*(_origins(*one) for one in lit), strict=True))
     assert bake.room is not None
-    for rays in ROUNDS:
-        light, buried = _all_gathered(bake, points, normals, rays, table_irradiance)
+    large = np.concatenate([np.full(len(body.mesh.vertices), body.part in _SHELL) for body, _ in lit])
+    for last in (False, True):
+        light, buried = np.empty((len(points), 3)), np.empty(len(points))
+        for some, rays in ((large & last, RAYS), (~(large & last), FEW_RAYS)):
+            light[some], buried[some] = _all_gathered(bake, points[some], normals[some], rays, table_irradiance)
         corners, first = [], 0
         for _, body, _ in bodies:
             if body.radiance is not None:
@@ -67,7 +73,10 @@ def lit_room(bake: Emitters, bodies: list[tuple[int, RoomBody, np.ndarray]], tab
 
 def _origins(body: RoomBody, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return where the rays of a body's vertices start, and the normals there, in the world."""
-    inset = body.inward * np.minimum(1.0, _INSET / np.maximum(np.linalg.norm(body.inward, axis=1), 1e-9))[:, None]
+    # Along the surface alone: a cylinder's middle is inside it.
+    inward = body.inward - (body.inward * body.normals).sum(axis=1, keepdims=True) * body.normals
+    length = np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-9)
+    inset = inward * np.minimum(_INSET_SHARE, _INSET / length)
     points = body.mesh.vertices + inset + _LIFT * body.normals
     return points @ pose[:3, :3].T + pose[:3, 3], body.normals @ pose[:3, :3].T
 
@@ -75,6 +84,8 @@ def _origins(body: RoomBody, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _all_gathered(
     bake: Emitters, points: np.ndarray, normals: np.ndarray, rays: int, table: float
 ) -> tuple[np.ndarray, np.ndarray]:
+    if not len(points):
+        return np.zeros((0, 3)), np.zeros(0)
     parts = [
         _gathered(bake, points[k : k + _VERTICES_PER_PASS], normals[k : k + _VERTICES_PER_PASS], rays, table)
         for k in range(0, len(points), _VERTICES_PER_PASS)
