@@ -1,4 +1,4 @@
-"""The vertices of an object from which its keypoints and amodal boxes are computed."""
+"""Points of an object: vertices for keypoints and amodal boxes, and a uniform sample of its surface."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from ..procedural.description.scene import MeshVessel, Prop, SceneObject, Vessel
+from ..procedural.description.scene import MeshVessel, Prop, SceneObject, Vessel, glass_solid
 
 
 def hull_vertices(item: SceneObject) -> np.ndarray:
@@ -33,6 +33,30 @@ def outside_vertices(item: SceneObject) -> np.ndarray:
     section = np.stack([np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2]], axis=1)
     outer, inner = (_distance(section, np.asarray(profile, np.float64)) for profile in (item.outer, item.inner))
     return vertices[outer < inner]
+
+
+def surface_points(item: SceneObject, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return points on an object's surface, object frame, (count, 3) float64 [m], uniform by area.
+
+    Of a glass body they are on the glass, inside and outside, whatever is in it.
+
+    Parameters
+    ----------
+    item : GlassBody or Prop
+        The object.
+    count : int
+        Number of points.
+    rng : numpy.random.Generator
+        Source of randomness.
+    """
+    mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
+    corners = mesh.vertices[mesh.faces].astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(normals, axis=1)
+    chosen = corners[rng.choice(len(corners), count, p=area / area.sum())]
+    # Turk, "Generating Random Points in Triangles", Graphics Gems, 1990: sqrt makes them uniform.
+    root, along = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
+    return (1.0 - root) * chosen[:, 0] + root * (1.0 - along) * chosen[:, 1] + root * along * chosen[:, 2]
 
 
 def _distance(points: np.ndarray, profile: np.ndarray) -> np.ndarray:

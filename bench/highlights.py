@@ -45,7 +45,8 @@ def _shares(scene: Scene, spp: int) -> tuple[float, float]:
         white = (picture == 255).any(axis=-1)
         table.append(white[trace_geometry(loaded, camera).id == TABLE_ID])
         whole.append(white.ravel())
-    return tuple(float(np.concatenate(found).mean()) if sum(map(len, found)) else 0.0 for found in (table, whole))
+    shares = [float(np.concatenate(found).mean()) if sum(map(len, found)) else 0.0 for found in (table, whole)]
+    return shares[0], shares[1]
 
 
 def main() -> None:

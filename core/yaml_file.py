@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
+from yaml.reader import ReaderError
 
 from .errors import InputError
 from .folders import regular_content
@@ -25,7 +26,7 @@ def yaml_settings(path: str | Path, where: str = "--config") -> dict[str, Any]:
         _check_names(path, yaml.compose(text, yaml.SafeLoader), set())
         settings = yaml.safe_load(text)
     except yaml.YAMLError as error:
-        raise InputError(path, "valid YAML", str(error)) from error
+        raise InputError(yaml_place(path, error), "valid YAML", yaml_problem(error)) from error
     except InputError:
         raise
     except ValueError as error:  # impossible dates and numbers
@@ -35,6 +36,24 @@ def yaml_settings(path: str | Path, where: str = "--config") -> dict[str, Any]:
     if not isinstance(settings, dict | None):
         raise InputError(path, "a mapping of settings", type(settings).__name__)
     return settings or {}
+
+
+def yaml_place(path: str | Path, error: yaml.YAMLError) -> str:
+    """Return the file, and where it is known the line and column, both from 1, at which YAML does not go on."""
+    mark = error.problem_mark if isinstance(error, yaml.MarkedYAMLError) else None
+    return f"{path}, line {mark.line + 1}, column {mark.column + 1}" if mark else str(path)
+
+
+def _code_point(character: str | int) -> int:
+    return character if isinstance(character, int) else ord(character)
+
+
+def yaml_problem(error: yaml.YAMLError) -> str:
+    """Return what is wrong there, on one line."""
+    if isinstance(error, ReaderError):
+        return f"the character U+{_code_point(error.character):04X} at position {error.position}"
+    found = [error.context, error.problem] if isinstance(error, yaml.MarkedYAMLError) else [str(error)]
+    return " ".join(" ".join(text.split()) for text in found if text)
 
 
 def _check_names(path: str | Path, node: yaml.Node | None, seen: set[int]) -> None:

@@ -133,7 +133,7 @@ def settings_of(name: str, seed: int, steps: int) -> dict[str, Any]:
         "network": dict(experiment.network),
         "views": {**experiment.views, "size": list(SIZE)},
         "losses": dict(experiment.losses),
-        "machine": {"accelerator": "cpu", "threads": 1, "workers": 1, "precision": "bf16-mixed"},
+        "machine": {"accelerator": "cpu", "threads": 1, "workers": 1, "precision": "auto"},
         "optimiser": {"warmup": 50, "learning_rate": experiment.rate},
         "seed": seed,
         "steps": round(steps * experiment.steps_fraction),

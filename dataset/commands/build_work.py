@@ -102,7 +102,11 @@ def _made(request: BuildDataset, views: int, seconds: float) -> str:
 def _with_space(request: BuildDataset, root: Path, scenes: Sequence[int], console: Console) -> BuildDataset:
     """Say what the build is likely to take, and ask where it does not fit; return the request with the answer."""
     there = set() if request.overwrite else set(layout.scene_ids(root))
-    need = estimated(root, request.settings, request.write, len(set(scenes) - there))
+    missing = len(set(scenes) - there)
+    need = estimated(root, request.settings, request.write, missing)
+    if not missing:
+        console.print(f"all {counted(len(set(scenes)), 'scene')} are there", markup=False, highlight=False)
+        return request
     console.print(
         f"about {sized(need.each)} a pair, {sized(need.total)} in all, {sized(need.free)} free; "
         "the first scene measures space and time",

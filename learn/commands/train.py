@@ -21,10 +21,12 @@ _DESCRIPTION = """Train a network that finds glass in pictures: its boxes, masks
 
   glassware train data --config network.yaml --out out-train
   glassware train data --config network.yaml --out out-train --resume out-train/last.safetensors
+  glassware train other --init out-train/best.safetensors --out out-tuned
 
 DATA is a data set of several scenes (build-dataset), split into train, val and test. OUT gets the last weights, those
-of the least validation loss (best.safetensors), and a log. Settings come from the YAML file, then from these options. A
-run that was stopped goes on with --resume and ends with the weights of a run without a stop."""
+of the least validation loss (best.safetensors), and a log. Settings come from the YAML file, then from these options.
+A run that was stopped goes on with --resume and ends with the weights of a run without a stop. --init begins a new
+run with the network of another one: on other data, with other settings, or for longer."""
 
 
 class Train(TrainSettings):
@@ -33,6 +35,9 @@ class Train(TrainSettings):
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of the data set")
     out: UserPath = Field(default=Path("out-train"), description="Output folder")
     resume: UserPath | None = Field(default=None, description="Checkpoint to resume from")
+    init: UserPath | None = Field(
+        default=None, description="Checkpoint whose network and weights a new run begins with, such as on other data"
+    )
     config: UserPath | None = Field(default=None, description="YAML file of settings")
 
 
@@ -56,7 +61,7 @@ def _train(arguments: Sequence[str]) -> None:
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
-    train(settings, request.data, request.out, request.resume, say)
+    train(settings, request.data, request.out, request.resume, say, request.init)
 
 
 if __name__ == "__main__":

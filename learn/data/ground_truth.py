@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ...annotate.labels import ObjectLabel
+from ...annotate.surface import surface_points
 from ...annotate.symmetries import Symmetry
 from ...core.errors import InputError
+from ...core.randomness import stream
 from ...dataset.format import layout
 from ...dataset.format.exr import channel, read_exr
 from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
 from ...dataset.format.pictures import read_png
 from ...dataset.reader import StoredView
-from ...procedural.description.scene import TABLE_ID
+from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.description.surroundings import FIRST_ROOM_ID
 from ..targets.objects import ViewObject, canonical_pose
 from .views import check_rigid
 
 #: Greatest depth and longest side of a label [m]: larger values are not in metres.
 MAX_LENGTH = 1000.0
+#: Points of an object's surface for ADD and ADD-S: means over them are within 1 % of those over many more.
+SURFACE_POINTS = 2000
 #: Id of pixels without a surface.
 _BACKGROUND_ID = 0
 #: Axes of revolution of an object: z, and another one for a ball.
@@ -36,6 +40,7 @@ class GroundTruth:
     Z: np.ndarray  #: (H, W) float32 [m]; +inf for none
     objects: tuple[ViewObject, ...]
     keypoints: dict[int, np.ndarray]  #: by object id, (k, 3) float64 in the object frame [m]
+    surface: dict[int, np.ndarray] = field(default_factory=dict)  #: points of the surface likewise, where asked for
 
 
 def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, int]) -> GroundTruth:
@@ -79,6 +84,12 @@ def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, i
         raise InputError(view.folder / layout.LABELS, f"an object {unknown[0]}, which {layout.INSTANCES} has", "none")
     keypoints = {record.id: np.array(record.keypoints, np.float64).reshape(-1, 3) for record in objects.objects}
     return GroundTruth(instances, Z, found, keypoints)
+
+
+def scene_surface_points(scene: Scene) -> dict[int, np.ndarray]:
+    """Return points of the surface of each object of a scene, by id, (`SURFACE_POINTS`, 3) in its frame [m]."""
+    rng = stream(scene.seed, scene.scene_id, "learn/surface-points")
+    return {item.id: surface_points(item, SURFACE_POINTS, rng) for item in scene.objects}
 
 
 def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,15 +16,21 @@ from ...core.randomness import stream
 from ...dataset.format.camera_file import CameraFile
 from ...dataset.format.objects_file import ObjectsFile
 from ...dataset.reader import Dataset, Eye, StoredScene, StoredView
+from ...procedural.description.scene import TABLE_ID
 from ..targets.encoding import Encoding
 from ..targets.view import view_targets
 from .augment import augmented
-from .ground_truth import GroundTruth, read_ground_truth
+from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
 from .scaling import scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from .views import CameraView, check_picture, check_sizes, read_camera, read_view
+
+#: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
+DEPTH_QUANTILES = (0.005, 0.995)
+#: A view's depths, by as many quantiles: at steps finer than `DEPTH_QUANTILES`.
+_QUANTILES = np.linspace(0.0, 1.0, 1001)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +89,7 @@ class SampleDataset(TorchDataset):
             raise InputError("views.count", "2 with the rule stereo", views.count)
         self._root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
+        self._surface_of: dict[int, dict[int, np.ndarray]] = {}
         self._objects_of: dict[int, ObjectsFile] = {}
         self._cameras_of: dict[int, list[CameraFile]] = {}
         scenes = scenes_of(Dataset.open(root), split)
@@ -104,7 +111,7 @@ class SampleDataset(TorchDataset):
         pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
             pictures = augmented(pictures, self._augment, rng)
-        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size)
+        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
         targets = view_targets(labels.instances, labels.Z, labels.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
@@ -112,11 +119,15 @@ class SampleDataset(TorchDataset):
             world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in views])).float(),
             K=torch.from_numpy(np.stack([view.K for view in views])).float(),
             targets={name: torch.from_numpy(values) for name, values in targets.items()},
-            ground_truth=labels if self._with_ground_truth else None,
+            ground_truth=replace(labels, surface=self._surface(scene)) if self._with_ground_truth else None,
         )
 
     def depth_range(self, max_views: int = 64) -> tuple[float, float]:
-        """Return the least and the greatest depth of objects and table over evenly spaced references [m].
+        """Return the depths between which objects lie, over evenly spaced references [m].
+
+        They are quantiles (`DEPTH_QUANTILES`) of the depths of object pixels, each view with the same weight, or of
+        those of the table where there are no objects. Between the extremes of table and objects most planes would lie
+        where no object is: with 24 inverse planes from 0.20 to 1.83 m, 99 % of object pixels were between 9 of them.
 
         Parameters
         ----------
@@ -124,21 +135,23 @@ class SampleDataset(TorchDataset):
             Approximate limit of the views that are read.
         """
         step = max(len(self) // max_views, 1)
-        limits = []
+        of_objects, of_table = [], []
         for scene, view in self._references[::step]:
             labels = self._ground_truth(scene, view)
-            depths = labels.Z[(labels.instances > 0) & np.isfinite(labels.Z)]
-            if depths.size:
-                limits.append((float(depths.min()), float(depths.max())))
-        if not limits:
+            for found, surface in ((of_objects, labels.instances > TABLE_ID), (of_table, labels.instances == TABLE_ID)):
+                depths = labels.Z[surface & np.isfinite(labels.Z)]
+                if depths.size:
+                    found.append(np.quantile(depths, _QUANTILES))
+        if not of_objects + of_table:
             raise InputError(self._root, "a view with a surface in it", "none")
-        return min(near for near, _ in limits), max(far for _, far in limits)
+        near, far = np.quantile(np.concatenate(of_objects or of_table), DEPTH_QUANTILES)
+        return float(near), float(far)
 
     def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE
 
     def _view(self, view: StoredView, eye: Eye) -> CameraView:
-        scaled = scaled_view(read_view(view, eye), self._views.size)
+        scaled = scaled_view(read_view(view, eye), self._views.size, self._views.fit)
         check_picture(scaled.picture, view.folder / f"{eye}.png")
         return scaled
 
@@ -177,6 +190,11 @@ class SampleDataset(TorchDataset):
         if scene.scene_id not in self._cameras_of:
             self._cameras_of[scene.scene_id] = [read_camera(view) for view in scene.views]
         return self._cameras_of[scene.scene_id]
+
+    def _surface(self, scene: StoredScene) -> dict[int, np.ndarray]:
+        if scene.scene_id not in self._surface_of:
+            self._surface_of[scene.scene_id] = scene_surface_points(scene.scene())
+        return self._surface_of[scene.scene_id]
 
     def _objects(self, scene: StoredScene) -> ObjectsFile:
         if scene.scene_id not in self._objects_of:

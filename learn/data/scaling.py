@@ -1,8 +1,9 @@
-"""Resizing of images, cameras and ground truth."""
+"""Resizing of images, cameras and ground truth to the size of a network, and of its predictions back."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -11,9 +12,52 @@ from ..targets.objects import ViewObject
 from .ground_truth import GroundTruth
 from .views import CameraView
 
+FitRule = Literal["letterbox", "stretch"]
+#: Value of pixels beside a picture of another shape: the middle of the range, about where networks have their mean.
+BORDER = 128
 
-def scaled_view(view: CameraView, size: tuple[int, int] | None) -> CameraView:
-    """Return a view at another size; its camera keeps the field of view, so the aspect ratio of pixels may change.
+_Size = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Where a picture lies in one of another size; sizes are height and width [px]."""
+
+    old: _Size
+    inner: _Size  #: of the picture in the new one
+    new: _Size
+    top: int
+    left: int
+
+    @property
+    def inside(self) -> tuple[slice, slice]:
+        """The rows and columns of the new picture that show the old one."""
+        (height, width), top, left = self.inner, self.top, self.left
+        return slice(top, top + height), slice(left, left + width)
+
+
+def fitted(old: _Size, new: _Size | None, rule: FitRule = "letterbox") -> Fit:
+    """Return how a picture is put into another size.
+
+    Parameters
+    ----------
+    old : (int, int)
+        Height and width [px].
+    new : (int, int), optional
+        Those wanted; None keeps the old ones.
+    rule : str
+        ``letterbox``: as large as possible at its own shape, in the middle, with a grey border; ``stretch``: all of the
+        new picture, whose pixels then have another aspect ratio.
+    """
+    if new is None or rule == "stretch":
+        return Fit(old, new or old, new or old, 0, 0)
+    scale = min(after / before for before, after in zip(old, new, strict=True))
+    height, width = (max(1, min(after, round(scale * before))) for before, after in zip(old, new, strict=True))
+    return Fit(old, (height, width), new, (new[0] - height) // 2, (new[1] - width) // 2)
+
+
+def scaled_view(view: CameraView, size: _Size | None, rule: FitRule = "letterbox") -> CameraView:
+    """Return a view at another size; its camera keeps the field of view.
 
     Images are reduced by averaging over the area of each new pixel, and enlarged by bilinear interpolation.
 
@@ -21,21 +65,27 @@ def scaled_view(view: CameraView, size: tuple[int, int] | None) -> CameraView:
     ----------
     view : CameraView
         The view.
-    size : (int, int), optional
-        Height and width [px]; None keeps the stored size.
+    size, rule : (int, int), str
+        As in `fitted`.
     """
-    if size is None or size == view.picture.shape[:2]:
+    fit = fitted((view.picture.shape[0], view.picture.shape[1]), size, rule)
+    if fit.old == fit.new:
         return view
-    height, width = size
-    shrinks = height <= view.picture.shape[0] and width <= view.picture.shape[1]
-    method = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-    # In floating point, because OpenCV's interpolation of bytes has errors of up to 0.7.
-    picture = np.rint(cv2.resize(view.picture.astype(np.float32), (width, height), interpolation=method))
-    picture = picture.astype(np.uint8)
-    return CameraView(picture, view.world_T_camera, scaled_K(view.K, view.picture.shape[:2], size))
+    inner = _resized(view.picture, fit.inner)
+    picture = inner
+    if fit.inner != fit.new:
+        picture = np.full((*fit.new, 3), BORDER, np.uint8)
+        picture[fit.inside] = inner
+    return CameraView(picture, view.world_T_camera, fitted_K(view.K, fit))
 
 
-def scaled_K(K: np.ndarray, old: tuple[int, int], new: tuple[int, int]) -> np.ndarray:
+def fitted_K(K: np.ndarray, fit: Fit) -> np.ndarray:
+    """Return the intrinsic matrix of a picture put into another one."""
+    moved = scaled_K(K, fit.old, fit.inner)
+    return np.array([[1.0, 0.0, fit.left], [0.0, 1.0, fit.top], [0.0, 0.0, 1.0]]) @ moved
+
+
+def scaled_K(K: np.ndarray, old: _Size, new: _Size) -> np.ndarray:
     """Return the intrinsic matrix of a resized image.
 
     Pixel (0, 0) has its centre at (0, 0), so its outer corner (-1/2, -1/2) is the fixed point: u' = s (u + 1/2) - 1/2
@@ -53,14 +103,45 @@ def scaled_K(K: np.ndarray, old: tuple[int, int], new: tuple[int, int]) -> np.nd
     return scale @ K
 
 
-def scaled_ground_truth(labels: GroundTruth, size: tuple[int, int] | None) -> GroundTruth:
-    """Return ground truth at another size, by nearest neighbour: depths and ids are never averaged."""
-    old = labels.Z.shape
-    if size is None or size == old:
+def scaled_ground_truth(labels: GroundTruth, size: _Size | None, rule: FitRule = "letterbox") -> GroundTruth:
+    """Return ground truth at another size, by nearest neighbour: depths and ids are never averaged.
+
+    A border has no surface: the id 0 and infinite depth.
+    """
+    fit = fitted((labels.Z.shape[0], labels.Z.shape[1]), size, rule)
+    if fit.old == fit.new:
         return labels
-    rows, columns = (_nearest(before, after) for before, after in zip(old, size, strict=True))
-    instances, Z = (np.ascontiguousarray(values[rows][:, columns]) for values in (labels.instances, labels.Z))
+    instances, Z = (_fitted_values(values, fit, empty) for values, empty in ((labels.instances, 0), (labels.Z, np.inf)))
     return replace(labels, instances=instances, Z=Z, objects=tuple(_recounted(o, instances) for o in labels.objects))
+
+
+def restored(values: np.ndarray, fit: Fit) -> np.ndarray:
+    """Return maps (..., H', W') of a network at the size of the stored picture, by nearest neighbour, (..., H, W)."""
+    rows, columns = (_nearest(before, after) for before, after in zip(fit.inner, fit.old, strict=True))
+    return np.ascontiguousarray(values[(..., *fit.inside)][..., rows[:, None], columns])
+
+
+def restored_points(points: np.ndarray, fit: Fit) -> np.ndarray:
+    """Return image coordinates (x, y), (..., 2), of a network in the stored picture [px]."""
+    scale = np.array([fit.old[1] / fit.inner[1], fit.old[0] / fit.inner[0]])
+    return (points - np.array([fit.left, fit.top]) + 0.5) * scale - 0.5
+
+
+def _resized(picture: np.ndarray, size: _Size) -> np.ndarray:
+    height, width = size
+    if size == picture.shape[:2]:
+        return picture
+    shrinks = height <= picture.shape[0] and width <= picture.shape[1]
+    method = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    # In floating point, because OpenCV's interpolation of bytes has errors of up to 0.7.
+    return np.rint(cv2.resize(picture.astype(np.float32), (width, height), interpolation=method)).astype(np.uint8)
+
+
+def _fitted_values(values: np.ndarray, fit: Fit, empty: float) -> np.ndarray:
+    rows, columns = (_nearest(before, after) for before, after in zip(fit.old, fit.inner, strict=True))
+    found = np.full(fit.new, empty, values.dtype)
+    found[fit.inside] = values[rows][:, columns]
+    return found
 
 
 def _nearest(before: int, after: int) -> np.ndarray:

@@ -28,6 +28,10 @@ class ViewSettings(Model):
     size: tuple[_Side, _Side] | None = Field(
         default=None, description="Height and width that images are resized to, multiples of 32 [px]; null: as stored"
     )
+    fit: Literal["letterbox", "stretch"] = Field(
+        default="letterbox",
+        description="Images of another shape than size: letterbox keeps theirs, with a grey border; stretch fills size",
+    )
 
 
 class AugmentSettings(Model):

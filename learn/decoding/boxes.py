@@ -28,7 +28,10 @@ def boxes_from_fields(
     """Return the poses and sizes of boxes.
 
     The corners alone give a box up to its scale. Their rotation is a guess that gives order and signs to the axes of
-    the covariance. Then centre and size follow from the corners, that rotation and the depth.
+    the covariance. The size follows from the covariance along these axes: side^2 / 12 is the variance of a uniform
+    density. A size from the corners would be ill-conditioned, as a pixel of error in some of them is a large error
+    along the line of sight. Then the centre follows from the corners, rotation, size and depth. With the rotation from
+    ``vertices`` alone, as in the released code, the size follows from the corners as well.
 
     Parameters
     ----------
@@ -41,7 +44,7 @@ def boxes_from_fields(
     K : (n, 3, 3) Tensor
         Intrinsic matrices [px].
     rotation : str
-        Source of the rotation: ``covariance``, or ``vertices`` alone.
+        Source of rotation and size: ``covariance``, or ``vertices`` alone.
 
     Returns
     -------
@@ -54,7 +57,10 @@ def boxes_from_fields(
     R = rotation_from_vertices(rays)
     if rotation == "covariance":
         R = rotation_from_covariance(covariance.double(), R)
-    centre, size = _centre_and_size(rays, R, depth.double())
+        size = size_from_covariance(covariance.double(), R)
+        centre = _centre(rays, R, depth.double(), size)
+    else:
+        centre, size = _centre_and_size(rays, R, depth.double())
     pose = torch.eye(4, dtype=torch.float64, device=R.device).repeat(len(R), 1, 1)
     pose[:, :3, :3], pose[:, :3, 3] = R, centre
     return pose, size
@@ -115,6 +121,12 @@ def rotation_from_covariance(covariance: Tensor, guess: Tensor) -> Tensor:
     return result.scatter(2, index, chosen)
 
 
+def size_from_covariance(covariance: Tensor, R: Tensor) -> Tensor:
+    """Return the sides of boxes, (n, 3) [m], along the columns of rotations: sqrt(12 R_j^T C R_j)."""
+    variance = (R * (covariance @ R)).sum(1)
+    return (12.0 * variance.clamp_min(0.0)).sqrt().clamp_min(MIN_SIDE)
+
+
 def nearest_rotation(matrices: Tensor, sign: Tensor | float = 1.0) -> Tensor:
     """Return the nearest orthogonal matrices of matrices (..., 3, 3), with determinants of a given sign (...)."""
     U, _, Vh = torch.linalg.svd(matrices)
@@ -133,6 +145,13 @@ def _same_variance(variance: Tensor) -> Tensor:
 def _parity(orders: Tensor) -> Tensor:
     """Return the determinant of each permutation, (6,)."""
     return torch.linalg.det(torch.eye(3, device=orders.device, dtype=torch.float64)[orders]).round()
+
+
+def _centre(rays: Tensor, R: Tensor, depth: Tensor, size: Tensor) -> Tensor:
+    """Return the centres, (n, 3), of boxes of known size: the least squares of `_centre_and_size`, which are means."""
+    corners = 0.5 * (_signs(rays) * size[:, None]) @ R.mT  # (n, 8, 3): from the centre
+    seen = rays * (depth[:, None] + corners[..., 2])[..., None]
+    return torch.cat([(seen - corners[..., :2]).mean(1), depth[:, None]], dim=1)
 
 
 def _centre_and_size(rays: Tensor, R: Tensor, depth: Tensor) -> tuple[Tensor, Tensor]:

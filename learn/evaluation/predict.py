@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
 from ...dataset.format.exr import write_exr
 from ...dataset.format.pictures import write_png
 from ..data.samples import image_tensor
-from ..data.scaling import scaled_view
+from ..data.scaling import Fit, fitted, restored, restored_points, scaled_view
 from ..data.views import MAX_VALUE, CameraView, check_camera, check_picture, check_sizes
 from ..data.visualise import coloured_depth, depth_limits, with_boxes
 from ..decoding.decode import Detections, decode
@@ -40,7 +40,7 @@ CATEGORY = "object"
 class Prediction:
     """Depth and objects that a network predicts for a reference image."""
 
-    depth: np.ndarray  #: (H, W) float32 [m]
+    depth: np.ndarray  #: (H, W) float32 [m], at the size of the image
     objects: Detections
 
 
@@ -77,7 +77,7 @@ def predict(
     stored = [read_image_and_camera(path) for path in images]
     if not trust_cameras:
         check_cameras(stored, images)
-    views = [scaled_view(view, settings.views.size) for view in stored]
+    views = [scaled_view(view, settings.views.size, settings.views.fit) for view in stored]
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)
@@ -90,9 +90,18 @@ def predict(
     fields = {name: value.float().cpu() for name, value in outputs.items()}
     check_finite(fields, str(images[0]))
     (found,) = decode(fields, K[:, 0].double(), encoding)
-    prediction = Prediction(fields["depth"][0].numpy(), found)
-    _write(prediction, views[0].picture, views[0].K, images, out)
+    first = stored[0]
+    fit = fitted((first.picture.shape[0], first.picture.shape[1]), settings.views.size, settings.views.fit)
+    prediction = Prediction(restored(fields["depth"][0].numpy(), fit), _restored(found, fit))
+    _write(prediction, first.picture, first.K, images, out)
     return prediction
+
+
+def _restored(found: Detections, fit: Fit) -> Detections:
+    """Return detections with masks and peaks in the pixels of the stored picture."""
+    mask = torch.from_numpy(restored(found.mask.cpu().numpy(), fit))
+    peak = torch.from_numpy(restored_points(found.peak.cpu().numpy(), fit))
+    return replace(found, mask=mask, peak=peak)
 
 
 def read_image_and_camera(path: Path) -> CameraView:

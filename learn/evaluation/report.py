@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from ..metrics.depth import mean_errors
+from ..metrics.depth import constant_errors, mean_errors
 from ..metrics.detection import average_precision, mean_overlap
 from ..metrics.instances import instance_precision, mask_overlaps
 from ..metrics.pose import area_under_curve, fraction_near
@@ -21,9 +21,10 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     """Return all metrics as JSON data: numbers, and None where a metric is undefined.
 
     Depth is in metres, angles in degrees, fractions from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and group
-    of pixels. ``boxes``: average precision at three IoUs, and the mean IoU of the detected objects (the 3D IoU of the
-    paper) and of all. ``masks``: COCO average precision, and the mean IoU of all. ``pose``: see `pose_metrics`. Then
-    pose metrics by category and by fill of a vessel.
+    of pixels. ``floors``: the same at full size of what needs no network, the best constant depth and the true median
+    of each picture's pixels. ``boxes``: average precision at three IoUs, and the mean IoU of the detected objects (the
+    3D IoU of the paper) and of all. ``masks``: COCO average precision, and the mean IoU of all. ``pose``: see
+    `pose_metrics`. Then pose metrics by category and by fill of a vessel.
     """
     boxes = [score.boxes for score in scores]
     masks = [score.masks for score in scores]
@@ -38,6 +39,7 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
                 kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXEL_GROUPS
             },
         },
+        "floors": {kind: _floors(kind, scores) for kind in PIXEL_GROUPS},
         "boxes": {
             **{f"ap{round(100 * at)}": average_precision(boxes, at) for at in (0.25, 0.5, 0.75)},
             "iou_found": iou_found,
@@ -49,6 +51,14 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
     }
     return _nan_to_none(whole)
+
+
+def _floors(kind: str, scores: Sequence[SampleScore]) -> dict[str, Any]:
+    constant = constant_errors([score.histograms[kind] for score in scores])
+    return {
+        "constant": None if constant is None else {"depth": constant[0], **asdict(constant[1])},
+        "picture_median": _asdict(mean_errors([score.picture_median[kind] for score in scores])),
+    }
 
 
 def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
@@ -84,31 +94,44 @@ def fill_class(item: ObjectScore) -> str:
 
 
 def tables(found: dict[str, Any]) -> list[Table]:
-    """Return the result of `summarise` as tables: the columns of the paper, depth, groups of objects."""
+    """Return the result of `summarise` as tables: the columns of the paper, depth, floors, groups of objects.
+
+    The paper's mAP of masks is the average precision at an IoU of 0.5, mask AP50 here; mask AP is COCO's.
+    """
     depth, boxes, masks, pose = (found[name] for name in ("depth", "boxes", "masks", "pose"))
     objects = depth["cleargrasp"]["objects"] or {}
     paper = [objects.get("rmse"), objects.get("mae"), objects.get("rel"), boxes["ap25"], boxes["iou_found"]]
-    names = ("RMSE [m]", "MAE [m]", "REL", "3D AP25", "3D IoU found", "mask AP", "mask IoU", "AUC", "<2 cm", "found")
-    values = [*paper, masks["ap"], masks["iou_all"], pose["auc"], pose["near"], pose["found"]]
+    names = ("RMSE [m]", "MAE [m]", "REL", "3D AP25", "3D IoU found", "mask AP50", "mask AP", "mask IoU")
+    names += ("AUC", "<2 cm", "found")
+    values = [*paper, masks["ap50"], masks["ap"], masks["iou_all"], pose["auc"], pose["near"], pose["found"]]
     first = _table(f"{found['samples']} samples", names, [values])
-    kinds = _table(
-        "depth", ("size", "pixels", "RMSE [m]", "MAE [m]", "REL", "1.05", "1.10", "1.25"), _depth_rows(depth)
-    )
+    heading = ("pixels", "RMSE [m]", "MAE [m]", "REL", "1.05", "1.10", "1.25")
+    kinds = _table("depth", ("size", *heading), _depth_rows(depth))
+    floors = _table("depth without a network, full size", ("floor", *heading), _floor_rows(found["floors"]))
     columns = ("objects", "found", "iou_all", "depth_mae", "auc", "near", "mae", "add_s", "translation", "rotation")
     rows = [
         [name, *(row[column] for column in columns)]
         for group in ("by_category", "by_content")
         for name, row in found[group].items()
     ]
-    return [first, kinds, _table("objects", ("kind", *columns), rows)]
+    return [first, kinds, floors, _table("objects", ("kind", *columns), rows)]
 
 
 def _depth_rows(depth: dict[str, Any]) -> list[list[Any]]:
-    rows = []
-    for size, kinds in depth.items():
-        for kind, errors in kinds.items():
-            rows.append([size, kind, *(errors.values() if errors else [None] * 6)])
-    return rows
+    return [
+        [size, kind, *(errors.values() if errors else [None] * 6)]
+        for size, kinds in depth.items()
+        for kind, errors in kinds.items()
+    ]
+
+
+def _floor_rows(floors: dict[str, Any]) -> list[list[Any]]:
+    names = ("rmse", "mae", "rel", "delta_105", "delta_110", "delta_125")
+    return [
+        [floor.replace("_", " "), kind, *((errors or {}).get(name) for name in names)]
+        for kind, by_floor in floors.items()
+        for floor, errors in by_floor.items()
+    ]
 
 
 def _grouped(objects: Sequence[ObjectScore], names: Sequence[str]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from ...core.errors import InputError
 from ..data.ground_truth import GroundTruth
 from ..decoding.decode import Detections, decode
 from ..metrics.box_iou import object_iou
-from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors
+from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors, depth_histogram
 from ..metrics.detection import ImageOverlaps, matches
 from ..metrics.instances import ImageMasks, image_masks
 from ..metrics.pose import PoseErrors, pose_errors
@@ -50,6 +50,8 @@ class SampleScore:
     name: str
     full: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at full size
     small: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at the size of ClearGrasp
+    picture_median: dict[str, DepthErrors | None]  #: of the true depth's own median of its pixels, at full size
+    histograms: dict[str, np.ndarray]  #: true depths of its pixels by `DEPTH_BINS`, pixels
     boxes: ImageOverlaps
     masks: ImageMasks
     objects: tuple[ObjectScore, ...]
@@ -79,16 +81,25 @@ def score_sample(
     depth = outputs["depth"][0].cpu().numpy()
     classes = semantic(labels.instances, labels.objects)
     masks = {kind: np.isin(classes, wanted) for kind, wanted in PIXEL_GROUPS.items()}
+    medians = {kind: _filled_with_median(labels.Z, mask) for kind, mask in masks.items()}
     wanted = {item.id for item in detectable(labels.objects, K.double().cpu().numpy())}
     boxes = _box_overlaps(found, labels, wanted)
     return SampleScore(
         name=name,
         full={kind: depth_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
         small={kind: cleargrasp_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
+        picture_median={kind: depth_errors(medians[kind], labels.Z, mask) for kind, mask in masks.items()},
+        histograms={kind: depth_histogram(labels.Z, mask) for kind, mask in masks.items()},
         boxes=boxes,
         masks=_masks(found, labels, wanted),
         objects=_objects(found, boxes, labels, depth),
     )
+
+
+def _filled_with_median(Z: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return a map of the median depth of the pixels of a mask: what an estimate of one number can reach at best."""
+    known = Z[mask & np.isfinite(Z)]
+    return np.full_like(Z, np.median(known) if known.size else 1.0)
 
 
 def check_finite(outputs: Mapping[str, Tensor], where: str) -> None:
@@ -127,7 +138,9 @@ def _objects(
         row, points = rows.get(column), labels.keypoints[item.id]
         pose = None
         if row is not None:
-            pose = pose_errors(found.camera_T_object[row].cpu().numpy(), item.camera_T_object, points, item.symmetry)
+            camera_T_object = found.camera_T_object[row].cpu().numpy()
+            surface = labels.surface.get(item.id)
+            pose = pose_errors(camera_T_object, item.camera_T_object, points, item.symmetry, surface)
         iou = 0.0 if row is None else float(boxes.overlaps[row, column])
         errors = depth_errors(depth, labels.Z, labels.instances == item.id)
         scores.append(ObjectScore(item, iou, pose, len(points), None if errors is None else errors.mae))

@@ -15,6 +15,8 @@ import numpy as np
 
 #: Height and width at which ClearGrasp, and MVTrans after it, compares depth [px].
 CLEARGRASP_SIZE = (144, 256)
+#: Width of the bins of a histogram of depths [m], and their number: up to 10 m.
+BIN, DEPTH_BINS = 1e-3, 10_000
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,35 @@ def depth_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> D
     ratio = np.where(p > 0.0, np.maximum(p / t, t / np.where(p > 0.0, p, 1.0)), np.inf)
     deltas = [float((ratio < bound).mean()) for bound in (1.05, 1.10, 1.25)]
     return DepthErrors(float(np.sqrt((error**2).mean())), float(error.mean()), float((error / t).mean()), *deltas)
+
+
+def depth_histogram(true: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return how many pixels of a mask have a true depth in each of `DEPTH_BINS`, int64; farther ones in the last."""
+    known = true[mask & (true > 0.0) & np.isfinite(true)].astype(np.float64)
+    bins = np.minimum((known / BIN).astype(np.int64), DEPTH_BINS - 1)
+    return np.bincount(bins, minlength=DEPTH_BINS)
+
+
+def constant_errors(images: Sequence[np.ndarray]) -> tuple[float, DepthErrors] | None:
+    """Return the best constant depth [m] for a set of images, and its errors; None where no pixel is known.
+
+    It is the median over all images, each with the same weight: of all constants that of the least mean absolute error.
+    A network that does not beat it has learnt nothing.
+
+    Parameters
+    ----------
+    images : sequence of (DEPTH_BINS,) int
+        Of `depth_histogram`; depths count as the middles of their bins.
+    """
+    weights = [counts / counts.sum() for counts in images if counts.any()]
+    if not weights:
+        return None
+    middles = (np.arange(DEPTH_BINS) + 0.5) * BIN
+    constant = float(middles[np.searchsorted(np.cumsum(np.mean(weights, axis=0)), 0.5)])
+    error, ratio = np.abs(middles - constant), np.maximum(middles / constant, constant / middles)
+    columns = [error, error / middles, *(ratio < bound for bound in (1.05, 1.10, 1.25))]
+    rmse = float(np.mean([np.sqrt(weight @ error**2) for weight in weights]))
+    return constant, DepthErrors(rmse, *(float(np.mean([weight @ column for weight in weights])) for column in columns))
 
 
 def cleargrasp_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:

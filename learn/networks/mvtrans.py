@@ -71,8 +71,10 @@ class MVTrans(nn.Module):
         self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
         initialise(self)
-        # At first the fine depth is the mean of the coarse depth around it, and vertices lie at their own pixel.
+        # At first the fine depth is the mean of the coarse depth around it, vertices lie at their own pixel, and there
+        # is no heat: nearly all of its target is 0, and a random map would be most of the loss for many steps.
         nn.init.zeros_(self.depth_head.predictor.weight)
+        nn.init.zeros_(self.heatmap_head.predictor.weight)
         self.vertex_head.set_initial_output(_VERTEX_CENTRE)
 
     def forward(

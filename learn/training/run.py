@@ -20,7 +20,7 @@ from ...dataset.reader import Dataset
 from ..data.loading import load_batches
 from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
-from .checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from .checkpoint import Checkpoint, load_checkpoint, load_weights, save_checkpoint
 from .losses import losses, total_loss
 from .out_folder import make_out_folder
 from .run_log import RunLog
@@ -33,6 +33,7 @@ from .train_state import (
     restore_train_state,
     resumed_checkpoint,
     set_up_training,
+    with_network_of,
 )
 
 #: Checkpoints of a run: the latest state, and the one with the least validation loss.
@@ -41,7 +42,14 @@ LAST, BEST = "last.safetensors", "best.safetensors"
 _VALIDATION_DRAW = 0
 
 
-def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, say: Callable[[str], None]) -> None:
+def train(
+    settings: TrainSettings,
+    data: Path,
+    out: Path,
+    resume: Path | None,
+    say: Callable[[str], None],
+    init: Path | None = None,
+) -> None:
     """Train a network and write its checkpoints.
 
     Parameters
@@ -56,6 +64,8 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
         A checkpoint to resume from, of the same settings and data set.
     say : callable
         Takes lines about the progress.
+    init : Path, optional
+        A checkpoint whose network and weights a new run begins with, on this data set and with these settings.
 
     Raises
     ------
@@ -65,6 +75,11 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
         Where a loss or a gradient is not finite.
     """
     Dataset.open(data)
+    if init is not None and resume is not None:
+        raise InputError("init", "none beside resume, which goes on with a run", init)
+    weights = None if init is None else load_checkpoint(init)
+    if init is not None and weights is not None:
+        settings = with_network_of(settings, weights, init)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
     if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
@@ -74,6 +89,8 @@ def train(settings: TrainSettings, data: Path, out: Path, resume: Path | None, s
     state = set_up_training(settings if start is None else start.settings, data, out)
     if start is None:
         load_pretrained_context(state)
+        if init is not None and weights is not None:
+            load_weights(state.network, weights.eval_weights(), init)
         start = _initial_checkpoint(state)
     else:
         restore_train_state(state, start, resume or out)
@@ -106,7 +123,7 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
         optimiser.step()
         ema = _updated_ema(ema, state.network, settings.optimiser.ema)
         done = step + 1
-        log.log_step(done, total, terms, optimiser.param_groups[0]["lr"], batch, outputs)
+        log.log_step(done, total, terms, optimiser.param_groups[0]["lr"], norm, batch, outputs)
         if state.val is not None and (done % settings.validate_every == 0 or done == settings.steps):
             loss = validate(state, ema)
             if not math.isfinite(loss):

@@ -33,20 +33,28 @@ class RunLog:
         total: Tensor,
         terms: Mapping[str, Tensor],
         learning_rate: float,
+        norm: Tensor | None,
         batch: Batch,
         outputs: Mapping[str, Tensor],
     ) -> None:
-        """Log the losses of a step every `log_every` steps, and an image every `pictures_every`."""
+        """Log a step every `log_every` steps, and an image every `pictures_every`.
+
+        The norm of the gradient is that before clipping: where it always is above `optimiser.clip`, the clip sets the
+        length of every step.
+        """
         if self._writer is None:
             return
         if step % self._settings.log_every == 0 or step == self._settings.steps:
             for name, value in {"total": total, **terms}.items():
                 self._writer.add_scalar(f"loss/{name}", float(value.detach()), step)
             self._writer.add_scalar("learning_rate", learning_rate, step)
+            if norm is not None:
+                self._writer.add_scalar("gradient_norm", float(norm), step)
             seconds = (perf_counter() - self._since) / max(step - self._step, 1)
             self._since, self._step = perf_counter(), step
             left = seconds * (self._settings.steps - step)
             line = f"step {step}/{self._settings.steps}: loss {float(total.detach()):.4g}"
+            line += "" if norm is None else f", gradient {float(norm):.3g}"
             self._say(f"{line}, {seconds:.2f} s a step, {left / 60.0:.0f} min left")
         if step % self._settings.pictures_every == 0:
             picture = sample_picture(batch, outputs, self._settings.network.variant)

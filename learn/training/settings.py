@@ -47,7 +47,10 @@ class MachineSettings(Model):
     strategy: str = Field(
         default="auto", description="auto, ddp, or ddp_find_unused_parameters_true (for the reference variant)"
     )
-    precision: Literal["32-true", "bf16-mixed"] = Field(default="32-true", description="Precision of the network")
+    precision: Literal["32-true", "bf16-mixed", "auto"] = Field(
+        default="32-true",
+        description="Precision of the network; auto: bf16-mixed where the device multiplies bfloat16 in hardware",
+    )
     workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: in the main process")
     threads: int | None = Field(default=None, ge=1, le=1024, description="CPU threads of torch; all cores by default")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import torch
 from lightning_fabric import Fabric
@@ -13,6 +14,7 @@ from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
 from ..data.samples import SampleDataset
 from ..networks.build import Network, build_network
+from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
@@ -66,7 +68,8 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     options = {"lr": settings.optimiser.learning_rate, "betas": settings.optimiser.betas}
     kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
     network.to(fabric.device)
-    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, **options)
+    set_memory_formats(network)
+    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, fused=True, **options)
     return TrainState(fabric, settings, train, val, dataset_record(data), network, optimiser, out)
 
 
@@ -78,6 +81,16 @@ def load_pretrained_context(state: TrainState) -> None:
     if not isinstance(state.network, MVTrans):
         raise InputError("pretrained", "none for the reference variant, whose weights come from its checkpoints", path)
     load_pretrained(state.network.context, path)
+
+
+def with_network_of(settings: TrainSettings, start: Checkpoint, where: Path) -> TrainSettings:
+    """Return settings with the network of a checkpoint; InputError where they ask for another one."""
+    wanted, found = settings.network.model_dump(), start.settings.network.model_dump()
+    default = NetworkSettings().model_dump()
+    for name, value in wanted.items():
+        if value not in (default[name], found[name]):
+            raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
+    return settings.model_copy(update={"network": start.settings.network})
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
@@ -117,7 +130,8 @@ def _load_optimiser(optimiser: torch.optim.Optimizer, start: Checkpoint, where: 
     """Load the tensors of `optimiser_tensors`; parameters that no loss depends on have none."""
     state: dict[int, dict[str, Tensor]] = {}
     expected: dict[str, Tensor] = {}
-    for number, parameter in enumerate(value for group in optimiser.param_groups for value in group["params"]):
+    parameters = [value for group in optimiser.param_groups for value in group["params"]]
+    for number, parameter in enumerate(parameters):
         moment = torch.zeros_like(parameter, device="cpu")
         fields = {"step": torch.zeros(()), "exp_avg": moment, "exp_avg_sq": moment}
         if any(f"{number}.{field}" in start.optimiser for field in fields):
@@ -126,6 +140,10 @@ def _load_optimiser(optimiser: torch.optim.Optimizer, start: Checkpoint, where: 
     check_weights(expected, start.optimiser, f"{where}: optimiser")
     if start.step and not state:
         raise InputError(f"{where}: optimiser", "a state for the weights", "none")
+    for number, fields in state.items():
+        # The fused optimiser walks through memory, so moments are laid out as their weights are.
+        for name in ("exp_avg", "exp_avg_sq"):
+            fields[name] = torch.empty_like(parameters[number], device="cpu").copy_(fields[name])
     optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
 
 
@@ -136,11 +154,24 @@ def _fabric(machine: MachineSettings) -> Fabric:
             devices=machine.devices,
             num_nodes=machine.nodes,
             strategy=machine.strategy,
-            precision=machine.precision,
+            precision=_precision(machine),
         )
     except (ValueError, TypeError, RuntimeError) as error:  # Lightning's errors for unknown names and numbers
         found = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError("machine", "existing devices and a strategy for them", found) from error
+
+
+def _precision(machine: MachineSettings) -> Literal["32-true", "bf16-mixed"]:
+    """Return the precision of a run: by `auto`, bfloat16 where the device multiplies it in hardware.
+
+    Emulated, as on processors without its instructions, bfloat16 takes twice the time of float32.
+    """
+    if machine.precision != "auto":
+        return machine.precision
+    if machine.accelerator == "cpu" or not torch.cuda.is_available():
+        has = torch.cpu.get_capabilities()
+        return "bf16-mixed" if has.get("avx512_bf16") or has.get("amx_bf16") else "32-true"
+    return "bf16-mixed" if torch.cuda.is_bf16_supported(including_emulation=False) else "32-true"
 
 
 def _with_depth_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:

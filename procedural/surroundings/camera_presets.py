@@ -74,7 +74,7 @@ def with_preset(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return settings of cameras with what their preset says of the others; what is given takes precedence.
 
     A width or a height alone brings the other in the preset's shape, and the lens is that of the resized picture.
-    Beside a lens of the user's own (``K``, ``fx`` or ``focal``) only size and baseline are taken.
+    Beside a lens of the user's own (``K``, ``fx``, ``fov`` or ``focal``) only size and baseline are taken.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def with_preset(given: Mapping[str, Any]) -> dict[str, Any]:
     if preset is None:
         return dict(given)
     lens = preset.lens
-    if found.keys() & {"K", "fx", "focal"}:
+    if found.keys() & {"K", "fx", "fov", "focal"}:
         return {"width": lens.width, "height": lens.height, "baseline": preset.baseline} | found
     lens = lens.resized(*_size(str(found["preset"]), lens, found))
     return {name: getattr(lens, name) for name in ("width", "height", *_LENS)} | {"baseline": preset.baseline} | found

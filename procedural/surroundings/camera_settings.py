@@ -31,6 +31,8 @@ _Azimuth = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi), ANGLE]
 _Distance = Annotated[float, Field(gt=0.0, le=20.0), LENGTH]
 #: A focal length [px]: pictures of 32 px have one of some 30.
 _Focal = Annotated[float, Field(ge=1.0, le=1e6)]
+#: Widest field of view [rad], that of the least `CameraSettings.focal`.
+FOV = math.radians(162.0)
 #: A row of a matrix.
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
@@ -64,6 +66,9 @@ class CameraSettings(Model):
         le=20000.0,
         description="Focal length of a picture 640 px wide, 50 to 20000 [px] (162 to 1.8 degrees across); scales with "
         "the width (Syn-TODD). `fx` or `K` takes its place",
+    )
+    fov: Annotated[float, Field(gt=0.0, le=FOV), ANGLE] | None = Field(
+        default=None, description="Horizontal field of view [rad], 0 to 162 degrees, such as 69deg; in place of `fx`"
     )
     fx: _Focal | None = Field(default=None, description="Focal length along x at the picture's own size [px]")
     fy: _Focal | None = Field(default=None, description="Focal length along y [px]; by default `fx`")
@@ -175,6 +180,8 @@ def _unscaled(settings: CameraSettings) -> Intrinsics:
     fx, fy, cx, cy = settings.fx, settings.fy, settings.cx, settings.cy
     if settings.K is not None:
         (fx, _, cx), (_, fy, cy), _ = settings.K
+    if settings.fov is not None:
+        fx = 0.5 * settings.width / math.tan(0.5 * settings.fov)  # from edge to edge
     if fx is None:
         fx = settings.focal * settings.width / FOCAL_WIDTH
     return Intrinsics(
@@ -193,6 +200,8 @@ def _check_intrinsics(settings: CameraSettings) -> None:
         if single:
             raise ValueError(f"K: expected it or fx fy cx cy, found it with {', '.join(single)}")
         _check_matrix(settings.K)
+    if settings.fov is not None and (single or settings.K is not None):
+        raise ValueError(f"fov: expected it or K or fx fy cx cy, found it with {'K' if settings.K else single[0]}")
     if settings.fy is not None and settings.fx is None:
         raise ValueError(f"fy: expected fx beside it, found {settings.fy:g} alone")
     _check_centre(_unscaled(settings), "K" if settings.K is not None else "")

@@ -81,8 +81,8 @@ class Place:
         place, _ = self._bounds(foot, foot)
         pose = np.eye(4)
         pose[:3, 3] = place + np.array([0.0, 0.0, 0.5 * size[2]])
-        across = size[:2] if WALL_FACES[self.wall] // 2 == 1 else size[1::-1]
-        extent = (*across, size[2])
+        along, away = (size[0], size[1]) if WALL_FACES[self.wall] // 2 == 1 else (size[1], size[0])
+        extent = (along, away, size[2])
         self.furniture.details.append(
             Detail(part="furniture", shape="cylinder", room_T_detail=pose, size=extent, colour=colour)
         )

@@ -33,6 +33,7 @@ from scipy.spatial.transform import Rotation
 from ...core.errors import InputError
 from ...core.folders import regular_content
 from ...core.setting_errors import shortened
+from ...core.yaml_file import yaml_place, yaml_problem
 
 #: Largest file that is read [bytes]: a hundred thousand poses as text.
 MAX_SIZE = 1 << 25
@@ -101,7 +102,9 @@ def _data(path: Path, content: bytes, kind: str) -> Any:
     try:
         text = content.decode("utf-8")
         return json.loads(text) if kind == ".json" else yaml.safe_load(text)
-    except (ValueError, yaml.YAMLError, RecursionError) as error:
+    except yaml.YAMLError as error:
+        raise InputError(yaml_place(path, error), "valid YAML in UTF-8", shortened(yaml_problem(error))) from error
+    except (ValueError, RecursionError) as error:
         name = "JSON" if kind == ".json" else "YAML"
         raise InputError(path, f"valid {name} in UTF-8", shortened(" ".join(str(error).split()))) from error
 

@@ -124,7 +124,9 @@ def test_a_setting_is_told_of_in_one_form(refused, arguments, line):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("cameras: [", ("valid YAML",)),
+        ("cameras: [", ("line 1, column 11: expected valid YAML",)),
+        ("seed: 1\n\tspp: 2\n", ("line 2, column 1: expected valid YAML",)),
+        ("seed: \x01\n", ("expected valid YAML, found the character U+0001 at position 6",)),
         ("- 1\n- 2\n", ("a mapping of settings", "list")),
         ("cameras: {views: 0}\n", ("cameras.views", "greater than or equal to 1", "0")),
         ("cameras: {veiws: 3}\n", ("is it cameras.views?", "cameras.veiws")),

@@ -134,10 +134,13 @@ def test_splits_are_those_of_the_data_set(rendered):
         samples(rendered, "other")
 
 
-def test_the_range_of_depth_is_that_of_the_files(rendered):
+def test_the_range_of_depth_holds_nearly_all_pixels_of_objects_and_not_much_more(rendered):
     geometries = [view.geometry() for view in Dataset.open(rendered).views()]
-    depths = np.concatenate([g.Z[(g.id > 0) & np.isfinite(g.Z)] for g in geometries])
-    assert samples(rendered).depth_range() == (depths.min(), depths.max())
+    objects = [g.Z[g.id > 1] for g in geometries]
+    near, far = samples(rendered).depth_range()
+    assert min(Z.min() for Z in objects) <= near < far <= max(Z.max() for Z in objects)
+    inside = [((near <= Z) & (far >= Z)).mean() for Z in objects if Z.size]
+    assert np.mean(inside) == pytest.approx(0.99, abs=0.005)  # each view counts alike; 1 % is outside by definition
 
 
 def edited(path, change) -> None:

@@ -6,7 +6,15 @@ import cv2
 import numpy as np
 import pytest
 
-from glassware.learn.metrics.depth import DepthErrors, cleargrasp_errors, depth_errors, mean_errors
+from glassware.learn.metrics.depth import (
+    BIN,
+    DepthErrors,
+    cleargrasp_errors,
+    constant_errors,
+    depth_errors,
+    depth_histogram,
+    mean_errors,
+)
 
 
 def one_by_one(predicted, true, mask) -> DepthErrors:
@@ -60,3 +68,26 @@ def test_pictures_without_a_pixel_do_not_count(picture):
     one, two = DepthErrors(1, 2, 3, 0.1, 0.2, 0.3), DepthErrors(3, 4, 5, 0.3, 0.4, 0.5)
     assert _numbers(mean_errors([one, None, two])) == pytest.approx((2, 3, 4, 0.2, 0.3, 0.4))
     assert mean_errors([None]) is None
+
+
+def test_the_best_constant_depth_is_the_median_and_its_errors_are_those_of_a_flat_picture(rng):
+    pictures = [rng.uniform(low, low + 0.5, (24, 32)) for low in (0.3, 0.5, 0.9)]
+    masks = [rng.uniform(size=one.shape) < 0.5 for one in pictures]
+    found = constant_errors([depth_histogram(*pair) for pair in zip(pictures, masks, strict=True)])
+    assert found is not None
+    constant, errors = found
+    flat = [depth_errors(np.full(t.shape, constant), t, m) for t, m in zip(pictures, masks, strict=True)]
+    mean = mean_errors(flat)
+    assert mean is not None
+    # Depths count as the middles of bins of 1 mm; a delta changes for pixels that cross its bound by that.
+    assert (errors.rmse, errors.mae) == pytest.approx((mean.rmse, mean.mae), abs=BIN)
+    assert _numbers(errors)[2:] == pytest.approx(_numbers(mean)[2:], abs=5e-3)
+    for other in (constant - 0.02, constant + 0.02):
+        worse = mean_errors([depth_errors(np.full(t.shape, other), t, m) for t, m in zip(pictures, masks, strict=True)])
+        assert worse is not None
+        assert worse.mae > mean.mae
+
+
+def test_without_a_known_depth_there_is_no_constant(picture):
+    _, true, _ = picture
+    assert constant_errors([depth_histogram(true, np.zeros(true.shape, bool))]) is None

@@ -30,6 +30,21 @@ def test_errors_agree_with_scipys_rotations_and_neighbours(rng):
         assert errors.translation == pytest.approx(np.linalg.norm(found[:3, 3] - true[:3, 3]))
 
 
+def test_dense_points_give_the_distance_to_the_surface_and_keypoints_alone_about_twice_that(rng):
+    """A ball of radius r that is shifted by d: a point of it is | |p - shift| - r | away from the other ball."""
+    r, d = 0.05, 0.02
+    mean = 0.5 * quad(lambda cosine: abs(np.sqrt(r * r + d * d - 2 * r * d * cosine) - r), -1.0, 1.0)[0]
+    directions = rng.standard_normal((4008, 3))
+    points = r * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    found, true = drawn(rng), np.eye(4)
+    true[:3, :3], true[:3, 3] = found[:3, :3], found[:3, 3] + [d, 0.0, 0.0]
+    dense = pose_errors(found, true, points[:8], ASYMMETRIC, points[8:])
+    assert dense.add == pytest.approx(d)
+    assert dense.add_s == pytest.approx(mean, rel=0.03)  # 2.8 mm between neighbours, of which little is left
+    assert len(dense.points) == 8
+    assert pose_errors(found, true, points[:8], ASYMMETRIC).add_s > 1.5 * mean
+
+
 def test_small_angles_are_exact():
     for angle in (1e-9, 1e-5, 1.0, np.pi):
         assert rotation_angle(Rotation.from_euler("y", angle).as_matrix(), np.eye(3)) == pytest.approx(angle, rel=1e-6)

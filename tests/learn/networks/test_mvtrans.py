@@ -74,12 +74,18 @@ def test_the_order_of_the_sources_does_not_matter(tiny, rng):
 def test_every_weight_learns(tiny, rng):
     for changes in ({}, {"matching": "group", "fusion": "visibility", "readout": "windowed"}):
         net = build_network(tiny.model_copy(update=changes))
-        # The last convolution of the fine depth starts at 0, so that before it nothing is learnt in the first step.
-        torch.nn.init.normal_(net.get_parameter("depth_head.predictor.weight"))
+        # The last convolutions of fine depth and heat start at 0: before them nothing is learnt in the first step.
+        for head in ("depth_head", "heatmap_head"):
+            torch.nn.init.normal_(net.get_parameter(f"{head}.predictor.weight"))
         outputs = net(*batch(rng, 2, 3, 64, 96))
         torch.stack([(outputs[name] ** 2).mean() for name in OUTPUTS]).sum().backward()
         dead = [name for name, p in net.named_parameters() if p.grad is None or not p.grad.abs().max() > 0]
         assert not dead
+
+
+def test_a_new_network_sees_no_heat(tiny, rng):
+    """A random map would be most of the loss: its target is 0 nearly everywhere."""
+    assert not build_network(tiny)(*batch(rng, 1, 2, 32, 64))["heatmap"].any()
 
 
 @pytest.mark.parametrize("recompute", ["early", "features"])

@@ -57,6 +57,14 @@ def test_published_fields_of_view_are_met():
     assert math.degrees(up + down) == pytest.approx(58.0, abs=3.0)
 
 
+@pytest.mark.parametrize("degrees", [20.0, 69.0, 120.0])
+def test_a_field_of_view_reaches_from_the_left_edge_of_the_picture_to_the_right(degrees):
+    for lens in (made(fov=f"{degrees}deg").intrinsics(), made(fov=math.radians(degrees), preset="d435").intrinsics()):
+        left, right, _, _ = lens.half_angles()
+        assert math.degrees(left + right) == pytest.approx(degrees, abs=1e-9)
+        assert lens.fx == lens.fy
+
+
 def test_what_is_given_takes_precedence_over_the_preset():
     assert made(preset="d435", baseline="55mm").baseline == 0.055
     own = made(preset="d435", fx=500, width=640, height=480).intrinsics()
@@ -80,6 +88,8 @@ def test_another_size_of_a_preset_has_the_same_field_of_view():
         ({"preset": "d345"}, r"expected one of .*\(is it d435\?\), found 'd345'"),
         ({"preset": "d435", "width": 640, "height": 480}, r"height: expected 362, the shape of d435 \(848 x 480\)"),
         ({"K": K, "fx": 600}, "K: expected it or fx fy cx cy, found it with fx"),
+        ({"K": K, "fov": 1.0}, "fov: expected it or K or fx fy cx cy, found it with K"),
+        ({"fx": 600, "fov": 1.0}, "fov: expected it or K or fx fy cx cy, found it with fx"),
         ({"fy": 600}, "fy: expected fx beside it, found 600 alone"),
         (
             {"K": K, "width": 320, "height": 240},
