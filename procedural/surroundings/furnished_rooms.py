@@ -73,7 +73,7 @@ _HIGH: dict[RoomUse, tuple[Item, ...]] = {
 }
 # Legs: width, inset from the edge; apron: height, thickness, inset [m]. A round table has a column on a disc.
 _LEG, _INSET, _APRON, _APRON_THICKNESS = (0.04, 0.08), 0.05, 0.09, 0.02
-_COLUMN, _FOOT, _FOOT_SHARE = 0.09, 0.03, 0.55
+_COLUMN, _FOOT, _FOOT_FRACTION = 0.09, 0.03, 0.55
 # Chairs: side, height of the seat, its thickness, height of the back, legs; gap between the table and a back [m].
 _CHAIR, _SEAT, _SEAT_THICKNESS, _BACK, _CHAIR_LEG = 0.42, 0.45, 0.03, (0.76, 0.88), 0.032
 _CHAIR_GAP, _CHAIRS = (0.05, 0.35), 6
@@ -145,7 +145,7 @@ def _furnish(
     rng: np.random.Generator, furniture: Furniture, windows: tuple[Window, ...], style: Style, use: RoomUse
 ) -> tuple[Panel, ...]:
     """Put furniture along the walls; return the doors and pictures that it leaves free."""
-    taken: dict[Wall, list[tuple[float, float, float]]] = {side: [] for side in _SIDES}
+    occupied: dict[Wall, list[tuple[float, float, float]]] = {side: [] for side in _SIDES}
     corner = 0.8  # what stands in a corner belongs to one of its walls
     panels = draw_panels(rng, furniture.size, windows)
     doors = [panel for panel in panels if panel.centre[1] - 0.5 * panel.size[1] < 0.01]
@@ -168,24 +168,24 @@ def _furnish(
             if rng.random() > _FREE:
                 item = items[int(rng.integers(len(items)))]
                 item(Place(furniture, side, x), rng, style, width)
-                taken[side].append((x, x + width, 1.05 if item in (sideboard, base_units) else furniture.size[2]))
+                occupied[side].append((x, x + width, 1.05 if item in (sideboard, base_units) else furniture.size[2]))
             x += width + (0.0 if use == "kitchen" else float(rng.uniform(*_ITEM_GAP)))
         skirting(furniture, side, length, windows, style.top if use == "laboratory" else _skirting_colour(rng))
     for window in windows:
-        if window.kind == "window" and not any(a < window.centre[0] < b for a, b, _ in taken[window.wall]):
+        if window.kind == "window" and not any(a < window.centre[0] < b for a, b, _ in occupied[window.wall]):
             at_window(furniture, rng, window, style)
-    return tuple(panel for panel in panels if not _is_hidden(panel, taken[panel.wall]))
+    return tuple(panel for panel in panels if not _is_hidden(panel, occupied[panel.wall]))
 
 
 def _skirting_colour(rng: np.random.Generator) -> Reflectance:
     return wood(rng) if rng.random() < 0.4 else paint(rng, (0.6, 0.8), 0.02)
 
 
-def _is_hidden(panel: Panel, taken: list[tuple[float, float, float]]) -> bool:
+def _is_hidden(panel: Panel, occupied: list[tuple[float, float, float]]) -> bool:
     """Return whether furniture stands before a door or a picture."""
     low, high = panel.centre[0] - 0.5 * panel.size[0], panel.centre[0] + 0.5 * panel.size[0]
     foot = panel.centre[1] - 0.5 * panel.size[1]
-    return any(a < high + 0.03 and low - 0.03 < b and foot < top for a, b, top in taken)
+    return any(a < high + 0.03 and low - 0.03 < b and foot < top for a, b, top in occupied)
 
 
 def _legs(rng: np.random.Generator, room: RoomEnvironment, table: Table) -> list[Detail]:
@@ -196,7 +196,7 @@ def _legs(rng: np.random.Generator, room: RoomEnvironment, table: Table) -> list
     is_round = _is_round(table)
     foot = -TABLE_HEIGHT
     if is_round:
-        disc = _FOOT_SHARE * length
+        disc = _FOOT_FRACTION * length
         return [
             _detail(room, "table-leg", (0.0, 0.0, foot + 0.5 * _FOOT), (disc, disc, _FOOT), colour, shape="cylinder"),
             _detail(

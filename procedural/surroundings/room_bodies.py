@@ -18,7 +18,7 @@ from ..description.surroundings import Detail, RoomEnvironment, RoomPart, Window
 from .room_finishes import Finish, palette, shell_finish, solid_finish
 from .room_geometry import ALONG, WALL_FACES, Boxes, boxes_of, face_axis, face_frames, face_points
 from .room_light import room_irradiance
-from .room_patches import BODY_STEP, Patch, box_patches, cylinder_patches
+from .room_patches import BODY_STEP, Patch, box_patches, cylinder_patches, grid_faces
 from .room_walls import LAMP_DEPTH, WallFrame, on_walls
 
 # Distance of the vertices on walls and ceiling, and on the floor near the table [m]: as fine as the light changes. The

@@ -14,10 +14,13 @@ from .windows import BAR_REFLECTANCE, BAR_WIDTH
 
 # Depth of a window in its wall [m]: the part of a masonry wall inside of the frame, which is as deep as a mullion.
 _REVEAL = 0.14
-# How far a sill stands out of the wall, and its thickness [m]; windows that begin lower than the last have none.
-_SILL_DEPTH, _SILL_THICKNESS, _LOWEST_SILL = 0.06, 0.03, 0.3
+# How far a sill stands out of the wall and beside the window, and its thickness [m]; windows that begin lower than the
+# last have none.
+_SILL_DEPTH, _SILL_BESIDE, _SILL_THICKNESS, _LOWEST_SILL = 0.06, 0.04, 0.03, 0.3
 #: Distance of a lamp's diffuser to its wall, and the width of the frame round it [m].
 LAMP_DEPTH, _LAMP_FRAME = 0.03, 0.015
+# How far the frame stands before the diffuser [m].
+_LAMP_RIM = 0.005
 # Thickness of a picture's frame, of a door and of what a frame holds, and width of the frame [m].
 _FRAME_DEPTH, _PICTURE_DEPTH, _FRAME_WIDTH = 0.02, 0.012, 0.03
 #: A place on a wall, in its own coordinates [m].
@@ -25,28 +28,34 @@ Place = tuple[float, float] | np.ndarray
 
 
 def on_walls(room: RoomEnvironment, boxes: Boxes) -> list[tuple[RoomPart, Finish, Patch]]:
-    """Return what is in and on the walls: reveals, bars and sills of windows, frames of lamps, pictures and doors."""
+    """Return what is in and on the walls."""
     white = solid_finish(room, (BAR_REFLECTANCE, BAR_REFLECTANCE, BAR_REFLECTANCE), "plain")
     found: list[tuple[RoomPart, Finish, Patch]] = []
-    part: RoomPart = "window"
-    frame: RoomPart = "lamp"
     for window in room.windows:
-        place = WallFrame(boxes, WALL_FACES[window.wall])
-        if window.kind == "lamp":
-            for low, high in _ring(window.centre, window.size, _LAMP_FRAME, outside=True):
-                found += [(frame, white, p) for p in place.box(low, high, 0.0, LAMP_DEPTH + 0.005)]
-            continue
-        found += [(part, white, patch) for patch in place.reveal(window)]
-        for low, high in _bars(window):
-            found += [(part, white, p) for p in place.box(low, high, -_REVEAL, -_REVEAL + BAR_WIDTH)]
-        sill = window.centre[1] - 0.5 * window.size[1]
-        if sill > _LOWEST_SILL:
-            half = 0.5 * window.size[0] + 0.04
-            low, high = (window.centre[0] - half, sill - _SILL_THICKNESS), (window.centre[0] + half, sill)
-            found += [(part, white, patch) for patch in place.box(low, high, 0.0, _SILL_DEPTH)]
+        place, part = WallFrame(boxes, WALL_FACES[window.wall]), window.kind
+        patches = _lamp_frame(place, window) if part == "lamp" else _window_patches(place, window)
+        found.extend((part, white, patch) for patch in patches)
     for number in range(len(room.panels)):
-        found += _panel(room, boxes, number)
+        found.extend(_panel(room, boxes, number))
     return found
+
+
+def _lamp_frame(place: WallFrame, lamp: Window) -> list[Patch]:
+    bars = _ring(lamp.centre, lamp.size, _LAMP_FRAME, outside=True)
+    return [patch for low, high in bars for patch in place.box(low, high, 0.0, LAMP_DEPTH + _LAMP_RIM)]
+
+
+def _window_patches(place: WallFrame, window: Window) -> list[Patch]:
+    """Return the reveal, the frame, the mullions and the sill of a window."""
+    patches = place.reveal(window)
+    for low, high in _bars(window):
+        patches += place.box(low, high, -_REVEAL, -_REVEAL + BAR_WIDTH)
+    sill = window.centre[1] - 0.5 * window.size[1]
+    if sill > _LOWEST_SILL:
+        half = 0.5 * window.size[0] + _SILL_BESIDE
+        low, high = (window.centre[0] - half, sill - _SILL_THICKNESS), (window.centre[0] + half, sill)
+        patches += place.box(low, high, 0.0, _SILL_DEPTH)
+    return patches
 
 
 def _panel(room: RoomEnvironment, boxes: Boxes, number: int) -> list[tuple[RoomPart, Finish, Patch]]:

@@ -103,8 +103,7 @@ def trace(
     are consumed here (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted too.
     With `caustics`, light that reaches a diffuse lobe through glass is read, not found; the origin counts as diffuse.
     """
-    scene, table, emitters = loaded.mi_scene, loaded.surfaces, loaded.emitters
-    carried = mi.UnpolarizedSpectrum(weight)
+    scene, table, emitters, carried = loaded.mi_scene, loaded.surfaces, loaded.emitters, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
@@ -129,8 +128,8 @@ def trace(
         medium = mi.UInt32(surface.before)
 
         found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
-        origin_of_hit = PathOrigin(previous, pdf, delta)
-        L += beta * found * emitter_hit(emitters, pi, si, ray, origin_of_hit, active, glints, through_glass)
+        last = PathOrigin(previous, pdf, delta)
+        L += beta * found * emitter_hit(emitters, pi, si, ray, last, active, glints, through_glass)
         active = hit & ~ends_paths(emitters, si, hit)
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)

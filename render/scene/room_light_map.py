@@ -25,7 +25,7 @@ from .room_emitter import RoomEmitter, is_of_room
 FEW_RAYS, RAYS = 32, 128
 #: Points of the rays start this far off their surface, and at most this far from its edge towards its middle [m], and
 #: this share of the way: vertices on an edge would lie in the neighbouring surface.
-_LIFT, _INSET, _INSET_SHARE = 2e-3, 0.012, 0.25
+_LIFT, _INSET, _INSET_FRACTION = 2e-3, 0.012, 0.25
 _SHELL = ("wall", "floor", "ceiling", "table-leg")
 #: Share of rays that meet a surface from behind above which a vertex is taken to be inside a body [1].
 _BURIED = 0.3
@@ -76,7 +76,7 @@ def _origins(body: RoomBody, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     # Along the surface alone: a cylinder's middle is inside it.
     inward = body.inward - (body.inward * body.normals).sum(axis=1, keepdims=True) * body.normals
     length = np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-9)
-    inset = inward * np.minimum(_INSET_SHARE, _INSET / length)
+    inset = inward * np.minimum(_INSET_FRACTION, _INSET / length)
     points = body.mesh.vertices + inset + _LIFT * body.normals
     return points @ pose[:3, :3].T + pose[:3, 3], body.normals @ pose[:3, :3].T
 
