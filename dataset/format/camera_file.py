@@ -20,7 +20,7 @@ CONVENTIONS = {
     "world": "right-handed, z up, table top at z = 0",
     "pair": "rectified: the right camera has the same axes and K, and stands at +baseline along the left camera's x",
     "Z": "planar depth along the optical axis, metres; +inf where there is nothing",
-    "colour": "EXR linear Rec.709 radiance; PNG sRGB of radiance times exposure and balance, clipped or compressed to white",
+    "colour": "EXR linear Rec.709 radiance; PNG sRGB of radiance times exposure and balance, up to white",
 }
 
 Row3 = tuple[float, float, float]
