@@ -27,6 +27,9 @@ FEW_RAYS, RAYS = 32, 128
 #: this share of the way: vertices on an edge would lie in the neighbouring surface.
 _LIFT, _INSET, _INSET_FRACTION = 2e-3, 0.012, 0.25
 _SHELL = ("wall", "floor", "ceiling", "table-leg")
+#: Passes that smooth the light of walls, floor and ceiling, whose shadows are soft: what the few sample points leave
+#: are steps in penumbras, that look like stains.
+_SMOOTHED, _SMOOTHINGS = ("wall", "floor", "ceiling"), 4
 #: Share of rays that meet a surface from behind above which a vertex is taken to be inside a body [1].
 _BURIED = 0.3
 #: Passes that give vertices inside bodies the light of their neighbours [1], and vertices traced at once.
@@ -61,7 +64,9 @@ def lit_room(bake: Emitters, bodies: list[tuple[int, RoomBody, np.ndarray]], tab
                 corners.append(first_corners(body))
                 continue
             part = slice(first, first + len(body.mesh.vertices))
-            corners.append(_spread(body.mesh, light[part], buried[part] > _BURIED)[body.mesh.faces])
+            found = _spread(body.mesh, light[part], buried[part] > _BURIED)
+            passes = _SMOOTHINGS if body.part in _SMOOTHED and len(body.pixels) > 1 else 0
+            corners.append(_smoothed(body.mesh, found, passes)[body.mesh.faces])
             first = part.stop
         irradiance = mi.Float(np.concatenate([found.astype(np.float32).ravel() for found in corners]))
         dr.make_opaque(irradiance)
@@ -116,6 +121,17 @@ def _spread(mesh: Mesh, light: np.ndarray, buried: np.ndarray) -> np.ndarray:
         light[found] = total[found] / count[found, None]
         known = known | found
     light[~known] = 0.0
+    return light
+
+
+def _smoothed(mesh: Mesh, light: np.ndarray, passes: int) -> np.ndarray:
+    """Return the light averaged with that of neighbouring vertices, each pass half and half."""
+    edges = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
+    edges = np.concatenate([edges, edges[:, ::-1]])
+    count = np.maximum(np.bincount(edges[:, 0], minlength=len(light)), 1)
+    for _ in range(passes):
+        sums = [np.bincount(edges[:, 0], light[edges[:, 1], k], len(light)) for k in range(3)]
+        light = 0.5 * light + 0.5 * np.stack(sums, axis=1) / count[:, None]
     return light
 
 
