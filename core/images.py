@@ -13,7 +13,7 @@ NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
 _TABLE_ID, _FIRST_OBJECT_ID = 1, 2
 #: First id of a room's surfaces (`procedural.description.surroundings`), and colours of these in turn: dim greys.
-_FIRST_ROOM_ID = 65520
+_FIRST_ROOM_ID = 65248
 _ROOM_COLOURS = ((45, 45, 48), (58, 58, 60), (50, 46, 44), (40, 40, 44), (48, 54, 66), (74, 74, 66), (66, 58, 70))
 #: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
 _COLOURS = (
@@ -173,5 +173,5 @@ def id_colours(ids: np.ndarray) -> np.ndarray:
 def id_colour(object_id: int) -> tuple[int, int, int]:
     """Return the colour of an instance id: red, green, blue."""
     if object_id >= _FIRST_ROOM_ID:
-        return _ROOM_COLOURS[(object_id - _FIRST_ROOM_ID - 1) % len(_ROOM_COLOURS)]
+        return _ROOM_COLOURS[(object_id - _FIRST_ROOM_ID) // 32 % len(_ROOM_COLOURS)]
     return _COLOURS[(object_id - _FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > _TABLE_ID else TABLE_COLOUR

@@ -26,7 +26,7 @@ from ...render.frame import LOST, PARTS, SURROUNDINGS, Layers, Refraction
 from .exr import channel, read_exr, stacked, unstacked, write_exr
 
 #: Half represents every integer up to this exactly.
-_LARGEST_HALF = 2048
+_LARGEST = 65504
 
 
 def write_layers(path: Path, layers: Layers) -> None:
@@ -98,9 +98,11 @@ def read_refraction(path: Path) -> Refraction:
 
 
 def _half(values: np.ndarray, field: str) -> np.ndarray:
-    if values.size and int(values.max()) > _LARGEST_HALF:
-        raise ValueError(f"{field}: expected at most {_LARGEST_HALF}, got {values.max()}")
-    return values.astype(np.float16)
+    halves = np.minimum(values, _LARGEST).astype(np.float16)
+    wrong = halves.astype(np.int64) != values
+    if wrong.any():
+        raise ValueError(f"{field}: expected at most 2048, or a room's id, got {values[wrong].max()}")
+    return halves
 
 
 def _whole(values: np.ndarray, dtype: type, field: str, path: Path) -> np.ndarray:

@@ -56,19 +56,19 @@ class Block(Model):
 
 #: What a surface of a room belongs to.
 RoomPart = Literal["wall", "floor", "ceiling", "window", "lamp", "picture", "furniture", "table-leg"]
-#: Ids of the surfaces of a room in labels, above those of all objects.
+#: Ids of the surfaces of a room in labels, above those of all objects: multiples of 32, which halves hold exactly.
 ROOM_IDS: dict[RoomPart, int] = {
-    "wall": 65521,
-    "floor": 65522,
-    "ceiling": 65523,
-    "window": 65524,
-    "lamp": 65525,
-    "picture": 65526,
-    "furniture": 65527,
-    "table-leg": 65528,
+    "wall": 65248,
+    "floor": 65280,
+    "ceiling": 65312,
+    "window": 65344,
+    "lamp": 65376,
+    "picture": 65408,
+    "furniture": 65440,
+    "table-leg": 65472,
 }
 #: Ids from here on are those of surroundings.
-FIRST_ROOM_ID = 65520
+FIRST_ROOM_ID = 65248
 #: What a room is used for.
 RoomUse = Literal["plain", "kitchen", "laboratory", "dining-room", "study"]
 
