@@ -25,7 +25,7 @@ from ...core.errors import InputError
 from ...render.frame import LOST, PARTS, SURROUNDINGS, Layers, Refraction
 from .exr import channel, read_exr, stacked, unstacked, write_exr
 
-#: Half represents every integer up to this exactly.
+#: Largest number of a half; it represents every integer up to 2048 exactly, and multiples of 32 up to this.
 _LARGEST = 65504
 
 
@@ -98,8 +98,9 @@ def read_refraction(path: Path) -> Refraction:
 
 
 def _half(values: np.ndarray, field: str) -> np.ndarray:
-    halves = np.minimum(values, _LARGEST).astype(np.float16)
-    wrong = halves.astype(np.int64) != values
+    whole = values.astype(np.int64)
+    halves = np.minimum(whole, _LARGEST).astype(np.float16)
+    wrong = halves.astype(np.int64) != whole
     if wrong.any():
         raise ValueError(f"{field}: expected at most 2048, or a room's id, got {values[wrong].max()}")
     return halves
