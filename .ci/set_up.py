@@ -30,7 +30,7 @@ STAMPS = {"pictures": VENV / ".pictures", "everything": VENV / ".installed"}
 CONTENTS = {
     "pictures": (
         ".",
-        "what pictures need (mitsuba, pyoidn, pyarrow, scipy, opencv, numpy): 0.35 GB of downloads, 1.0 GB on disk",
+        "what pictures need (mitsuba, pyoidn, pyarrow, scipy, opencv, numpy): 0.36 GB of downloads, 1.1 GB on disk",
     ),
     "everything": (
         ".[dev]",

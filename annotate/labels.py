@@ -18,6 +18,7 @@ from ..render.renderer import Renderer
 from .boxes import Box, amodal_box, box_corners, clipped_box, modal_box
 from .keypoints import KeypointState, SceneKeypoints, keypoint_states, scene_keypoints
 from .masks import Fractions, Pixels, count_pixels, encode_mask, fractions, instance_mask
+from .order import Occlusion, occlusion_order
 from .projection import inverse_pose, project_camera, transformed
 from .surface import hull_vertices
 
@@ -80,6 +81,9 @@ class Labels(Model):
 
     schema_version: Literal["glassware/labels/1"] = LABELS_SCHEMA
     objects: tuple[ObjectLabel, ...]
+    occlusion: tuple[Occlusion, ...] | None = Field(
+        default=None, description="Which object is in front of which; null in data sets of earlier versions"
+    )
     left: PictureNoise | None = Field(default=None, description="Of the left picture; null where none was rendered")
     right: PictureNoise | None = Field(default=None, description="Of the right picture")
 
@@ -148,20 +152,20 @@ def with_noise(labels: Labels, sampling: tuple[PictureNoise, PictureNoise] | Non
 def annotate(
     scene: Scene, camera: Camera, geometry: Geometry, points: SceneKeypoints, line_of_sight: LineOfSight
 ) -> Labels:
-    """Return the ground-truth labels of the left camera's view.
+    """Return the ground-truth labels of one camera's view.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     camera : Camera
-        One of its cameras.
+        One of its cameras, or the right eye of one (`stereo.eye_camera`).
     geometry : Geometry
-        Geometry along the rays through the pixel centres of the left camera.
+        Geometry along the rays through its pixel centres.
     points : SceneKeypoints
         From `keypoints.scene_keypoints`; all views share them.
     line_of_sight : LineOfSight
-        Along the rays from the left camera through ``points.world.reshape(-1, 3)``.
+        Along the rays from the camera through ``points.world.reshape(-1, 3)``.
     """
     count = points.world.shape[1]
     expected = (len(scene.objects) * count,)
@@ -175,7 +179,7 @@ def annotate(
         seen = transformed(camera_T_world, points.world[index])
         found = _keypoints(seen, first[rows], opaque[rows], camera)
         labels.append(_object_label(item, index, camera_T_world @ item.world_T_object, camera, geometry, found))
-    return Labels(objects=tuple(labels))
+    return Labels(objects=tuple(labels), occlusion=occlusion_order(geometry, [item.id for item in scene.objects]))
 
 
 def _object_label(

@@ -42,7 +42,7 @@ def symmetry_of(item: SceneObject) -> Symmetry:
     if isinstance(item, Vessel):  # an open end, and often a liquid
         return REVOLUTION
     turns = item.symmetric
-    if isinstance(item, Prop) and item.symmetries and not turns:
+    if item.symmetries and not turns:
         return Symmetry(turns=False, ball=False, motions=np.stack([np.eye(4), *item.symmetries]))
     if isinstance(item, MeshVessel):
         if turns and item.cavities:  # an open end

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from references import Reference, relmse
 
-from glassware.core.images import srgb8
+from glassware.core.images import srgb8, srgb_curve
 from glassware.dataset.format.pictures import write_png
 
 
@@ -32,6 +32,11 @@ class Picture:
     def errors(self, exposure: float, reference: Reference) -> tuple[float, float]:
         """Return the relMSE before and after the denoiser."""
         return relmse(self.noisy * exposure, reference), relmse(self.denoised * exposure, reference)
+
+
+def srgb_levels(exposed: np.ndarray) -> np.ndarray:
+    """Return exposed linear light as sRGB levels 0 to 255, not rounded (float64)."""
+    return 255.0 * srgb_curve(np.clip(exposed.astype(np.float64), 0.0, 1.0))
 
 
 def write_exposed(path: Path, *exposed: np.ndarray) -> None:

@@ -22,10 +22,11 @@ from pathlib import Path
 from time import process_time
 
 import cv2
+import mitsuba as mi
 import numpy as np
 from command import Output, run
 from ours import Ours, our_reference
-from picture import write_exposed
+from picture import srgb_levels, write_exposed
 from references import Reference
 from skimage.metrics import structural_similarity
 from table import Row, report
@@ -33,6 +34,7 @@ from table import Row, report
 from glassware.core.images import srgb8
 from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
+from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import TABLE_ID, GlassBody, Scene
 from glassware.procedural.surroundings.colour import luminance
 from glassware.procedural.surroundings.environments import bake_environment
@@ -44,8 +46,10 @@ from glassware.render.cache.scene_cache import make_tracer, photon_count, uses_c
 from glassware.render.cache.stored_caustics import path_tracer_with_caustics
 from glassware.render.frame import LightCheck
 from glassware.render.labels.geometry import trace_geometry
-from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, denoise_image, trace_picture
-from glassware.render.scene.loaded_scene import load
+from glassware.render.pictures.integrator import Radiance
+from glassware.render.pictures.picture import PATH_TRACER, NoisyImage, Tracer, denoise_image, trace_picture
+from glassware.render.pictures.sampler import SobolSampler
+from glassware.render.scene.loaded_scene import LoadedScene, load
 
 #: Bounds: largest change of a pixel that sees the surroundings [sRGB levels]; largest error of a caustic block, of a
 #: prop and of a vessel [fraction]; smallest PSNR in vessels [dB].
@@ -167,11 +171,29 @@ def _reference(scene: Scene, options: Options) -> Reference:
     if not is_outdoors(scene.environment, pixels):
         return our_reference(Ours(load(scene), 0.0, 0.0), options.cache, options.reference_spp)
     loaded = load(scene, for_cache=True)
+    return our_reference(Ours(loaded, 0.0, 0.0), options.cache, options.reference_spp, tracer=_with_photons())
+
+
+def _with_photons() -> Tracer:
+    """Return the path tracer that reads caustics from many photons, which are traced on its first use."""
+    made: list[Tracer] = []
+
+    def trace(
+        loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
+    ) -> Radiance:
+        if not made:
+            made.append(_photon_tracer(loaded))
+        return made[0].trace(loaded, ray, weight, sampler, picture)
+
+    return Tracer(trace, PATH_TRACER.weights)
+
+
+def _photon_tracer(loaded: LoadedScene) -> Tracer:
     points = cache_points_of(loaded)
-    caustics = np.mean(photon_moments(loaded, points, _REFERENCE_PHOTONS * photon_count(scene, points), 1), axis=0)
+    photons = _REFERENCE_PHOTONS * photon_count(loaded.description, points)
+    caustics = np.mean(photon_moments(loaded, points, photons, 1), axis=0)
     cache = IrradianceCache(points, np.zeros_like(caustics), np.zeros(points.count), caustics=caustics)
-    tracer = path_tracer_with_caustics(loaded, cache)
-    return our_reference(Ours(loaded, 0.0, 0.0), options.cache, options.reference_spp, tracer=tracer)
+    return path_tracer_with_caustics(loaded, cache)
 
 
 def regions(scene: Scene, ids: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -196,7 +218,7 @@ def _inner(mask: np.ndarray) -> np.ndarray:
 
 
 def _rows(made: _Made) -> list[Row]:
-    rows, ids = [], made.ids
+    rows, ids, similarity = [], made.ids, _similarity(made)
     for kind, name, pixels in regions(made.scene, ids):
         title = f"{made.seed}: {name}"
         if pixels.sum() < MIN_PIXELS:
@@ -210,27 +232,29 @@ def _rows(made: _Made) -> list[Row]:
             rows += _caustic_rows(made, title, pixels)
         if kind == "vessel":
             rows.append(_psnr_row(made, title, pixels))
-    reference, clean = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
-    similarity = np.asarray(structural_similarity(reference, clean, channel_axis=2)).item()
-    rows.append(Row(f"{made.seed}: structural similarity", similarity))
+        rows.append(Row(f"{title}, structural similarity", float(similarity[pixels].mean())))
+    rows.append(Row(f"{made.seed}: structural similarity", float(similarity.mean())))
     rows.append(Row(f"{made.seed}: CPU time of one picture", made.seconds, "s"))
     note = "" if made.check is None else f"{made.check.mode}, path traced: {made.check.traced}"
     rows.append(Row(f"{made.seed}: CPU time of the stored light", made.light_seconds, "s", note=note))
     return rows
 
 
+def _similarity(made: _Made) -> np.ndarray:
+    """Return the structural similarity of the sRGB pictures at each pixel, (H, W), by windows of 7 px around it.
+
+    The reference's noise counts as a difference: of a region with much of it no picture has a high similarity.
+    """
+    pictures = (srgb8(picture, 1.0) for picture in (made.reference.picture, made.clean))
+    return np.asarray(structural_similarity(*pictures, channel_axis=2, full=True)[1]).mean(axis=2)
+
+
 def _change_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
     """Compare clean and noisy pixels that have no noise."""
-    change = np.abs(_srgb(made.clean) - _srgb(made.noisy)).max(axis=-1)[pixels]
+    change = np.abs(srgb_levels(made.clean) - srgb_levels(made.noisy)).max(axis=-1)[pixels]
     note = f"{int((change > MAX_CHANGE).sum())} of {change.size} pixels beyond the bound"
     worst = float(change.max())
     return Row(f"{title}, largest change", worst, "levels", bound=MAX_CHANGE, ok=worst <= MAX_CHANGE, note=note)
-
-
-def _srgb(exposed: np.ndarray) -> np.ndarray:
-    """Return sRGB levels 0 to 255, not rounded (IEC 61966-2-1)."""
-    x = np.clip(exposed, 0.0, 1.0).astype(np.float64)
-    return 255.0 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
 
 
 def _ratio_row(made: _Made, title: str, pixels: np.ndarray, bound: float | None) -> Row:
@@ -296,9 +320,9 @@ def _caustic_rows(made: _Made, title: str, table: np.ndarray) -> list[Row]:
 def _psnr_row(made: _Made, title: str, pixels: np.ndarray) -> Row:
     """Return the PSNR of the sRGB picture in a region, less the error that the reference's own noise adds."""
     reference = made.reference
-    error = ((_srgb(made.clean) - _srgb(reference.picture)) ** 2)[pixels].mean()
+    error = ((srgb_levels(made.clean) - srgb_levels(reference.picture)) ** 2)[pixels].mean()
     step = 1e-3
-    slope = (_srgb(reference.picture + step) - _srgb(reference.picture - step)) / (2.0 * step)
+    slope = (srgb_levels(reference.picture + step) - srgb_levels(reference.picture - step)) / (2.0 * step)
     noise = (slope**2 * reference.variance)[pixels].mean()
     psnr = float(10.0 * np.log10(255.0**2 / max(error - noise, 1e-3)))
     note = f"noise of the reference {float(10.0 * np.log10(255.0**2 / max(noise, 1e-3))):.1f} dB"

@@ -36,7 +36,7 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
     try:
         if not folder.is_dir():
             raise InputError(folder, f"a folder of {content}", "a file" if folder.exists() else "no such folder")
-        found = [path for path in _entries(folder, below) if path.suffix.lower() in suffixes and not path.is_dir()]
+        found = [path for path in _entries(folder, below) if path.suffix.lower() in suffixes and _is_file(path)]
     except OSError as error:
         raise InputError(folder, f"a readable folder of {content}", cause_of(error)) from error
     if not found:
@@ -47,6 +47,11 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
         except ValueError as error:
             raise InputError(path, "a file name in UTF-8", "other bytes") from error
     return tuple(sorted(found, key=lambda path: path.relative_to(folder).as_posix()))
+
+
+def _is_file(path: Path) -> bool:
+    """Return whether an entry is a file, or a link to nothing, which is named later; a pipe would never end."""
+    return path.is_file() or not path.exists()
 
 
 def _entries(folder: Path, below: bool) -> Iterator[Path]:

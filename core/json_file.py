@@ -57,6 +57,13 @@ def parsed(model: type[M], data: object, path: Path, context: dict[str, Any] | N
         raise setting_error(path, error, model, noun="fields") from None
 
 
+def read_record(model: type[M], path: Path, schema: str) -> M:
+    """Read a JSON file of a known ``schema_version`` as a model; InputError with file and field where it is no such."""
+    data = read_json(path)
+    check_schema(path, data, schema)
+    return parsed(model, data, path)
+
+
 def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is not JSON")
 

@@ -11,21 +11,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
-from ..annotate.keypoints import scene_keypoints
+from ..annotate.keypoints import SceneKeypoints, scene_keypoints
 from ..annotate.labels import label
+from ..annotate.stereo import StereoLabels, stereo_labels
 from ..core.arguments import as_path, check_type
 from ..core.errors import InputError
 from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import load_scene, scene_digest
-from ..render.frame import LightCheck
+from ..render.frame import Frame, LightCheck
 from ..render.renderer import Renderer
 from .format import layout
 from .format.dataset_file import installed_versions, new_head
-from .format.file_kinds import KINDS, NONE, FileKinds, parse_kinds
+from .format.file_kinds import KINDS, NONE, PAIR_KINDS, FileKinds, parse_kinds
 from .format.pictures import write_png
 from .format.views_table import ViewRow
 from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
+from .stored_view import StoredView
+from .verification.scene import check_written
 from .writer import finish_dataset, scene_writer, start_dataset
 
 
@@ -77,12 +80,22 @@ def write_scene(
             stopwatch.add(frame.seconds)
             with stopwatch.stage("labels"):
                 labels = label(scene, frame, renderer, points)
+                stereo = pair_labels(files, frame, renderer, points)
             on_view(view)
             with stopwatch.stage("writing"):
-                picture = writer.add(frame, labels)
+                picture = writer.add(frame, labels, stereo)
+            with stopwatch.stage("checking"):
+                check_written(StoredView(writer.folder / layout.view_name(view), view), scene, writer.records)
             if view in previews:
                 shown.append(PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels))
     return WrittenScene(writer.rows, shown, renderer.light_check)
+
+
+def pair_labels(files: FileKinds, frame: Frame, renderer: Renderer, points: SceneKeypoints) -> StereoLabels | None:
+    """Return what the right camera adds to a view's labels; None where no file of the requested kinds has it."""
+    if not set(PAIR_KINDS) & set(files):
+        return None
+    return stereo_labels(renderer.scene, frame, renderer, points)
 
 
 def write(
@@ -112,8 +125,8 @@ def write(
     replace : bool
         Whether to replace another scene of the same number in the data set.
     files : str or sequence of str
-        Files of each view beside pictures, depth, normals, ids, camera and labels: some of ``"radiance"``, ``"noisy"``,
-        ``"layers"`` and ``"refraction"``, or ``"all"``, or ``"none"`` (`format.file_kinds` has what each takes).
+        Files of each view beside pictures, depth, normals, ids, camera and labels, such as ``"layers"``, or ``"all"``,
+        or ``"none"`` (`format.file_kinds` has what there is).
 
     Raises
     ------

@@ -6,140 +6,34 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Literal, TypeVar, cast, get_args
+from typing import get_args
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ..annotate.labels import LABELS_SCHEMA, Labels
-from ..annotate.masks import decode_mask
-from ..annotate.projection import transformed, unproject
 from ..core.arguments import as_path, check_type, described, whole_number
 from ..core.errors import InputError
 from ..core.html import html_images
-from ..core.json_file import check_schema, parsed, read_json
-from ..core.model import Model
+from ..core.json_file import read_record
 from ..core.setting_errors import suggest
 from ..core.user_text import counted
-from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.scene.splits import Split
 from ..procedural.surroundings.photometry import Photometry
-from ..render.frame import EYES, Eye, Geometry, Layers, Refraction, SurfaceLight
+from ..render.frame import Eye as Eye
+from ..render.frame import SurfaceLight
 from .format import layout
-from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.dataset_file import DatasetFile, read_head
-from .format.exr import channel, read_exr, stacked
-from .format.file_kinds import FileKind
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
-from .format.pictures import read_png
-from .format.ray_files import read_layers, read_refraction
 from .format.split_file import read_splits
 from .format.views_table import scene_views
 from .preview.gallery import gallery
+from .stored_view import StoredView as StoredView
 
-M = TypeVar("M", bound=Model)
-_Frame = Literal["camera", "world"]
 #: Largest number of a scene: as folders have six digits or more, and names have an end.
 MOST_SCENE = 10**12
-
-
-@dataclass(frozen=True)
-class StoredView:
-    """A view on disk; each call reads its file."""
-
-    folder: Path
-    number: int
-
-    def camera(self) -> Camera:
-        """Return the stereo pair."""
-        return camera_of(_read(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA))
-
-    def labels(self) -> Labels:
-        """Return the labels."""
-        return _read(Labels, self.folder / layout.LABELS, LABELS_SCHEMA)
-
-    def picture(self, eye: Eye = "left") -> np.ndarray:
-        """Return the 8-bit sRGB picture, (H, W, 3) uint8."""
-        return read_png(self.folder / f"{_checked_eye(eye)}.png")
-
-    def radiance(self, eye: Eye = "left", noisy: bool = False) -> np.ndarray:
-        """Return linear Rec.709 radiance, (H, W, 3) float32; ``noisy`` is before the denoiser."""
-        path, kind = self._of_kind(f"{_checked_eye(eye)}.exr", "noisy" if noisy else "radiance")
-        channels = read_exr(path)
-        if ("noisy.R" if noisy else "R") not in channels:
-            raise _absent(path, kind)
-        return stacked(channels, "noisy.RGB" if noisy else "RGB", path)
-
-    def geometry(self) -> Geometry:
-        """Return the left camera's geometry; the silhouettes come from the masks of the labels."""
-        path = self.folder / layout.GEOMETRY
-        channels = read_exr(path)
-        ids = read_png(self.folder / layout.INSTANCES)
-        Z = channel(channels, "Z", path)
-        if ids.shape != Z.shape or ids.dtype != np.uint16:
-            raise InputError(self.folder / layout.INSTANCES, f"16-bit ids of {Z.shape} px", f"{ids.shape} {ids.dtype}")
-        return Geometry(
-            Z=Z,
-            normal=stacked(channels, "N.XYZ", path),
-            id=ids,
-            background_Z=channel(channels, "background.Z", path),
-            background_id=channel(channels, "background.id", path).astype(np.uint16),
-            transmittance=stacked(channels, "transmittance.RGB", path),
-            crossed=self._masks("mask_amodal", Z.shape),
-            reached=self._masks("mask_seen", Z.shape),
-        )
-
-    def layers(self) -> Layers:
-        """Return the surfaces along the left camera's straight rays, as many layers as the file has."""
-        return read_layers(self._of_kind(layout.LAYERS, "layers")[0])
-
-    def refraction(self) -> Refraction:
-        """Return the end points of the left camera's refracted rays."""
-        return read_refraction(self._of_kind(layout.REFRACTION, "refraction")[0])
-
-    def points(self, frame: _Frame = "camera") -> np.ndarray:
-        """Return the point cloud of the first surfaces that the left camera sees, glass included.
-
-        Parameters
-        ----------
-        frame : {"camera", "world"}
-            Frame of the points: the left camera's (OpenCV axes), or the world's.
-
-        Returns
-        -------
-        (n, 3) float64
-            One point per pixel that sees a surface, row by row [m].
-        """
-        if frame not in get_args(_Frame):
-            raise InputError("frame", "'camera' or 'world'", repr(frame))
-        camera, path = self.camera(), self.folder / layout.GEOMETRY
-        seen = unproject(channel(read_exr(path), "Z", path), camera.K)
-        points = seen[np.isfinite(seen[..., 2])]
-        return points if frame == "camera" else transformed(camera.world_T_camera, points)
-
-    def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
-        """Return a file that is written on request, with its kind; InputError where it was not."""
-        path = self.folder / name
-        if not path.is_file():
-            raise _absent(path, kind)
-        return path, kind
-
-    def _masks(self, field: str, shape: tuple[int, ...]) -> np.ndarray:
-        masks = np.zeros((0, *shape), bool)
-        for label in self.labels().objects:
-            rle = getattr(label, field)
-            where = f"{self.folder / layout.LABELS}: object {label.id} {field}"
-            if rle.size != shape:
-                raise InputError(where, f"size {shape}", rle.size)
-            try:
-                masks = np.concatenate([masks, decode_mask(rle.counts, rle.size)[None]])
-            except ValueError as error:
-                raise InputError(where, "a mask", error) from error
-        return masks
 
 
 @dataclass(frozen=True)
@@ -155,7 +49,7 @@ class StoredScene:
 
     def objects(self) -> ObjectsFile:
         """Return the properties of each object that all views share."""
-        return _read(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
+        return read_record(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
 
     def light(self) -> SurfaceLight | None:
         """Return the irradiance of the scene's opaque surfaces; None where it was not stored."""
@@ -243,21 +137,3 @@ class Dataset:
         existing = set(layout.scene_ids(self.root))
         scenes = getattr(read_splits(self.root), name)
         return tuple(self.scene(scene_id) for scene_id in scenes if scene_id in existing)
-
-
-def _absent(path: Path, kind: FileKind) -> InputError:
-    """Return the error of a file that a view may lack, with how it is made."""
-    expected = f"a data set with {kind}, made with --write {kind} (from Python: files={kind!r})"
-    return InputError(path, expected, f"one without {kind}")
-
-
-def _checked_eye(eye: object) -> Eye:
-    if eye not in EYES:
-        raise InputError("eye", "'left' or 'right'", described(eye))
-    return cast(Eye, eye)
-
-
-def _read(model: type[M], path: Path, schema: str) -> M:
-    data = read_json(path)
-    check_schema(path, data, schema)
-    return parsed(model, data, path)

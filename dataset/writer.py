@@ -14,24 +14,27 @@ import numpy as np
 
 from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
+from ..annotate.stereo import StereoLabels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
 from ..core.errors import InputError, cause_of
 from ..core.json_file import json_text
 from ..core.model import Model
+from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
 from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
 from ..procedural.surroundings.photometry import photometry
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.checksums import write_checksums
-from .format.dataset_file import DatasetFile, Development, read_head, write_head
+from .format.dataset_file import DatasetFile, Development, PileCounts, counted_in, read_head, write_head
 from .format.developed import development_of, write_developed
-from .format.exr import unstacked, write_exr
+from .format.exr import half_numbers, unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
-from .format.objects_file import objects_file
-from .format.pictures import write_png
+from .format.map_files import write_disparity, write_maps, write_pair
+from .format.objects_file import ObjectsFile, objects_file
+from .format.pictures import stored_radiance, write_png
 from .format.ray_files import write_layers, write_refraction
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
 from .output_checks import check_output
@@ -100,14 +103,16 @@ def scene_writer(
     """
     with atomic_folder(layout.scene_folder(root, scene.scene_id)) as folder:
         save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
-        write_json(folder / layout.OBJECTS, objects_file(scene, points))
-        writer = SceneWriter(folder, scene, files)
+        records = objects_file(scene, points)
+        write_json(folder / layout.OBJECTS, records)
+        writer = SceneWriter(folder, scene, records, files)
         yield writer
         record = SceneViews(
             views=tuple(writer.rows),
             assets=_stored_assets(scene),
             light=check,
             photometry=photometry(scene.environment, scene.lights),
+            rest=scene.rest,
         )
         if light is not None:
             write_light(folder / layout.LIGHT, light)
@@ -118,13 +123,16 @@ def scene_writer(
 class SceneWriter:
     """Writes the views of one scene (`scene_writer`)."""
 
-    def __init__(self, folder: Path, scene: Scene, files: FileKinds = KINDS) -> None:
-        self._folder, self._scene, self._files = folder, scene, files
+    def __init__(self, folder: Path, scene: Scene, records: ObjectsFile, files: FileKinds = KINDS) -> None:
+        self._scene, self._files = scene, files
+        self.folder = folder  #: of the scene, hidden until it is complete
+        self.records = records  #: of the scene's objects
         self.rows: list[ViewRow] = []  #: of the index, one per view written
 
-    def add(self, frame: Frame, labels: Labels) -> np.ndarray:
+    def add(self, frame: Frame, labels: Labels, stereo: StereoLabels | None = None) -> np.ndarray:
         """Write all files of a view; return its left picture, (H, W, 3) uint8."""
-        picture = write_view(self._folder / layout.view_name(frame.view), self._scene, frame, labels, self._files)
+        folder = self.folder / layout.view_name(frame.view)
+        picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo)
         self.rows.append(view_row(self._scene, frame.view, frame, labels))
         return picture
 
@@ -147,16 +155,19 @@ def finish_dataset(root: Path, head: DatasetFile | None = None) -> int:
         Number of views.
     """
     found: dict[str, Asset] = {}
+    piles = PileCounts()
 
     def records() -> Iterator[SceneViews]:
+        nonlocal piles
         for record in read_scene_views(root):
             found.update({item.sha256: item for item in record.assets})
+            piles = counted_in(piles, record.rest)
             yield record
 
     count = write_views_table(root, records())
     assets = tuple(found[digest] for digest in sorted(found))
     head = _merged_head(read_head(root), head, layout.scene_ids(root))
-    write_head(root, head.model_copy(update={"assets": assets}))
+    write_head(root, head.model_copy(update={"assets": assets, "piles": piles}))
     return count
 
 
@@ -186,6 +197,7 @@ def write_view(
     labels: Labels,
     files: FileKinds = KINDS,
     development: Development | None = None,
+    stereo: StereoLabels | None = None,
 ) -> np.ndarray:
     """Write the files of a view into a new folder; return its left picture, (H, W, 3) uint8.
 
@@ -201,12 +213,16 @@ def write_view(
         Kinds of files beside those that every view has.
     development : Development, optional
         The camera of the pictures, and its seed; by default the scene's.
+    stereo : StereoLabels, optional
+        What the right camera adds, for the kinds of files that hold it (`file_kinds.PAIR_KINDS`).
     """
     folder.mkdir()
     write_json(folder / layout.LABELS, labels)
+    exposure = scene.cameras[frame.view].exposure
     for eye, picture, noisy in (("left", frame.left, frame.left_noisy), ("right", frame.right, frame.right_noisy)):
-        channels = unstacked(picture, "RGB") if "radiance" in files else {}
-        channels |= unstacked(noisy, "noisy.RGB") if "noisy" in files and noisy is not None else {}
+        channels = unstacked(stored_radiance(picture, exposure), "RGB") if "radiance" in files else {}
+        if "noisy" in files and noisy is not None:
+            channels |= unstacked(stored_radiance(noisy, exposure), "noisy.RGB")
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
     left = write_developed(
@@ -223,14 +239,27 @@ def write_view(
         write_layers(folder / layout.LAYERS, frame.layers)
     if frame.refraction is not None and "refraction" in files:
         write_refraction(folder / layout.REFRACTION, frame.refraction)
+    write_maps(folder, scene, frame, labels, files)
+    if stereo is not None:
+        _write_stereo(folder, scene.cameras[frame.view], frame.geometry, stereo, files)
     return left
+
+
+def _write_stereo(folder: Path, camera: Camera, geometry: Geometry, stereo: StereoLabels, files: FileKinds) -> None:
+    if "right-labels" in files:
+        write_json(folder / layout.RIGHT_LABELS, stereo.labels)
+        write_exr(folder / layout.RIGHT_GEOMETRY, _channels(stereo.geometry))
+        write_png(folder / layout.RIGHT_INSTANCES, stereo.geometry.id)
+    if "disparity" in files:
+        write_disparity(folder / layout.DISPARITY, camera, geometry, stereo.geometry)
+        write_pair(folder / layout.PAIR, stereo)
 
 
 def _channels(geometry: Geometry) -> dict:
     return {
         "Z": geometry.Z,
         "background.Z": geometry.background_Z,
-        "background.id": geometry.background_id,
-        **unstacked(geometry.normal, "N.XYZ"),
-        **unstacked(geometry.transmittance, "transmittance.RGB"),
+        "background.id": half_numbers(geometry.background_id, "background.id"),
+        **unstacked(geometry.normal.astype(np.float16), "N.XYZ"),
+        **unstacked(geometry.transmittance.astype(np.float16), "transmittance.RGB"),
     }

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..core.arguments import check_type, whole_number
+from ..core.arguments import check_type, described, whole_number
 from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.randomness import stream_seed
@@ -21,7 +21,7 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Eye, Frame, LightCheck, LineOfSight, SurfaceLight
+from .frame import EYES, Eye, Frame, Geometry, LightCheck, LineOfSight, SurfaceLight
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -130,8 +130,30 @@ class Renderer:
         with self._active():
             return self._rendered(number)
 
-    def line_of_sight(self, view: int, points: np.ndarray) -> LineOfSight:
-        """Trace straight rays from a view's left camera towards points.
+    def geometry(self, view: int, eye: Eye = "left") -> Geometry:
+        """Trace the straight rays through the pixel centres of one eye; that of the left one is in every frame as well.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+        eye : {"left", "right"}
+            Which of the two cameras.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or there is no such eye.
+        """
+        from .labels.geometry import trace_geometry
+
+        camera = self.scene.cameras[self._view(view)]
+        _check_eye(eye)
+        with self._active():
+            return trace_geometry(self.loaded, camera, eye)
+
+    def line_of_sight(self, view: int, points: np.ndarray, eye: Eye = "left") -> LineOfSight:
+        """Trace straight rays from one eye of a view towards points.
 
         Parameters
         ----------
@@ -139,15 +161,19 @@ class Renderer:
             Number of the camera in ``scene.cameras``.
         points : (n, 3) float
             Targets, world frame [m].
+        eye : {"left", "right"}
+            Which of the two cameras the rays start from.
 
         Raises
         ------
         InputError
-            Where the scene has no such view, or the points are not finite numbers of this shape.
+            Where the scene has no such view, there is no such eye, or the points are not finite numbers of this shape.
         """
         from .labels.geometry import line_of_sight
 
-        origin = self.scene.cameras[self._view(view)].world_T_camera[:3, 3]
+        camera = self.scene.cameras[self._view(view)]
+        _check_eye(eye)
+        origin = (camera.world_T_camera if eye == "left" else camera.world_T_right)[:3, 3]
         targets = checked_points("points", points)
         with self._active():
             return line_of_sight(self.loaded, origin, targets)
@@ -206,6 +232,11 @@ class Renderer:
             tone=camera.tone,
             scene=scene,
         )
+
+
+def _check_eye(eye: object) -> None:
+    if eye not in EYES:
+        raise InputError("eye", "'left' or 'right'", described(eye))
 
 
 def _check_colours(variant: str, spectral: bool) -> None:

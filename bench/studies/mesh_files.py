@@ -2,7 +2,8 @@
 
 For each file of a folder that both read, silhouettes along the three axes are compared, and the mean colours of parts
 of the same material by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours
-differ by at most `MOST_DIFFERENCE`; the others are listed with what differs.
+differ by at most `MOST_DIFFERENCE`; the others are listed with what differs. A file that differs and needs something
+that trimesh does not do (`LACKING`) is counted by itself.
 
     python bench/studies/mesh_files.py FOLDER
 """
@@ -31,6 +32,15 @@ from glassware.procedural.mesh_files.read import MESH_SUFFIXES, read_parts
 #: Least overlap (intersection over union) of silhouettes of this many pixels a side, and most difference of mean
 #: colours, linear [1]: a texel's interpolation and a pixel's edge.
 LEAST_OVERLAP, SIDE, MOST_DIFFERENCE = 0.97, 192, 0.04
+#: What trimesh does not do, and the text that a file has which needs it. Polygons that are not convex are found apart.
+LACKING = {
+    "shifted or turned pictures": b"KHR_texture_transform",
+    "specular-glossiness": b"KHR_materials_pbrSpecularGlossiness",
+    "second texture coordinates": b"TEXCOORD_1",
+    "opacity in pictures": b"map_d ",
+}
+#: How outcomes begin that are counted by themselves.
+KINDS = ("alike", "refused", "only read here", "beyond the other reader")
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +127,9 @@ def _their_colours(mesh: trimesh.Trimesh) -> np.ndarray:
             colour / 255.0 if colour.max() > 1.0 or np.asarray(diffuse).dtype == np.uint8 else colour,
             (len(mesh.faces), 1),
         )
-    if visual is not None and visual.kind in ("face", "vertex"):
+    if visual is not None and visual.kind == "vertex":
+        return srgb_to_linear(np.asarray(visual.vertex_colors, np.float32)[:, :3] / 255.0)[mesh.faces].mean(1)
+    if visual is not None and visual.kind == "face":
         return srgb_to_linear(np.asarray(visual.face_colors, np.float32)[:, :3] / 255.0)
     return np.full((len(mesh.faces), 3), np.nan)
 
@@ -142,6 +154,31 @@ def _silhouette(surface: Surface, axis: int, low: np.ndarray, extent: float) -> 
     return picture.astype(bool)
 
 
+def lacking(path: Path) -> list[str]:
+    """Return what a file needs that the other reader does not do."""
+    content = path.read_bytes()
+    beside = path.with_suffix(".mtl")
+    content += beside.read_bytes() if beside.is_file() else b""
+    found = [what for what, text in LACKING.items() if text in content]
+    return [*found, "polygons that are not convex"] if path.suffix.lower() == ".obj" and _not_convex(content) else found
+
+
+def _not_convex(content: bytes) -> bool:
+    """Return whether an OBJ file has a flat polygon with a corner that turns the other way."""
+    places = np.array([line.split()[1:4] for line in content.splitlines() if line.startswith(b"v ")], dtype=np.float64)
+    for line in content.splitlines():
+        words = line.split()
+        if len(words) < 6 or words[0] != b"f":
+            continue
+        index = [int(word.split(b"/")[0]) for word in words[1:]]
+        ring = places[[k - 1 if k > 0 else k for k in index]]
+        sides = np.roll(ring, -1, axis=0) - ring
+        turns = np.cross(np.roll(sides, 1, axis=0), sides)
+        if (turns @ turns.sum(0) < -1e-6 * np.abs(turns).max() * np.linalg.norm(turns.sum(0))).any():
+            return True
+    return False
+
+
 def compared(path: Path, root: Path, pictures: Path) -> str:
     """Return "alike", or what differs, or who does not read the file and why."""
     try:
@@ -160,7 +197,8 @@ def compared(path: Path, root: Path, pictures: Path) -> str:
         difference = np.abs(here - there).max()
         if np.isfinite(difference) and difference > MOST_DIFFERENCE:
             faults.append(f"{name or 'colour'} {np.round(here, 2).tolist()}, there {np.round(there, 2).tolist()}")
-    return "; ".join(faults) or "alike"
+    missing = lacking(path) if faults else []
+    return (f"beyond the other reader ({', '.join(missing)}): " if missing else "") + "; ".join(faults) or "alike"
 
 
 def main() -> int:
@@ -174,9 +212,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as pictures:
         for path in files:
             outcome = compared(path, folder, Path(pictures))
-            kind = next(
-                (kind for kind in ("alike", "refused", "only read here") if outcome.startswith(kind)), "different"
-            )
+            kind = next((kind for kind in KINDS if outcome.startswith(kind)), "different")
             counts[kind] = counts.get(kind, 0) + 1
             if outcome != "alike":
                 sys.stdout.write(f"{path.relative_to(folder)}: {outcome}\n")

@@ -24,6 +24,7 @@ from ...procedural.materials.picture_files import PICTURE_SUFFIXES
 from ...procedural.materials.surface_files import SURFACE_SUFFIXES
 from ...procedural.own_vessels.files import vessel_files
 from ...procedural.props.mesh_files import MESH_SUFFIXES, root_of
+from ...procedural.scene.asset_places import check_asset_places
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.surroundings.hdri import SUFFIXES
 from ..format.checksums import Sha256, file_digest
@@ -62,6 +63,7 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
 
     Raises InputError for an unusable folder.
     """
+    check_asset_places(settings)
     folders: tuple[tuple[Folder, Path | None, tuple[str, ...], bool], ...] = (
         ("hdri_dir", settings.environment.hdri_dir, SUFFIXES, True),
         ("mesh_dir", settings.mesh_dir and root_of(settings.mesh_dir), _MESH_FILES, True),

@@ -18,6 +18,7 @@ from ...render.backend.variant import activate
 from ...render.renderer import Renderer
 from ..format import layout
 from ..format.dataset_file import DatasetFile, installed_versions
+from ..pipeline import pair_labels
 from ..writer import write_view
 
 
@@ -62,7 +63,8 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         renderer, points = Renderer(scene), scene_keypoints(scene)
         for view in views:
             place, frame = again / layout.view_name(view), renderer.frame(view)
-            write_view(place, scene, frame, label(scene, frame, renderer, points), head.files, head.developed)
+            labels, stereo = label(scene, frame, renderer, points), pair_labels(head.files, frame, renderer, points)
+            write_view(place, scene, frame, labels, head.files, head.developed, stereo)
             yield from _unlike(place, folder / layout.view_name(view))
 
 

@@ -11,7 +11,6 @@ import pyarrow.parquet as pq
 from pyarrow import ArrowException
 from pydantic import ValidationError
 
-from ...annotate.checks import check_view
 from ...core.assets import checked_path
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error
@@ -24,13 +23,22 @@ from ...render.frame import EYES
 from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
-from ..format.file_kinds import FileKinds
+from ..format.file_kinds import LAYERED, FileKinds
 from ..format.split_file import read_splits
 from ..format.views_table import SCHEMA, read_scene_views, scene_views
 from ..reader import StoredScene, StoredView
 from ..settings.scene_ranges import format_scenes, parse_scenes
+from ..verification.scene import scene_label_faults
 from .manifest import read_manifest
 
+#: Files of the kinds that need nothing of the scene's picture, or its layers (`LAYERED`).
+REQUESTED = {
+    "right-labels": (layout.RIGHT_LABELS, layout.RIGHT_GEOMETRY, layout.RIGHT_INSTANCES),
+    "disparity": (layout.DISPARITY, layout.PAIR),
+    "heatmap": (layout.HEATMAP,),
+    "coordinates": (layout.COORDINATES,),
+    "vessel-parts": (layout.VESSEL_PARTS,),
+}
 #: Files that each view has, whatever was requested.
 _VIEW_FILES = (
     layout.CAMERA,
@@ -73,17 +81,9 @@ def scene_faults(root: Path, head: DatasetFile, scene_id: int) -> Iterator[str]:
         yield from _with_read_errors(lambda: _content_faults(root, head, StoredScene(folder, scene_id)))
 
 
-def label_faults(root: Path, scene_id: int) -> Iterator[str]:
-    """Yield the violations that `annotate.checks` finds in the labels of one scene, from the stored files alone."""
-
-    def violations() -> Iterator[str]:
-        stored = StoredScene(layout.scene_folder(root, scene_id), scene_id)
-        scene = stored.scene()
-        for view in stored.views:
-            found = check_view(scene, view.camera(), view.labels(), view.geometry())
-            yield from (f"{view.folder / layout.LABELS}: {violation}" for violation in found)
-
-    yield from _with_read_errors(violations)
+def label_faults(root: Path, scene_id: int, developed: bool) -> Iterator[str]:
+    """Yield the faults that `dataset.verification` finds in the labels of one scene, from the stored files alone."""
+    yield from _with_read_errors(lambda: scene_label_faults(root, scene_id, developed))
 
 
 def index_faults(root: Path) -> Iterator[str]:
@@ -170,6 +170,9 @@ def _extra_files(picture: Picture, files: FileKinds) -> Iterator[str]:
         yield layout.LAYERS
     if "refraction" in files and picture.refraction:
         yield layout.REFRACTION
+    for kind, names in REQUESTED.items():
+        if kind in files and (kind not in LAYERED or picture.layers):
+            yield from names
 
 
 def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:

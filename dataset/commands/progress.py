@@ -13,6 +13,7 @@ from rich.table import Table
 
 from ...core.stopping import check_stop
 from ...core.stopwatch import Stopwatch
+from ...procedural.description.scene import TABLE_ID
 
 if TYPE_CHECKING:  # the first line is printed before the renderer's types are loaded
     from ...render.frame import LightCheck
@@ -185,8 +186,9 @@ def failed_lines(check: LightCheck) -> list[str]:
         elif region.id in check.traced:
             remedy = "they are path traced instead"
         else:
-            remedy = "they are within it once the props above are path traced"
-        place = f"object {region.id}" + ("" if region.part == "all" else f" ({region.part} part)")
+            remedy = "they are within it once the objects above are path traced"
+        name = "the table" if region.id == TABLE_ID else f"object {region.id}"
+        place = name + ("" if region.part == "all" else f" ({region.part} part)")
         remedies.setdefault(remedy, []).append(f"{place} {region.difference:+.1%} +- {region.standard_error:.1%}")
     return [
         f"checked: the irradiance cache is off by more than {check.bound:.0%} at {', '.join(places)}; {remedy}"

@@ -38,7 +38,7 @@ class Verify(Model):
 
     directory: Annotated[UserPath, tyro.conf.Positional] = Field(description="Folder of the data set")
     labels: bool = Field(
-        default=False, description="Check each view's labels against its geometry and the scene's description"
+        default=False, description="Prove each view's labels by the scene's description and its meshes"
     )
     rerender: int = Field(default=0, ge=0, description="Random views to render again and compare bit for bit")
     draw: int | None = Field(default=None, ge=0, description="Seed of the choice of these views; random by default")
@@ -95,7 +95,7 @@ def _faults(request: Verify, head: DatasetFile, picked: dict[int, list[int]], co
             yield from faults
         yield from index_faults(root)
         if request.labels:
-            found = pool.map(lambda scene: list(label_faults(root, scene)), scenes)
+            found = pool.map(lambda scene: list(label_faults(root, scene, head.developed is not None)), scenes)
             for faults in tracked(found, "checking labels", len(scenes), console):
                 yield from faults
     for scene, views in tracked(picked.items(), "rendering views again", len(picked), console):

@@ -14,10 +14,11 @@ from ...core.atomic_io import write_atomically
 from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.model import Model
 from ...core.passed_over import Finding
+from ...procedural.description.rest import Rest
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from ..cameras.model import ColourCamera
-from .file_kinds import KINDS, FileKinds
+from .file_kinds import EARLIER_KINDS, KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
 #: Packages whose version can change what is in a data set.
@@ -26,6 +27,8 @@ _PACKAGES = (
     "mitsuba",
     "drjit",
     "pyoidn",
+    "mujoco-core",
+    "coacd",
     "numpy",
     "scipy",
     "trimesh",
@@ -35,12 +38,31 @@ _PACKAGES = (
 
 
 class MeshRecord(Model):
-    """A mesh of the user's folder that scenes draw from."""
+    """A mesh of the user's folders that scenes draw from."""
 
     file: str = Field(description="Below the folder, with forward slashes")
     layout: str = Field(description="Layout of the folder, such as shapenet, gso, ycb, bop or plain")
     category: str = Field(description="As labels have it")
     licence: str = Field(description="As the file or its folder states it, or unknown")
+
+
+class PileCounts(Model):
+    """What was drawn again in the scenes of a data set so that their piles came to rest."""
+
+    scenes: int = Field(default=0, description="Scenes with a pile")
+    drawn_again: int = Field(default=0, description="Piles that did not come to rest, and were drawn again")
+    fell_again: int = Field(default=0, description="Objects that left the table or fell into a liquid, and fell again")
+
+
+def counted_in(counts: PileCounts, rest: Rest | None) -> PileCounts:
+    """Return the counts with one more scene."""
+    if rest is None:
+        return counts
+    return PileCounts(
+        scenes=counts.scenes + 1,
+        drawn_again=counts.drawn_again + rest.attempt - 1,
+        fell_again=counts.fell_again + rest.fell_again,
+    )
 
 
 class Development(Model):
@@ -64,12 +86,18 @@ class DatasetFile(Model):
         default={}, description="SHA-256 of what a scene depends on besides seed and number: config, backend, assets"
     )
     files: FileKinds = Field(
-        default=KINDS, description="Files of each view beside those that every view has; all in earlier data sets"
+        default=EARLIER_KINDS,
+        description="Files of each view beside those that every view has; in data sets of earlier versions, four",
     )
     assets: tuple[Asset, ...] = Field(default=(), description="Asset files in it, with their licences")
-    meshes: tuple[MeshRecord, ...] = Field(default=(), description="Meshes that its scenes draw from")
+    meshes: tuple[MeshRecord, ...] = Field(
+        default=(), description="Meshes that its scenes draw from, as props and as vessels"
+    )
     findings: tuple[Finding, ...] = Field(
         default=(), description="Files of the asset folders that were passed over, or of which something is not used"
+    )
+    piles: PileCounts | None = Field(
+        default=None, description="Counts of its piles; null in data sets of earlier versions and in unfinished ones"
     )
     developed: Development | None = Field(
         default=None,
@@ -116,7 +144,7 @@ def with_files(head: DatasetFile, files: AssetFiles) -> DatasetFile:
     """Return the head of a data set with the meshes that scenes draw from, and what was found about the files."""
     meshes = tuple(
         MeshRecord(file=file.name, layout=file.place.layout, category=file.category, licence=file.place.licence)
-        for file in files.meshes
+        for file in (*files.meshes, *files.vessels)
     )
     return head.model_copy(update={"meshes": meshes, "findings": files.findings})
 

@@ -3,12 +3,17 @@
 Every view has ``camera.json``, ``labels.json``, ``left.png``, ``right.png``, ``geometry.exr`` and ``instances.png``:
 pictures, depth, normals, ids, masks, poses and boxes, with which networks are trained. The rest is many times larger:
 
-==============  ============================================================================
-``radiance``    ``left.exr`` and ``right.exr``: linear radiance
-``noisy``       the same files: radiance before the denoiser; in part the same numbers, so it takes less
-``layers``      ``layers.exr``: every surface along the straight rays
-``refraction``  ``refraction.exr``: end points of refracted rays
-==============  ============================================================================
+================  ========================================================================================
+``radiance``      ``left.exr`` and ``right.exr``: linear radiance
+``noisy``         the same files: radiance before the denoiser; in part the same numbers, so it takes less
+``layers``        ``layers.exr``: every surface along the straight rays
+``refraction``    ``refraction.exr``: end points of refracted rays
+``right-labels``  ``right_labels.json``, ``right_geometry.exr``, ``right_instances.png``: the right camera's
+``disparity``     ``disparity.exr`` of both cameras, and ``pair.png``: whether the other camera sees it too
+``heatmap``       ``heatmap.png``: where objects are, as the networks learn it
+``coordinates``   ``coordinates.exr``: object coordinates of first surfaces and back walls
+``vessel-parts``  ``vessel_parts.png``: glass, wet wall, liquid surface, content, opening
+================  ========================================================================================
 """
 
 from __future__ import annotations
@@ -20,14 +25,40 @@ from pydantic import BeforeValidator
 
 from ...core.setting_errors import shortened, suggest
 
-FileKind = Literal["radiance", "noisy", "layers", "refraction"]
+FileKind = Literal[
+    "radiance",
+    "noisy",
+    "layers",
+    "refraction",
+    "right-labels",
+    "disparity",
+    "heatmap",
+    "coordinates",
+    "vessel-parts",
+]
 KINDS: tuple[FileKind, ...] = get_args(FileKind)
+#: The kinds of data sets that do not say which they have: those of earlier versions.
+EARLIER_KINDS: tuple[FileKind, ...] = ("radiance", "noisy", "layers", "refraction")
+#: The kinds that the right camera's rays are traced for.
+PAIR_KINDS: tuple[FileKind, ...] = ("right-labels", "disparity")
+#: The kinds that follow from layers, and are left out where `picture.layers` is 0.
+LAYERED: tuple[FileKind, ...] = ("coordinates", "vessel-parts")
 #: Words that stand for every kind and for none.
 ALL, NONE = "all", "none"
-#: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of two
-#: pairs of preset `standard`, seed 7 (640x480 px, 32 samples, 3 vessels, 7 props).
-VIEW_BYTES = 5.1
-KIND_BYTES: dict[str, float] = {"radiance": 22.4, "noisy": 14.5, "layers": 6.1, "refraction": 11.0}
+#: What the files of every view take, and those of each kind [bytes per pixel of the left picture]: means of three
+#: pairs of preset `fast`, seed 7 (640x480 px, 16 samples, 3 vessels, 7 props), by `bench/labels.py`.
+VIEW_BYTES = 4.1
+KIND_BYTES: dict[str, float] = {
+    "radiance": 6.3,
+    "noisy": 6.1,
+    "layers": 6.5,
+    "refraction": 10.9,
+    "right-labels": 2.1,
+    "disparity": 2.1,
+    "heatmap": 0.6,
+    "coordinates": 0.6,
+    "vessel-parts": 0.02,
+}
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6
 #: Pixels of the pictures for which help texts give sizes.

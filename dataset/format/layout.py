@@ -10,6 +10,8 @@
         000/
             camera.json  labels.json  instances.png
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
+            right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
+            heatmap.png  coordinates.exr  vessel_parts.png
 """
 
 from __future__ import annotations
@@ -29,6 +31,9 @@ SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.js
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"
 LIGHT = "light.parquet"  # of a scene, with the setting picture.keep_light
 LAYERS, REFRACTION = "layers.exr", "refraction.exr"
+RIGHT_LABELS, RIGHT_INSTANCES, RIGHT_GEOMETRY = "right_labels.json", "right_instances.png", "right_geometry.exr"
+DISPARITY, PAIR, HEATMAP = "disparity.exr", "pair.png", "heatmap.png"
+COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")

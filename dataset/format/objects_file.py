@@ -8,11 +8,27 @@ import numpy as np
 from pydantic import Field
 
 from ...annotate.keypoints import SceneKeypoints
+from ...annotate.outlines import fill_lines, openings
 from ...annotate.symmetries import symmetry_of
+from ...core.mesh import volume_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import Liquid, Origin, Prop, Scene, SceneObject, materials_of
+from ...procedural.description.rest import Rest, touched
+from ...procedural.description.scene import (
+    Liquid,
+    MeshVessel,
+    Origin,
+    Prop,
+    Scene,
+    SceneObject,
+    Vessel,
+    glass_solid,
+    liquid_solid,
+    materials_of,
+)
 from ...procedural.optics.medium import Medium
+from ...procedural.physics.bodies import Mechanics, mechanics_of
+from ...procedural.profiles.liquid import brimful_volume
 
 OBJECTS_SCHEMA = "glassware/objects/1"
 
@@ -55,6 +71,14 @@ class Part(Model):
     name: Literal["glass", "liquid", "body"]
 
 
+class Volumes(Model):
+    """What a glass body and its inside take."""
+
+    glass: float = Field(gt=0.0, description="Volume of the glass, by its mesh [m^3]")
+    brimful: float | None = Field(gt=0.0, description="Volume of the inside up to the brim [m^3]; null without one")
+    liquid: float = Field(ge=0.0, description="Volume of the liquid, by its meshes [m^3]")
+
+
 class ObjectRecord(Model):
     """One object."""
 
@@ -78,6 +102,20 @@ class ObjectRecord(Model):
         default=(), description="Other motions that leave the shape unchanged, without the identity, object frame [m]"
     )
     keypoints: tuple[Vector3, ...] = Field(description="Farthest-point keypoints, object frame [m]")
+    openings: tuple[tuple[Vector3, ...], ...] = Field(
+        default=(), description="Mouths of a vessel, closed polygons of at most 64 points, object frame [m]"
+    )
+    fill_lines: tuple[tuple[Vector3, ...], ...] = Field(
+        default=(), description="Where its liquid meets the wall, closed lines of at most 64 points, object frame [m]"
+    )
+    volumes: Volumes | None = Field(default=None, description="Of a vessel or another glass body; null for props")
+    mechanics: Mechanics | None = Field(
+        default=None, description="Mass, centre of gravity, inertia and friction; null in data sets of earlier versions"
+    )
+    touches: tuple[int, ...] | None = Field(
+        default=None,
+        description="Ids of what it touches where its scene has a pile, 1 is the table; null where objects stand apart",
+    )
 
 
 class ObjectsFile(Model):
@@ -95,7 +133,7 @@ def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
     """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
-        objects=tuple(_record(item, local) for item, local in rows),
+        objects=tuple(_record(item, local, scene.rest) for item, local in rows),
         materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
@@ -104,7 +142,7 @@ def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | Opaque
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
-def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
+def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRecord:
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -113,14 +151,35 @@ def _record(item: SceneObject, local: np.ndarray) -> ObjectRecord:
         category=item.category,
         parts=_parts(item),
         material=_material(item),
-        origin=item.origin if isinstance(item, Prop) else None,
+        origin=item.origin,
         liquid=None if isinstance(item, Prop) else item.liquid,
         world_T_object=item.world_T_object,
         size=item.size,
         symmetries_continuous=tuple(ContinuousSymmetry(axis=axis, offset=(0.0, 0.0, 0.0)) for axis in axes),
         symmetries_discrete=tuple(symmetry.motions[1:]),
         keypoints=tuple(tuple(point) for point in local.tolist()),
+        openings=_lines(openings(item)),
+        fill_lines=_lines(fill_lines(item)),
+        volumes=_volumes(item),
+        mechanics=mechanics_of(item),
+        touches=None if rest is None else touched(rest, item.id),
     )
+
+
+def _lines(lines: tuple[np.ndarray, ...]) -> tuple[tuple[Vector3, ...], ...]:
+    return tuple(tuple((x, y, z) for x, y, z in line.tolist()) for line in lines)
+
+
+def _volumes(item: SceneObject) -> Volumes | None:
+    if isinstance(item, Prop):
+        return None
+    brimful = None
+    if isinstance(item, Vessel):
+        brimful = brimful_volume(np.array(item.inner))
+    elif isinstance(item, MeshVessel) and item.cavities:
+        brimful = sum(cavity.volume for cavity in item.cavities)
+    liquid = volume_of(liquid_solid(item)) if item.liquid else 0.0
+    return Volumes(glass=volume_of(glass_solid(item)), brimful=brimful, liquid=liquid)
 
 
 def _parts(item: SceneObject) -> tuple[Part, ...]:

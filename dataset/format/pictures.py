@@ -13,6 +13,9 @@ from ...core.images import LINEAR, srgb8
 from ...core.silence import quiet
 from ...render.frame import Frame
 
+#: Linear value of the first step of an 8-bit sRGB picture: 1/255 on the line of slope 12.92 (IEC 61966-2-1:1999).
+_FIRST_STEP = 1.0 / (255.0 * 12.92)
+
 
 def write_png(path: Path, picture: np.ndarray) -> None:
     """Write (H, W, 3) uint8 red, green, blue, or (H, W) uint16 ids."""
@@ -56,6 +59,27 @@ def save_png(path: Path | str, picture: Frame | np.ndarray, exposure: float = 1.
         write_png(path, picture)
     except OSError as error:
         raise InputError(path, "a file that can be written", cause_of(error)) from error
+
+
+def stored_radiance(radiance: np.ndarray, exposure: float) -> np.ndarray:
+    """Return radiance as it is written: half floats, or float32 where these would lose more than rounding to 11 bits.
+
+    Parameters
+    ----------
+    radiance : (H, W, 3) float32
+        Linear Rec.709 radiance.
+    exposure : float
+        Factor from radiance to the linear value that sRGB encodes: it says what is black.
+
+    Returns
+    -------
+    (H, W, 3) float16 or float32
+        Float32 where a value is beyond the largest half, or the first step of an 8-bit picture below the smallest one
+        of 11 bits.
+    """
+    half = np.finfo(np.float16)
+    fits = float(np.abs(radiance).max(initial=0.0)) <= float(half.max) and _FIRST_STEP / exposure >= float(half.tiny)
+    return radiance.astype(np.float16) if fits else radiance
 
 
 def read_png(path: Path) -> np.ndarray:

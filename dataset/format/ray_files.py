@@ -23,21 +23,18 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...render.frame import LOST, PARTS, SURROUNDINGS, Layers, Refraction
-from .exr import channel, read_exr, stacked, unstacked, write_exr
-
-#: Largest number of a half; it represents every integer up to 2048 exactly, and multiples of 32 up to this.
-_LARGEST = 65504
+from .exr import channel, half_numbers, read_exr, stacked, unstacked, write_exr
 
 
 def write_layers(path: Path, layers: Layers) -> None:
     """Write ``layers.exr`` without the layers that are empty in the whole view."""
     depth = min(len(layers.Z), int(layers.count.max(initial=0)))
-    channels = {"count": _half(layers.count, "count")}
+    channels = {"count": half_numbers(layers.count, "count")}
     for i in range(depth):
         name = f"layer{i:02d}"
         channels |= {f"{name}.Z": layers.Z[i], **unstacked(layers.normal[i], f"{name}.N.XYZ")}
         for field in ("id", "part", "material", "entering"):
-            channels[f"{name}.{field}"] = _half(getattr(layers, field)[i], field)
+            channels[f"{name}.{field}"] = half_numbers(getattr(layers, field)[i], field)
     write_exr(path, channels)
 
 
@@ -70,7 +67,7 @@ def read_layers(path: Path) -> Layers:
 
 def write_refraction(path: Path, refraction: Refraction) -> None:
     """Write ``refraction.exr``."""
-    numbers = {field: _half(getattr(refraction, field), field) for field in ("state", "id", "bounces")}
+    numbers = {field: half_numbers(getattr(refraction, field), field) for field in ("state", "id", "bounces")}
     channels = {
         "Z": refraction.Z,
         **unstacked(refraction.hit, "hit.XYZ"),
@@ -95,15 +92,6 @@ def read_refraction(path: Path) -> Refraction:
         bounces=_whole(channel(channels, "bounces", path), np.uint16, "bounces", path),
         transmittance=stacked(channels, "transmittance.RGB", path).astype(np.float16),
     )
-
-
-def _half(values: np.ndarray, field: str) -> np.ndarray:
-    whole = values.astype(np.int64)
-    halves = np.minimum(whole, _LARGEST).astype(np.float16)
-    wrong = halves.astype(np.int64) != whole
-    if wrong.any():
-        raise ValueError(f"{field}: expected at most 2048, or a room's id, got {values[wrong].max()}")
-    return halves
 
 
 def _whole(values: np.ndarray, dtype: type, field: str, path: Path) -> np.ndarray:

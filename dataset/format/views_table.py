@@ -20,6 +20,7 @@ from ...core.atomic_io import atomic_file
 from ...core.errors import InputError
 from ...core.json_file import parsed, read_json
 from ...core.model import Model
+from ...procedural.description.rest import Rest
 from ...procedural.description.scene import Scene
 from ...procedural.surroundings.photometry import Photometry
 from ...render.frame import Frame, LightCheck
@@ -88,6 +89,7 @@ class SceneViews(Model):
     assets: tuple[Asset, ...]  #: paths relative to the data set
     light: LightCheck | None = None  #: of the stored light; null where none was stored
     photometry: Photometry | None = None  #: illuminance and lamps; null in data sets of earlier versions
+    rest: Rest | None = None  #: how a pile came to rest; null where objects stand apart
 
 
 def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:

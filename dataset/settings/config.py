@@ -20,6 +20,7 @@ from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
 from ...core.yaml_file import yaml_settings
 from .camera_layer import with_cameras
+from .file_paths import beside_file
 from .help_page import asks_for_help, print_help
 from .option_units import without_units
 from .options import FLAT as FLAT
@@ -113,6 +114,7 @@ def _layers(model: type[T], arguments: Sequence[str]) -> T:
             if name in loaded:
                 raise InputError(f"{path}: {name}", f"--{name} on the command line alone", shortened(loaded[name]))
         check_booleans(model, loaded, path)
+        loaded = beside_file(model, loaded, Path(path).parent)
         where = path
     cameras = with_cameras(settings, loaded, _with_full_names(arguments)) if _draws_scenes(model) else {}
     return validated(model, merged(settings, loaded) | cameras, where)

@@ -1,4 +1,4 @@
-"""What there is to choose from: glasses, liquids, dyes, families of vessels and presets, to print and as data."""
+"""What there is to choose from: glasses, liquids, dyes, families of vessels, props, tables and presets."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from ...procedural.optics.draw import liquid_names
 from ...procedural.optics.dyes import DYES, Dye
 from ...procedural.optics.medium import Medium
 from ...procedural.optics.own_media import read_media
-from ...procedural.vessels.families import FAMILIES, Family
+from ...procedural.tables.kinds import TABLE_KINDS
+from ...procedural.things.kinds import KINDS
+from ...procedural.vessels.families import FAMILIES
+from ...procedural.vessels.family_pieces import Family
 from ...procedural.vessels.settings import VesselSettings
 from ...procedural.vessels.sizes import NOMINAL, volumes_of
 from .config import preset_names
@@ -29,6 +32,8 @@ class Catalogue:
     dyes: dict[str, Dye]  #: food dyes, by name
     families: dict[str, Family]  #: vessels: heights, radii and walls [m], by name
     volumes: dict[str, tuple[float, float]]  #: smallest and largest nominal volume of each family [m^3]
+    props: dict[str, tuple[float, float]]  #: everyday things: range of the longest side [m], by kind
+    tables: tuple[str, ...]  #: kinds of tables
     presets: tuple[str, ...]  #: names of presets
     own: dict[str, Medium] = field(default_factory=dict)  #: media of a file of one's own, by name
 
@@ -63,6 +68,8 @@ def catalogue(media: Path | str | None = None) -> Catalogue:
         dyes=dict(DYES),
         families={str(name): family for name, family in FAMILIES.items()},
         volumes=limits,
+        props={name: kind.longest for name, kind in KINDS.items()},
+        tables=TABLE_KINDS,
         presets=tuple(preset_names()),
         own=own,
     )
@@ -83,4 +90,7 @@ def _lines(found: Catalogue) -> Iterator[str]:
     for name, family in found.families.items():
         low, high = (volume_text(float(f"{volume:.2g}")) for volume in found.volumes[name])
         yield f"  {name:26}{1e3 * family.height[0]:.0f} to {1e3 * family.height[1]:.0f} mm, {low} to {high}"
+    yield "props (props.kinds): longest side [mm]; and `shape`, plain bodies"
+    yield from (f"  {name:26}{1e3 * low:.0f} to {1e3 * high:.0f}" for name, (low, high) in found.props.items())
+    yield f"tables (table.kinds): {', '.join(found.tables)}"
     yield f"presets: {', '.join(found.presets)}"

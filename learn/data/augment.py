@@ -1,7 +1,7 @@
 """Image augmentation that simulates other cameras.
 
-In the order of a camera: blur of the lens, exposure and white balance on linear light, shot and read noise, the sRGB
-curve, 8 bits, JPEG.
+In the order of a camera: blur of the lens, hue, exposure and white balance on linear light, shot and read noise, the
+sRGB curve, 8 bits, JPEG.
 """
 
 from __future__ import annotations
@@ -34,14 +34,27 @@ def augmented(images: np.ndarray, settings: AugmentSettings, rng: np.random.Gene
     exposure = rng.uniform(-settings.exposure, settings.exposure)
     red, blue = rng.uniform(-settings.balance, settings.balance, 2)
     gains = exposure + np.array([red, 0.0, blue])
+    turn = hue_turn(rng.uniform(-settings.hue, settings.hue))
     shot, read = rng.uniform(0.0, settings.shot_noise), rng.uniform(0.0, settings.read_noise)
     blur, quality = rng.uniform(0.0, settings.blur), int(rng.integers(settings.jpeg[0], settings.jpeg[1] + 1))
     changed = []
     for image in images:
         view_exposure = rng.uniform(-settings.view_exposure, settings.view_exposure)
-        light = _blurred(linear(image), blur) * np.exp2(gains + view_exposure).astype(np.float32)
+        light = np.maximum(_blurred(linear(image), blur) @ turn.T, 0.0) * np.exp2(gains + view_exposure).astype(
+            np.float32
+        )
         changed.append(_jpeg(srgb8(with_noise(light, shot, read, rng), 1.0), quality))
     return np.stack(changed)
+
+
+def hue_turn(angle: float) -> np.ndarray:
+    """Return the matrix that turns linear colours about the grey axis, (3, 3) float32: grey stays, hues change.
+
+    Rodrigues' formula about (1, 1, 1) / sqrt(3): cos I + (1 - cos) / 3 + sin / sqrt(3) [1]_x.
+    """
+    cosine, sine = np.cos(angle), np.sin(angle) / np.sqrt(3.0)
+    cross = np.array([[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
+    return (cosine * np.eye(3) + (1.0 - cosine) / 3.0 + sine * cross).astype(np.float32)
 
 
 def linear(image: np.ndarray) -> np.ndarray:

@@ -20,12 +20,13 @@ from ...procedural.description.scene import TABLE_ID
 from ..targets.encoding import Encoding
 from ..targets.view import view_targets
 from .augment import augmented
+from .geometric_augment import moved_pixels
 from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
 from .scaling import scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
-from .views import CameraView, check_picture, check_sizes, read_camera, read_view
+from .views import check_colours, check_sides, check_sizes, read_camera, read_view
 
 #: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
 DEPTH_QUANTILES = (0.005, 0.995)
@@ -106,12 +107,22 @@ class SampleDataset(TorchDataset):
         index, draw = item
         scene, reference = self._references[index]
         rng = stream(self._seed, index, f"learn/samples/{draw}")
-        views = [self._view(view, eye) for view, eye in self._select_views(scene, reference, rng)]
+        selected = self._select_views(scene, reference, rng)
+        views = [read_view(view, eye) for view, eye in selected]
         check_sizes(views, reference.folder)
+        for view, (stored, eye) in zip(views, selected, strict=True):
+            check_colours(view.picture, stored.folder / f"{eye}.png")
+        labels = self._ground_truth(scene, reference)
+        size = self._views.size
+        if self._augment is not None:
+            size = size or (views[0].picture.shape[0], views[0].picture.shape[1])
+            views, labels = moved_pixels(views, labels, self._augment, rng)
+        views = [scaled_view(view, size, self._views.fit) for view in views]
+        check_sides(views[0].picture, reference.folder)
         pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
             pictures = augmented(pictures, self._augment, rng)
-        labels = scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
+        labels = scaled_ground_truth(labels, size, self._views.fit)
         targets = view_targets(labels.instances, labels.Z, labels.objects, views[0].K, self._encoding)
         return Sample(
             name=str(reference.folder.relative_to(self._root)),
@@ -149,11 +160,6 @@ class SampleDataset(TorchDataset):
 
     def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE
-
-    def _view(self, view: StoredView, eye: Eye) -> CameraView:
-        scaled = scaled_view(read_view(view, eye), self._views.size, self._views.fit)
-        check_picture(scaled.picture, view.folder / f"{eye}.png")
-        return scaled
 
     def _ground_truth(self, scene: StoredScene, view: StoredView) -> GroundTruth:
         record = read_camera(view)

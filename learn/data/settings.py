@@ -10,6 +10,7 @@ from ...core.model import Model, Ordered
 from ..networks.layers import SIZE_MULTIPLE
 
 _Side = Annotated[int, Field(ge=SIZE_MULTIPLE, le=8192, multiple_of=SIZE_MULTIPLE)]
+_Zoom = Annotated[float, Field(ge=1.0, le=8.0)]
 _Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -38,6 +39,13 @@ class AugmentSettings(Model):
     """Ranges of the image augmentation; the defaults are those of a simple camera."""
 
     probability: _Probability = Field(default=1.0, description="Probability that a sample is augmented")
+    flip: _Probability = Field(default=0.5, description="Probability of the mirror image, with mirrored cameras")
+    zoom: Annotated[tuple[_Zoom, _Zoom], Ordered] = Field(
+        default=(1.0, 1.3),
+        description="Range of the picture's width over that of the window that is used: other focal lengths and "
+        "principal points, the same for all views of a sample",
+    )
+    hue: float = Field(default=0.1, ge=0.0, le=3.2, description="Greatest turn of all colours about grey [rad]")
     exposure: float = Field(default=0.7, ge=0.0, le=4.0, description="Greatest change of exposure [stops]")
     balance: float = Field(
         default=0.15, ge=0.0, le=1.0, description="Greatest change of the red and blue gain, white balance [stops]"

@@ -84,9 +84,19 @@ def check_rigid(pose: np.ndarray, where: str) -> None:
 
 def check_picture(picture: np.ndarray, where: Path | str) -> None:
     """Raise InputError where an image has one colour only, or a size that networks cannot take."""
+    check_sides(picture, where)
+    check_colours(picture, where)
+
+
+def check_sides(picture: np.ndarray, where: Path | str) -> None:
+    """Raise InputError where an image has a size that networks cannot take."""
     height, width = picture.shape[:2]
     if height % SIZE_MULTIPLE or width % SIZE_MULTIPLE:
         raise InputError(where, f"a height and a width that are multiples of {SIZE_MULTIPLE} px", f"{height} x {width}")
+
+
+def check_colours(picture: np.ndarray, where: Path | str) -> None:
+    """Raise InputError where an image has one colour only."""
     if (picture == picture[:1, :1]).all():
         raise InputError(where, "a picture", f"nothing but the colour {picture[0, 0].tolist()}")
 

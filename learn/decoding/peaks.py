@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ..targets.heatmap import HEAT_THRESHOLD
+from ...annotate.heatmap import HEAT_THRESHOLD
 
 #: Least distance of two peaks, in rows or in columns [px] (from the released code).
 MIN_DISTANCE = 5

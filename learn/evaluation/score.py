@@ -82,7 +82,7 @@ def score_sample(
     classes = semantic(labels.instances, labels.objects)
     masks = {kind: np.isin(classes, wanted) for kind, wanted in PIXEL_GROUPS.items()}
     medians = {kind: _filled_with_median(labels.Z, mask) for kind, mask in masks.items()}
-    wanted = {item.id for item in detectable(labels.objects, K.double().cpu().numpy())}
+    wanted = {item.id for item in detectable(labels.objects)}
     boxes = _box_overlaps(found, labels, wanted)
     return SampleScore(
         name=name,

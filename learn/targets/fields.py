@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...annotate.heatmap import HEAT_THRESHOLD, Gaussian, log_heat, peak_pixel
 from ...annotate.projection import project_camera
 from .encoding import Encoding, encoded_covariance, encoded_depth, encoded_vertices
-from .heatmap import HEAT_THRESHOLD, Gaussian, log_heat, peak_pixel
 from .objects import ViewObject
 
 #: Pixels between two cells; cell (i, j) stands for the pixel in row 8 i and column 8 j.

@@ -6,26 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...annotate.projection import project_camera
+from ...annotate.heatmap import Gaussian, gaussian_of, heatmap, is_detectable
 from ...procedural.description.scene import TABLE_ID
 from .encoding import Encoding
 from .fields import STRIDE, cell_owners, object_fields
-from .heatmap import Gaussian, gaussian_of, heatmap
 from .objects import ViewObject
 
 #: Semantic classes of pixels.
 BACKGROUND, TABLE, TRANSPARENT, OPAQUE = range(4)
-#: Least number of visible pixels of an object that a network is to detect: a quarter of a cell of the fields.
-MIN_PIXELS = STRIDE * STRIDE // 4
 
 
-def detectable(objects: Sequence[ViewObject], K: np.ndarray) -> list[ViewObject]:
-    """Return the objects that a network is to detect: `MIN_PIXELS` visible, the whole box in front of the camera."""
-    return [
-        item
-        for item in objects
-        if item.visible >= MIN_PIXELS and bool((project_camera(item.corners, K)[1] > 0.0).all())
-    ]
+def detectable(objects: Sequence[ViewObject]) -> list[ViewObject]:
+    """Return the objects that a network is to detect (`annotate.heatmap.is_detectable`)."""
+    return [item for item in objects if is_detectable(item.visible, item.corners)]
 
 
 def view_targets(
@@ -55,7 +48,7 @@ def view_targets(
         of its object, divided by H; 0 where ``object_mask`` (H, W) bool is false: outside of the detectable objects.
     """
     size = (Z.shape[0], Z.shape[1])
-    wanted = detectable(objects, K)
+    wanted = detectable(objects)
     gaussians = [gaussian_of(instances == item.id) for item in wanted]
     targets = {
         "depth": np.where(np.isfinite(Z), Z, 0.0).astype(np.float32),

@@ -15,12 +15,32 @@ from scipy.sparse.csgraph import connected_components
 
 from ...core.mesh import Mesh
 from .columns import Columns
+from .domes import Dome, domed
 from .find import Hollow
 from .polygon import triangulated
 
 #: A level keeps this distance from the vertices, where there is room [m]; it is sought within `_REACH` of the wanted
 #: level [m]. Single precision has steps of 7e-9 m at 0.1 m.
 _CLEAR, _REACH = 2e-6, 4e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Filling:
+    """A liquid in a cavity.
+
+    Parameters
+    ----------
+    hollow : Hollow
+        The cavity.
+    level : float
+        Height of the line where its surface meets the wall [m], below the brim (`clear_level`).
+    dome : Dome, optional
+        Its surface, which ends at that height; flat without it.
+    """
+
+    hollow: Hollow
+    level: float
+    dome: Dome | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +54,7 @@ class Parts:
     wet_wall : Mesh
         What is in a liquid; normals out of the solid as well.
     liquid_surface : Mesh
-        The flat surfaces of the liquids, normals up; their edges are those of the wet wall.
+        The surfaces of the liquids, normals up; their edges are those of the wet wall.
     """
 
     outside: Mesh
@@ -59,7 +79,7 @@ def clear_level(heights: np.ndarray, level: float) -> float:
     return float(np.float32(0.5 * (ends[widest] + ends[widest + 1])))
 
 
-def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], names: tuple[str, str, str]) -> Parts:
+def cut(mesh: Mesh, columns: Columns, fillings: Sequence[Filling], names: tuple[str, str, str]) -> Parts:
     """Return a solid's surface cut along the levels of liquids.
 
     Parameters
@@ -68,8 +88,8 @@ def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], 
         The closed surface of the solid, each edge between two faces.
     columns : Columns
         Its free space, of the welded mesh.
-    fillings : sequence of (Hollow, float)
-        Cavities, each with the level of its liquid [m], below its brim (`clear_level`).
+    fillings : sequence of Filling
+        Of its cavities.
     names : (str, str, str)
         Of the three meshes.
 
@@ -79,39 +99,94 @@ def cut(mesh: Mesh, columns: Columns, fillings: Sequence[tuple[Hollow, float]], 
         Where a level does not lie in its cavity, or is not a closed line on its wall.
     """
     places, index = welded(mesh)
-    links = _links(index[mesh.faces])
-    level = np.full(len(mesh.faces), np.nan)  # of the liquid that a face touches
-    for hollow, height in fillings:
-        touched = _touched(links, places[:, 2] < height, columns, hollow, height)
+    links = links_of(index[mesh.faces])
+    number = np.full(len(mesh.faces), -1)  # of the liquid that a face touches
+    for k, filling in enumerate(fillings):
+        touched = _touched(links, places[:, 2] < filling.level, columns, filling.hollow, filling.level)
         if not touched.any():
             raise ValueError("expected a wall below the level, found none")
-        level[touched] = height
+        number[touched] = k
+    return _cut_faces(mesh, links, number, [(filling.level, filling.dome) for filling in fillings], names)
+
+
+def cut_known(mesh: Mesh, inner: np.ndarray, height: float, names: tuple[str, str, str]) -> Parts:
+    """Return a solid's surface cut along the level of the liquid in a cavity of which the faces are known.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The closed surface of the solid, each edge between two faces.
+    inner : (m,) bool
+        The faces around the cavity: below its brim, no other face shares an edge with them.
+    height : float
+        The level [m], below the brim (`clear_level`).
+    names : (str, str, str)
+        Of the three meshes.
+
+    Raises
+    ------
+    ValueError
+        Where the level is not a closed line on the wall.
+    """
+    _, index = welded(mesh)
+    number = np.where(inner & (mesh.vertices[mesh.faces, 2].min(1) < height), 0, -1)
+    return _cut_faces(mesh, links_of(index[mesh.faces]), number, [(height, None)], names)
+
+
+def _cut_faces(
+    mesh: Mesh,
+    links: Links,
+    number: np.ndarray,
+    tops: Sequence[tuple[float, Dome | None]],
+    names: tuple[str, str, str],
+) -> Parts:
+    """Return a surface cut along the level of the liquid that each face touches, whose number it has; -1 is none.
+
+    Each liquid has its level [m], and a dome where its surface is not flat.
+    """
+    level = np.append([height for height, _ in tops], np.nan)[number]
     below = mesh.vertices[mesh.faces, 2] < level[:, None]
     split = np.flatnonzero(below.any(1) & ~below.all(1))
     vertices, normals, pieces = _split(mesh, links, below[split], split, level[split])
     wet = np.concatenate([mesh.faces[below.all(1)], *pieces.low])
     dry = np.concatenate([mesh.faces[~below.any(1)], *pieces.high])
-    rings = _rings(pieces.segments, pieces.vertex_of_edge)
-    flat = [triangulated(vertices[:, :2].astype(np.float64), some) for some in _by_height(vertices, rings)]
-    top = np.concatenate(flat) if flat else np.zeros((0, 3), np.int64)
-    up = np.zeros_like(vertices)
-    up[:, 2] = 1.0
+    owner = dict(zip(pieces.segments[:, 0].tolist(), number[split].tolist(), strict=True))
+    rings = _rings(pieces.segments, pieces.vertex_of_edge, owner, len(tops))
     return Parts(
         _mesh(names[0], vertices, dry, normals),
         _mesh(names[1], vertices, wet, normals),
-        _mesh(names[2], vertices, top, up),
+        _mesh(names[2], *_surfaces(vertices, rings, [dome for _, dome in tops])),
     )
+
+
+def _surfaces(
+    vertices: np.ndarray, rings: Sequence[Sequence[np.ndarray]], domes: Sequence[Dome | None]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the vertices, faces and normals of the liquids' surfaces; the vertices begin with the given ones."""
+    normals = np.zeros_like(vertices)
+    normals[:, 2] = 1.0
+    faces = [np.zeros((0, 3), np.int64)]
+    for lines, dome in zip(rings, domes, strict=True):
+        some = _distinct(vertices, lines)
+        if dome is None:
+            faces.append(triangulated(vertices[:, :2].astype(np.float64), some))
+            continue
+        if len(some) != 1:
+            raise ValueError(f"expected one closed line where the level meets the wall, found {len(some)}")
+        vertices, normals, made = domed(vertices, normals, some[0], dome)
+        faces.append(made)
+    return vertices, np.concatenate(faces), normals
 
 
 def touched_faces(
     faces: np.ndarray, heights: np.ndarray, columns: Columns, hollow: Hollow, height: float
 ) -> np.ndarray:
     """Return which faces of a welded mesh, (m,) bool, a liquid in a cavity would touch up to a height [m]."""
-    return _touched(_links(faces), heights < height, columns, hollow, height)
+    return _touched(links_of(faces), heights < height, columns, hollow, height)
 
 
 @dataclass(frozen=True, eq=False)
-class _Links:
+class Links:
     """The edges of a closed mesh."""
 
     edge: np.ndarray  #: (m, 3) number of the edge that begins at each corner
@@ -129,7 +204,8 @@ class _Pieces:
     vertex_of_edge: dict[int, int]
 
 
-def _links(faces: np.ndarray) -> _Links:
+def links_of(faces: np.ndarray) -> Links:
+    """Return the edges of closed faces, (m, 3); ValueError where an edge has not two of them."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
     keys = ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1]
     _, first, edge = np.unique(keys, return_index=True, return_inverse=True)
@@ -137,10 +213,10 @@ def _links(faces: np.ndarray) -> _Links:
     order = np.argsort(edge, kind="stable")
     if len(order) != 2 * len(first) or (np.diff(edge[order].reshape(-1, 2), axis=1) != 0).any():
         raise ValueError("expected two faces at every edge, found other counts")
-    return _Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
+    return Links(edge.reshape(-1, 3), ends[first], order.reshape(-1, 2) // 3)
 
 
-def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
+def _touched(links: Links, low: np.ndarray, columns: Columns, hollow: Hollow, height: float) -> np.ndarray:
     """Return the faces that the liquid in a cavity touches, by connected pieces of the surface below its level."""
     a, b = links.sides[low[links.ends].any(1)].T
     count = len(links.edge)
@@ -156,7 +232,7 @@ def _touched(links: _Links, low: np.ndarray, columns: Columns, hollow: Hollow, h
 
 
 def _split(
-    mesh: Mesh, links: _Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
+    mesh: Mesh, links: Links, below: np.ndarray, split: np.ndarray, level: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None, _Pieces]:
     """Return all vertices, with those on the edges of the faces that a level crosses, and the pieces of these faces."""
     alone_low = below.sum(1) == 1
@@ -200,30 +276,28 @@ def _cut_points(
     return vertices, normals, len(mesh.vertices) + number.reshape(start.shape)
 
 
-def _rings(segments: np.ndarray, vertex_of_edge: dict[int, int]) -> list[np.ndarray]:
-    """Return the closed lines that segments make, as vertices."""
+def _rings(
+    segments: np.ndarray, vertex_of_edge: dict[int, int], owner: dict[int, int], owners: int
+) -> list[list[np.ndarray]]:
+    """Return the closed lines that segments make, as vertices, for each of the owners of their first edges."""
     after = dict(segments.tolist())
     if len(after) != len(segments) or after.keys() != set(after.values()):
         raise ValueError("expected closed lines where the level meets the wall, found open ones")
-    rings = []
+    rings: list[list[np.ndarray]] = [[] for _ in range(owners)]
     while after:
         start, place = after.popitem()
         ring = [start]
         while place != start:
             ring.append(place)
             place = after.pop(place)
-        rings.append(np.array([vertex_of_edge[edge] for edge in ring]))
+        rings[owner[start]].append(np.array([vertex_of_edge[edge] for edge in ring]))
     return rings
 
 
-def _by_height(vertices: np.ndarray, rings: list[np.ndarray]) -> list[list[np.ndarray]]:
-    """Return rings in groups of one height, without points that rounding made equal."""
-    groups: dict[float, list[np.ndarray]] = {}
-    for ring in rings:
-        kept = ring[(vertices[ring] != vertices[np.roll(ring, 1)]).any(1)]
-        if len(kept) >= 3:
-            groups.setdefault(float(vertices[ring[0], 2]), []).append(kept)
-    return list(groups.values())
+def _distinct(vertices: np.ndarray, rings: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return rings without points that rounding made equal, and without those of no size."""
+    kept = [ring[(vertices[ring] != vertices[np.roll(ring, 1)]).any(1)] for ring in rings]
+    return [ring for ring in kept if len(ring) >= 3]
 
 
 def _mesh(name: str, vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray | None) -> Mesh:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -11,8 +11,10 @@ from scipy.optimize import brentq
 
 from ...core.mesh import Mesh
 from .columns import PITCH_PER_WIDTH, Columns, columns_of, pitch_for, solid_runs
-from .cut import Parts, clear_level, cut, touched_faces, welded
+from .cut import Filling, Parts, clear_level, cut, touched_faces, welded
+from .domes import Dome
 from .find import Hollow, hollows
+from .sections import WALL_TOP, Wall, wall_of
 from .wall import THINNEST, thicknesses
 
 #: Least distance of a liquid's surface below the brim [m], and the fraction of the depth that it may be at most [1]:
@@ -37,12 +39,15 @@ class Interior:
         Free space along vertical lines.
     hollows : tuple of Hollow
         The largest first.
+    walls : tuple of Wall
+        The wall around each of them.
     wall : float or None
         Smallest thickness of the wall around the cavities [m]; None without cavities.
     """
 
     columns: Columns
     hollows: tuple[Hollow, ...]
+    walls: tuple[Wall, ...]
     wall: float | None
 
     @property
@@ -57,15 +62,17 @@ def interior_of(solid: Mesh) -> Interior:
     places, index = welded(solid)
     faces = index[solid.faces]
     columns = columns_of(places, faces, pitch_for(places, _thin(places, faces)))
-    walls = {hollow: _near(places, faces, columns, hollow) for hollow in hollows(columns)}
+    near = {hollow: _near(places, faces, columns, hollow) for hollow in hollows(columns)}
     # Where a wall is thinner than lines can tell, a part of the outside may look like a cavity: it has no wall.
-    walls = {hollow: wall for hollow, wall in walls.items() if wall.any()}
-    return Interior(columns, tuple(walls), _wall(places[faces], walls) if walls else None)
+    near = {hollow: some for hollow, some in near.items() if some.any()}
+    corners = places[faces]
+    walls = tuple(wall_of(corners[some], hollow) for hollow, some in near.items())
+    return Interior(columns, tuple(near), walls, _thickness(corners, near) if near else None)
 
 
 def _near(places: np.ndarray, faces: np.ndarray, columns: Columns, hollow: Hollow) -> np.ndarray:
     """Return the faces around a cavity, (m,) bool."""
-    return touched_faces(faces, places[:, 2], columns, hollow, hollow.brim - 0.01 * (hollow.brim - hollow.floor))
+    return touched_faces(faces, places[:, 2], columns, hollow, hollow.floor + WALL_TOP * (hollow.brim - hollow.floor))
 
 
 def _thin(places: np.ndarray, faces: np.ndarray) -> float:
@@ -79,7 +86,7 @@ def _thin(places: np.ndarray, faces: np.ndarray) -> float:
     return float(np.quantile(lengths, _THIN_RUN)) if len(lengths) else 0.0
 
 
-def _wall(corners: np.ndarray, walls: Mapping[Hollow, np.ndarray]) -> float:
+def _thickness(corners: np.ndarray, walls: Mapping[Hollow, np.ndarray]) -> float:
     """Return the smallest thickness of the wall around cavities [m]."""
     near = np.logical_or.reduce(list(walls.values()))
     top = corners[..., 2].max(1)
@@ -101,8 +108,14 @@ def most_volume(interior: Interior) -> float:
     return min(fractions) * interior.volume if fractions else 0.0
 
 
-def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str, str]) -> tuple[Parts, float]:
-    """Return a solid's surface cut for a volume of liquid, and the level in its largest cavity [m].
+def filled(
+    solid: Mesh,
+    interior: Interior,
+    volume: float,
+    names: tuple[str, str, str],
+    curved: Callable[[Wall, float], Dome | None] | None = None,
+) -> tuple[Parts, tuple[Filling, ...]]:
+    """Return a solid's surface cut for a volume of liquid, and the liquid of each cavity, the largest first.
 
     Every cavity gets the same fraction of what it holds.
 
@@ -116,6 +129,8 @@ def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str
         Volume of the liquid [m^3], at most `most_volume`.
     names : (str, str, str)
         Names of the outside, the wet wall and the liquid's surface.
+    curved : callable, optional
+        Gives the surface of a volume [m^3] inside a wall, or None for a flat one; by default all are flat.
 
     Raises
     ------
@@ -124,10 +139,22 @@ def filled(solid: Mesh, interior: Interior, volume: float, names: tuple[str, str
     """
     heights = welded(solid)[0][:, 2]
     fraction = volume / interior.volume
-    levels = [_level(hollow, fraction * hollow.volume, heights) for hollow in interior.hollows]
-    return cut(solid, interior.columns, list(zip(interior.hollows, levels, strict=True)), names), levels[0]
+    fillings = tuple(
+        _filling(hollow, fraction * hollow.volume, heights, curved and curved(wall, fraction * hollow.volume))
+        for hollow, wall in zip(interior.hollows, interior.walls, strict=True)
+    )
+    return cut(solid, interior.columns, fillings, names), fillings
 
 
-def _level(hollow: Hollow, volume: float, heights: np.ndarray) -> float:
-    level = brentq(lambda z: hollow.volume_below(z) - volume, hollow.floor, hollow.brim, xtol=1e-9)
-    return clear_level(heights, float(level))
+def flat_level(hollow: Hollow, volume: float) -> float:
+    """Return the level of a flat surface above a volume [m^3] in a cavity [m]."""
+    return float(brentq(lambda z: hollow.volume_below(z) - volume, hollow.floor, hollow.brim, xtol=1e-9))
+
+
+def _filling(hollow: Hollow, volume: float, heights: np.ndarray, dome: Dome | None) -> Filling:
+    if dome is None:
+        return Filling(hollow, clear_level(heights, flat_level(hollow, volume)))
+    wanted = float(dome.points[-1, 1])
+    level = clear_level(heights, wanted)
+    points = dome.points + np.array([0.0, level - wanted])
+    return Filling(hollow, level, Dome(dome.centre, points, dome.normals))

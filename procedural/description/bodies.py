@@ -14,6 +14,7 @@ from .material import OpaqueMaterial
 
 #: Instance ids: 0 is nothing, 1 the table, objects from 2 (a vessel and its liquid are one instance).
 TABLE_ID, FIRST_OBJECT_ID = 1, 2
+PART_OF = "Name of the vessel that it goes with and moves with: of caps, labels, stands"
 
 
 class Interface(Model):
@@ -40,12 +41,26 @@ class Liquid(Model):
     volume: float = Field(gt=0.0, description="Volume [m^3]")
 
 
+class Origin(Model):
+    """Where a mesh comes from."""
+
+    file: str = Field(description="The mesh file, below the folder that the user gave")
+    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
+    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
+    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
+    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] = Field(
+        default="z", description="The file's axis that is z here; y and -z are turned about x, x about y"
+    )
+
+
 class GlassBody(Model):
     """A transparent solid, with or without a liquid in it; the frame's origin is the centre of its bounding box."""
 
     id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Such as 'tumbler', 'bottle', 'prism'")
+    part_of: str | None = Field(default=None, exclude_if=lambda name: name is None, description=PART_OF)
     glass: Medium = Field(description="The medium that the body is made of")
     roughness: float = Field(ge=0.0, le=1.0, description="GGX alpha of the glass; 0 is smooth")
     liquid: Liquid | None = None
@@ -55,6 +70,15 @@ class GlassBody(Model):
     )
     size: Vector3 = Field(description="Extent of the bounding box in the object frame [m]")
     symmetric: bool = Field(default=False, description="Whether it is a solid of revolution about its z axis")
+    origin: Origin | None = Field(
+        default=None, exclude_if=lambda origin: origin is None, description="Of a mesh from a file"
+    )
+    symmetries: tuple[Matrix4, ...] = Field(
+        default=(),
+        exclude_if=lambda symmetries: not symmetries,
+        description="Motions that leave it unchanged but for small irregularities, without the identity [m]; where there "
+        "are none they are found from the shape",
+    )
     world_T_object: Matrix4
 
     def __repr__(self) -> str:
@@ -123,17 +147,7 @@ class PropPart(Model):
 
     faces: int = Field(ge=0, description="Number of faces; the parts follow each other in the list of the mesh's faces")
     material: OpaqueMaterial
-
-
-class Origin(Model):
-    """Where a mesh comes from."""
-
-    file: str = Field(description="The mesh file, below the folder that the user gave")
-    layout: str = Field(description="How the folder is laid out, such as shapenet, gso, ycb, bop or plain")
-    licence: str = Field(default="unknown", description="Licence, if the file or its folder says so")
-    metres_per_unit: float = Field(gt=0.0, description="Length of the file's unit here [m]")
-    centre: Vector3 = Field(description="The object frame's origin, in the file's axes and unit")
-    up: Literal["y", "z"] = Field(default="z", description="The file's axis that is z here; y is turned about x")
+    name: str = Field(default="", exclude_if=lambda name: not name, description="What part it is, such as 'handle'")
 
 
 class Prop(Model):
@@ -142,6 +156,7 @@ class Prop(Model):
     id: int = Field(ge=FIRST_OBJECT_ID, description="Instance id")
     name: str = Field(description="Unique in the scene")
     category: str = Field(description="Shape, or the file that the mesh came from")
+    part_of: str | None = Field(default=None, exclude_if=lambda name: name is None, description=PART_OF)
     mesh: MeshField
     material: OpaqueMaterial = Field(description="Of the whole mesh; of its part with most area where it has parts")
     # Left out of files where there are none: scenes of one material stay what they were.

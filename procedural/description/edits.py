@@ -11,9 +11,11 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
-from ..placement.overlap import ALLOWANCE, Solid, overlap
+from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
 from .bodies import Prop, SceneObject
 
+#: Most corners of a part that are looked at in its vessel [1]: they are 5 mm apart on a label.
+TOUCH_POINTS = 200
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
@@ -44,6 +46,31 @@ def check_apart(name: str, solid: Solid, other: str, another: Solid) -> None:
         raise InputError(name, f"a place of its own (up to {1e3 * ALLOWANCE:g} mm)", f"that it overlaps {other}")
 
 
+def check_pair(item: SceneObject, solid: Solid, other: SceneObject, another: Solid) -> None:
+    """Refuse two objects that overlap.
+
+    A vessel and its parts, which are thin and touch it, may come as near as they like, but no corner of one may be
+    inside the other.
+    """
+    if not _belong_together(item, other):
+        check_apart(item.name, solid, other.name, another)
+        return
+    for (name, body), (inner, points) in (
+        ((item.name, solid), (other.name, another.points)),
+        ((other.name, another), (item.name, solid.points)),
+    ):
+        low, high = body.points.min(0), body.points.max(0)
+        near = points[((points >= low) & (points <= high)).all(1)]
+        near = near[:: -(-len(near) // TOUCH_POINTS) or 1]
+        if len(near) and contains(body, near).any():
+            raise InputError(inner, f"a place on {name}, which it goes with", "one in it")
+
+
+def _belong_together(item: SceneObject, other: SceneObject) -> bool:
+    hosts = (item.part_of, other.part_of)
+    return other.name == hosts[0] or item.name == hosts[1] or (hosts[0] is not None and hosts[0] == hosts[1])
+
+
 def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     """Refuse an object with the name of another one, in the table, or in another object."""
     for other in others:
@@ -52,7 +79,7 @@ def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     solid = solid_of(item)
     check_above_table(item.name, solid)
     for other in others:
-        check_apart(item.name, solid, other.name, solid_of(other))
+        check_pair(item, solid, other, solid_of(other))
 
 
 def moved(item: SceneObject, world_T_object: object) -> SceneObject:

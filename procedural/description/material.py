@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.assets import Asset
 from ...core.model import Model, Reflectance
+
+#: Most texels along a side of a surface: four maps of them have 28 MB.
+MOST_TEXELS = 1024
+PositiveFloat = Annotated[float, Field(gt=0.0, le=100.0)]
+Texels = Annotated[int, Field(ge=4, le=MOST_TEXELS)]
 
 
 def _is_none(value: object) -> bool:
@@ -28,6 +33,70 @@ class ProceduralTexture(Model):
     colours: tuple[Reflectance, ...] = Field(min_length=2, max_length=4, description="Linear Rec.709 reflectances")
     seed: int = Field(ge=0, description="Seed of the pattern")
     resolution: int = Field(default=512, ge=16, le=4096, description="Side of the square picture [px]")
+
+
+#: The patterns that `patterns.bake` makes, and those of them that are laid out for a body's proportions.
+SurfacePattern = Literal[
+    "planks",
+    "staves",
+    "solid wood",
+    "granite",
+    "marble",
+    "concrete",
+    "terrazzo",
+    "tiles",
+    "cloth",
+    "checked cloth",
+    "striped cloth",
+    "brushed metal",
+    "polished metal",
+    "laminate",
+    "lacquer",
+    "glaze",
+    "banded glaze",
+    "paper",
+    "page edges",
+    "foam",
+    "fleece",
+    "chequer",
+    "carton",
+    "label",
+    "cover",
+    "screen",
+    "citrus skin",
+    "apple skin",
+    "banana skin",
+]
+LAID_OUT = ("carton", "cover")
+
+
+class SurfaceTexture(Model):
+    """A surface at a scale in metres, with colour, roughness and relief, that `patterns.bake` makes of these numbers.
+
+    Texture coordinates are in metres, and a material repeats it `1 / extent` times per metre.
+    """
+
+    kind: Literal["surface"] = "surface"
+    pattern: SurfacePattern
+    colours: tuple[Reflectance, ...] = Field(min_length=1, max_length=6, description="Linear Rec.709 reflectances")
+    seed: int = Field(ge=0, description="Seed of the pattern")
+    extent: tuple[PositiveFloat, PositiveFloat] = Field(description="Width and height of what one repeat shows [m]")
+    size: tuple[Texels, Texels] = Field(description="Width and height of the picture [px]")
+    wear: float = Field(default=0.0, ge=0.0, le=1.0, description="Traces of use: 0 new, 1 worn")
+    layout: tuple[Annotated[float, Field(gt=0.0, lt=10.0)], ...] = Field(
+        default=(),
+        max_length=1,
+        exclude_if=lambda layout: not layout,
+        description="What a print is laid out for: a carton's depth over its height, a book's spine over its cover",
+    )
+    relief: bool = Field(default=True, description="Whether roughness and normals differ from place to place, too")
+
+    @model_validator(mode="after")
+    def _laid_out(self) -> SurfaceTexture:
+        if (self.pattern in LAID_OUT) != bool(self.layout):
+            expected = "one number" if self.pattern in LAID_OUT else "none"
+            raise ValueError(f"layout: expected {expected} for the pattern {self.pattern}, found {len(self.layout)}")
+        return self
 
 
 class PictureTexture(Model):
@@ -75,7 +144,9 @@ class VertexColours(Model):
     kind: Literal["vertices"] = "vertices"
 
 
-Texture = Annotated[UniformTexture | ProceduralTexture | PictureTexture | VertexColours, Field(discriminator="kind")]
+Texture = Annotated[
+    UniformTexture | ProceduralTexture | SurfaceTexture | PictureTexture | VertexColours, Field(discriminator="kind")
+]
 
 
 class OpaqueMaterial(Model):
@@ -102,4 +173,5 @@ class OpaqueMaterial(Model):
     @property
     def is_mapped(self) -> bool:
         """Whether anything but the colour differs from place to place."""
-        return any((self.roughness_map, self.metallic_map, self.normal_map, self.bump_map))
+        relief = isinstance(self.base_colour, SurfaceTexture) and self.base_colour.relief
+        return relief or any((self.roughness_map, self.metallic_map, self.normal_map, self.bump_map))

@@ -1,4 +1,4 @@
-"""Vessels of any shape: their surfaces between media, empty or with a liquid in them, whose surface is flat."""
+"""Vessels of any shape: their surfaces between media, empty or with a liquid in them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,15 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, joined, turned, volume_of
 from ...core.units import volume_text
-from ..cavities.cut import Parts
-from ..cavities.interior import Interior, filled, interior_of, most_volume
+from ..cavities.cut import Filling, Parts
+from ..cavities.domes import Dome
+from ..cavities.find import Hollow
+from ..cavities.interior import Interior, filled, flat_level, interior_of, most_volume
+from ..cavities.sections import Wall
 from ..optics.medium import AIR, Medium
-from .bodies import Cavity, Interface, Liquid, MeshVessel
-from .refill import wanted_volume
+from .bodies import Cavity, Interface, Liquid, MeshVessel, Origin
+from .mesh_meniscus import meniscus_of
+from .refill import wanted_volume, wets_otherwise
 
 
 def mesh_vessel(
@@ -23,6 +27,7 @@ def mesh_vessel(
     category: str,
     roughness: float = 0.0,
     symmetric: bool = False,
+    origin: Origin | None = None,
     inside: Interior | None = None,
 ) -> MeshVessel:
     """Return an empty vessel at the origin, of a closed solid as it stands: z is up.
@@ -39,6 +44,8 @@ def mesh_vessel(
         GGX alpha of the glass.
     symmetric : bool
         Whether it is a solid of revolution about z.
+    origin : Origin, optional
+        Where it comes from.
     inside : Interior, optional
         Its cavities, where they are known (`cavities.interior.interior_of`).
 
@@ -57,20 +64,24 @@ def mesh_vessel(
         category=category,
         glass=glass,
         roughness=roughness,
-        interfaces=_dry(solid, glass, roughness),
+        interfaces=dry_interfaces_of(solid, glass, roughness),
         size=(x, y, z),
         symmetric=symmetric,
         world_T_object=np.eye(4),
         solid=solid,
         wall=inside.wall,
         cavities=cavities,
+        origin=origin,
     )
 
 
 def refilled_mesh(
     vessel: MeshVessel, medium: Medium | None, fill: float | str | None = None, inside: Interior | None = None
 ) -> MeshVessel:
-    """Return a vessel that holds a liquid with a flat surface, or nothing.
+    """Return a vessel that holds a liquid, or nothing.
+
+    The liquid's surface has a meniscus where the wall around it is one of revolution, and is flat elsewhere
+    (`mesh_meniscus`).
 
     Parameters
     ----------
@@ -92,37 +103,69 @@ def refilled_mesh(
         if fill is not None:
             raise InputError(f"{vessel.name}, fill", "none without a liquid", repr(fill))
         return vessel.model_copy(
-            update={"liquid": None, "interfaces": _dry(vessel.solid, vessel.glass, vessel.roughness)}
+            update={"liquid": None, "interfaces": dry_interfaces_of(vessel.solid, vessel.glass, vessel.roughness)}
         )
     inside = inside or interior_of(vessel.solid)
     volume = wanted_volume(vessel, inside.volume, most_volume(inside), fill)
     try:
-        parts, level, volume = _filled(vessel.solid, inside, volume)
+        parts, filling = _filled(vessel, medium, inside, volume)
     except ValueError as error:
         # Where a level grazes a floor or a ledge, there may be no closed line; a person can choose another one.
         where, expected = f"{vessel.name}, fill", "a level that cuts the wall in closed lines"
         raise InputError(where, expected, f"{volume_text(volume)}: {error}") from error
-    angle = _contact_angle(parts, level)
+    filled_one = with_parts(vessel, medium, parts, filling.level, inside.volume)
+    return filled_one if filling.dome is None else _curved(filled_one, filling.hollow, filling.dome)
+
+
+def with_parts(vessel: MeshVessel, medium: Medium, parts: Parts, level: float, brimful: float) -> MeshVessel:
+    """Return a vessel that holds a liquid, from its surface cut along the level [m] and its brimful volume [m^3]."""
+    volume = _content(parts)
     record = Liquid(
         medium=medium,
         level=level,
         centre=level,
         contact=level,
-        contact_angle=angle,
-        fill=min(volume / inside.volume, 1.0),
+        contact_angle=_contact_angle(parts, level),
+        fill=min(volume / brimful, 1.0),
         volume=volume,
     )
     return vessel.model_copy(update={"liquid": record, "interfaces": _wet(parts, vessel, medium)})
 
 
-def _filled(solid: Mesh, inside: Interior, wanted: float) -> tuple[Parts, float, float]:
-    """Return the parts, the level [m] and the volume of the liquid's body [m^3]."""
-    stem = solid.name.removesuffix("-solid")
+def _curved(vessel: MeshVessel, hollow: Hollow, dome: Dome) -> MeshVessel:
+    """Return a vessel with the record of its liquid's curved surface in the largest cavity."""
+    liquid = vessel.liquid
+    assert liquid is not None
+    slope = float(np.arctan2(-dome.normals[-1, 0], dome.normals[-1, 1]))
+    changes = {
+        "level": flat_level(hollow, liquid.fill * hollow.volume),
+        "centre": float(dome.points[0, 1]),
+        "contact_angle": liquid.contact_angle - slope,
+    }
+    return vessel.model_copy(update={"liquid": liquid.model_copy(update=changes)})
+
+
+def with_mesh_wall(vessel: MeshVessel, glass: Medium, roughness: float | None) -> MeshVessel:
+    """Return a vessel of another glass; where its liquid wets that at another angle, with the surface that follows."""
+    changed = vessel.with_media(glass=glass, roughness=roughness)
+    if changed.liquid is None or not wets_otherwise(vessel, glass):
+        return changed
+    return refilled_mesh(changed, changed.liquid.medium)
+
+
+def _filled(vessel: MeshVessel, medium: Medium, inside: Interior, wanted: float) -> tuple[Parts, Filling]:
+    """Return the parts, and the filling of the largest cavity."""
+    stem = vessel.solid.name.removesuffix("-solid")
     names = (f"{stem}-outside", f"{stem}-wet-wall", f"{stem}-liquid-surface")
-    parts, level = filled(solid, inside, wanted, names)
+
+    def curved(wall: Wall, volume: float) -> Dome | None:
+        return meniscus_of(wall, volume, medium, vessel.glass)
+
+    parts, _ = filled(vessel.solid, inside, wanted, names, curved)
     # Lines sample the cavity: one correction by the volume of the body that follows takes their error away.
-    parts, level = filled(solid, inside, min(2.0 * wanted - _content(parts), most_volume(inside)), names)
-    return parts, level, _content(parts)
+    corrected = min(2.0 * wanted - _content(parts), most_volume(inside))
+    parts, fillings = filled(vessel.solid, inside, corrected, names, curved)
+    return parts, fillings[0]
 
 
 def _content(parts: Parts) -> float:
@@ -131,7 +174,7 @@ def _content(parts: Parts) -> float:
 
 
 def _contact_angle(parts: Parts, level: float) -> float:
-    """Return the mean angle inside the liquid between the wall and the flat surface [rad]."""
+    """Return the mean angle inside the liquid between the wall and a flat surface [rad]."""
     corners = parts.wet_wall.vertices[parts.wet_wall.faces].astype(np.float64)
     at_level = corners[..., 2] == np.float32(level)
     corners = corners[at_level.sum(1) == 2]
@@ -145,7 +188,8 @@ def _contact_angle(parts: Parts, level: float) -> float:
     return float(np.average(angles, weights=np.maximum(edge, 1e-12)))
 
 
-def _dry(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+def dry_interfaces_of(solid: Mesh, glass: Medium, roughness: float) -> tuple[Interface, ...]:
+    """Return the one interface of an empty vessel, the whole surface of its solid."""
     name = solid.name.removesuffix("-solid") + "-outside"
     mesh = Mesh(name, solid.vertices, solid.faces, solid.normals)
     return (Interface(part="outside", mesh=mesh, front=AIR, back=glass, roughness=roughness),)

@@ -70,10 +70,17 @@ def refilled(vessel: Vessel, medium: Medium | None, fill: float | str | None = N
 def with_wall(vessel: Vessel, glass: Medium, roughness: float | None) -> Vessel:
     """Return a vessel of another glass; where its liquid wets that at another angle, with the surface that follows."""
     changed = vessel.with_media(glass=glass, roughness=roughness)
-    if vessel.liquid is None:
+    if changed.liquid is None or not wets_otherwise(vessel, glass):
         return changed
+    return refilled(changed, changed.liquid.medium)
+
+
+def wets_otherwise(vessel: GlassBody, glass: Medium) -> bool:
+    """Return whether the liquid in a vessel would meet another glass at another angle."""
+    if vessel.liquid is None:
+        return False
     before, after = (contact_angle(vessel.liquid.medium, wall) for wall in (vessel.glass, glass))
-    return changed if before == after else refilled(changed, vessel.liquid.medium)
+    return before != after
 
 
 def wanted_volume(vessel: GlassBody, brimful: float, most: float, fill: float | str | None) -> float:

@@ -39,10 +39,13 @@ from .camera import Camera
 from .edits import check_place, made_unique, moved
 from .material import OpaqueMaterial
 from .picture import Picture
+from .rest import Rest
 from .surroundings import AreaLight, Environment, Table
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"
+#: Least vertical part of the z axis of a vessel that stands upright [1]: a tilt of 1.5 mrad.
+UPRIGHT = 1.0 - 1e-6
 
 
 def _kind_of_body(body: object) -> str:
@@ -77,6 +80,10 @@ class Scene(Model):
     lights: tuple[AreaLight, ...]
     cameras: tuple[Camera, ...] = Field(min_length=1)
     picture: Picture
+    # Left out of files where there is none: scenes whose objects stand apart stay what they were.
+    rest: Rest | None = Field(
+        default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
+    )
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
@@ -111,6 +118,10 @@ class Scene(Model):
             from .refill import with_wall  # here, as it loads SciPy, and the settings import this module
 
             return self._with_body(with_wall(body, medium, roughness))
+        if isinstance(body, MeshVessel):
+            from .mesh_vessel import with_mesh_wall
+
+            return self._with_body(with_mesh_wall(body, medium, roughness))
         return self._with_body(body.with_media(glass=medium, roughness=roughness))
 
     def with_liquid(self, name: str, liquid: Medium | str | None, fill: float | str | None = None) -> Scene:
@@ -139,6 +150,10 @@ class Scene(Model):
             raise InputError(f"{name}, liquid", "a vessel, which has an inside", f"a {body.category}")
         check_type("liquid", liquid, (str, Medium, type(None)), "a Medium, its name in the catalogue, or None")
         medium = liquid_named(liquid) if isinstance(liquid, str) else liquid
+        upright = float(body.world_T_object[2, 2])
+        if medium is not None and upright < UPRIGHT:
+            found = f"one tilted by {np.degrees(np.arccos(max(upright, -1.0))):.0f} degrees"
+            raise InputError(f"{name}, liquid", "a vessel that stands upright, as liquids are level", found)
         # Here, as these load SciPy, and the settings import this module.
         if isinstance(body, MeshVessel):
             from .mesh_vessel import refilled_mesh

@@ -19,7 +19,12 @@ class Table(Model):
 
     mesh: MeshField
     material: OpaqueMaterial
-    size: tuple[float, float, float] = Field(description="Extent along x and y, and thickness [m]")
+    size: tuple[float, float, float] = Field(
+        description="Extent along x and y, and from the top down to its lowest point, such as a cloth's hem [m]"
+    )
+    kind: str = Field(
+        default="plain", exclude_if=lambda kind: kind == "plain", description="What it is, such as 'wood' or 'cloth'"
+    )
 
 
 class Window(Model):

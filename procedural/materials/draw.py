@@ -180,7 +180,7 @@ def draw_plain_material(rng: np.random.Generator) -> OpaqueMaterial:
     """Draw a material of one colour: painted, plastic or glazed."""
     plain = [item for item in PROP_FAMILIES if item.name in PLAIN_FAMILIES]
     family = plain[int(rng.integers(len(plain)))]
-    colour = UniformTexture(colour=_paint(rng))
+    colour = UniformTexture(colour=paint_colour(rng))
     return OpaqueMaterial(name=family.name, base_colour=colour, roughness=rng.uniform(*family.roughness))
 
 
@@ -244,7 +244,7 @@ def _family_material(rng: np.random.Generator, family: Family) -> OpaqueMaterial
 def _texture(rng: np.random.Generator, family: Family, kind: Kind) -> Texture:
     if family.palettes:
         palette = family.palettes[rng.integers(len(family.palettes))]
-        colours = palette if family.metallic else _specimen(rng, palette)
+        colours = palette if family.metallic else specimen(rng, palette)
     else:
         colours = _paints(rng, kind)
     if kind == "uniform":
@@ -252,26 +252,27 @@ def _texture(rng: np.random.Generator, family: Family, kind: Kind) -> Texture:
     return ProceduralTexture(kind=kind, colours=colours, seed=int(rng.integers(SEED_END)))
 
 
-def _specimen(rng: np.random.Generator, palette: Sequence[Reflectance]) -> tuple[Reflectance, ...]:
+def specimen(rng: np.random.Generator, palette: Sequence[Reflectance]) -> tuple[Reflectance, ...]:
     """Return a palette with the variation between specimens: all its colours are scaled by the same factors."""
     factor = np.exp(rng.normal(0.0, BATCH_SPREAD) + rng.normal(0.0, CHANNEL_SPREAD, 3))
-    return tuple(_dielectric(np.array(colour) * factor) for colour in palette)
+    return tuple(dielectric(np.array(colour) * factor) for colour in palette)
 
 
 def _paints(rng: np.random.Generator, kind: Kind) -> tuple[Reflectance, ...]:
     """Return the colours of a painted, dyed or printed surface."""
-    first = _paint(rng)
+    first = paint_colour(rng)
     if kind == "noise":
-        return first, _dielectric(np.array(first) * rng.uniform(*UNEVEN_COAT))
-    return first, _paint(rng), *((_paint(rng),) if kind == "fabric" else ())
+        return first, dielectric(np.array(first) * rng.uniform(*UNEVEN_COAT))
+    return first, paint_colour(rng), *((paint_colour(rng),) if kind == "fabric" else ())
 
 
-def _paint(rng: np.random.Generator) -> Reflectance:
+def paint_colour(rng: np.random.Generator) -> Reflectance:
     """Return the colour of a pigment: any hue, more often muted than saturated, from dark to light."""
     saturation, value = MAX_SATURATION * rng.random() ** SATURATION_EXPONENT, rng.uniform(*PAINT_VALUE)
-    return _dielectric(srgb_to_linear(np.array(colorsys.hsv_to_rgb(rng.random(), saturation, value))))
+    return dielectric(srgb_to_linear(np.array(colorsys.hsv_to_rgb(rng.random(), saturation, value))))
 
 
-def _dielectric(colour: np.ndarray) -> Reflectance:
+def dielectric(colour: np.ndarray) -> Reflectance:
+    """Return a colour within what dielectrics reflect, `DIELECTRIC_RANGE`."""
     red, green, blue = np.clip(colour, *DIELECTRIC_RANGE)
     return float(red), float(green), float(blue)

@@ -9,7 +9,14 @@ from functools import lru_cache
 import numpy as np
 
 from ...core.assets import checked_path
-from ..description.material import PictureTexture, ProceduralTexture, Texture, UniformTexture, VertexColours
+from ..description.material import (
+    PictureTexture,
+    ProceduralTexture,
+    SurfaceTexture,
+    Texture,
+    UniformTexture,
+    VertexColours,
+)
 from .noise import cellular, fractal_gradient_noise, gradient_noise, smoothstep, tile_grid
 from .picture_files import read_picture
 
@@ -85,6 +92,8 @@ def bake(texture: Texture) -> np.ndarray:
         case PictureTexture():
             pixels = np.ascontiguousarray(read_picture(checked_path(texture.asset))[::-1])
             return pixels if texture.factor == (1.0, 1.0, 1.0) else pixels * np.array(texture.factor, np.float32)
+        case SurfaceTexture():
+            raise ValueError("expected a texture without relief, found a surface (`patterns.bake.bake_material`)")
         case VertexColours():
             raise ValueError("expected a texture of its own, found the colours of a mesh's vertices")
 

@@ -19,6 +19,8 @@ from .polygons import triangulated
 
 #: Keywords of what has no surface, and is left out.
 _NO_SURFACE = {"p": "points", "l": "lines", "curv": "curves", "surf": "free-form surfaces"}
+#: Largest index that is kept [1]: above what any file holds, and half of what an array of int64 does.
+_FARTHEST = 2**62
 
 
 @dataclass
@@ -129,6 +131,11 @@ def _places(source: Source, rows: list[list[str]]) -> tuple[np.ndarray, np.ndarr
     return places, srgb_to_linear(np.clip(colours / scale, 0.0, 1.0))
 
 
+def _index(text: str) -> int:
+    """Return an index, or one that no file has where it is beyond what arrays hold."""
+    return min(max(int(text), -_FARTHEST), _FARTHEST)
+
+
 def _corner_indices(source: Source, found: _Statements, counts: tuple[int, int, int]) -> np.ndarray:
     """Return the indices of vertex, texture coordinate and normal of each corner, (c, 3), -1 where there is none."""
     known: dict[str, tuple[int, int, int]] = {}
@@ -137,7 +144,7 @@ def _corner_indices(source: Source, found: _Statements, counts: tuple[int, int, 
         triple = known.get(word)
         if triple is None:
             try:
-                parts = [int(part) if part else 0 for part in word.split("/")[:3]]
+                parts = [_index(part) if part else 0 for part in word.split("/")[:3]]
             except ValueError as error:
                 raise InputError(source.path, "faces of indices such as 3/1/2", ascii(word[:40])) from error
             triple = known[word] = tuple([*parts, 0, 0][:3])  # pyright: ignore[reportArgumentType]

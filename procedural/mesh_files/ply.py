@@ -72,6 +72,28 @@ def read_ply(source: Source) -> list[FilePart]:
     InputError
         Where the file cannot be read, is cut short, or has no faces.
     """
+    header, columns = _read(source)
+    vertex, face = columns.get("vertex", {}), columns.get("face", {})
+    corners = next((face[name] for name in ("vertex_indices", "vertex_index") if name in face), None)
+    if not all(axis in vertex for axis in "xyz"):
+        raise InputError(source.path, "vertices with x, y and z", "none")
+    if not isinstance(corners, tuple):
+        what = "strips of triangles" if "tristrips" in columns else "none"
+        raise InputError(source.path, "a mesh with faces", what)
+    return [_part(source, header, vertex, face, corners)]
+
+
+def ply_points(source: Source) -> np.ndarray | None:
+    """Return the vertices of a PLY file without faces, (n, 3) float64; None for one with faces or strips of them."""
+    header, columns = _read(source)
+    if any(element.count for element in header.elements if element.name in ("face", "tristrips")):
+        return None
+    vertex = columns.get("vertex", {})
+    return _together(vertex, ("x", "y", "z")) if all(axis in vertex for axis in "xyz") else None
+
+
+def _read(source: Source) -> tuple[_Header, dict[str, _Columns]]:
+    """Return the header of a PLY file and the columns of its elements."""
     content = content_of(source)
     header = _header(source, content)
     for element in header.elements:
@@ -81,14 +103,7 @@ def read_ply(source: Source) -> list[FilePart]:
         columns = (_text if header.order is None else _binary)(content, header)
     except (ValueError, IndexError, OverflowError, TypeError) as error:
         raise InputError(source.path, "a readable PLY mesh", "one that is damaged or cut short") from error
-    vertex, face = columns.get("vertex", {}), columns.get("face", {})
-    corners = next((face[name] for name in ("vertex_indices", "vertex_index") if name in face), None)
-    if not all(axis in vertex for axis in "xyz"):
-        raise InputError(source.path, "vertices with x, y and z", "none")
-    if not isinstance(corners, tuple):
-        what = "strips of triangles" if "tristrips" in columns else "none"
-        raise InputError(source.path, "a mesh with faces", what)
-    return [_part(source, header, vertex, face, corners)]
+    return header, columns
 
 
 def _part(

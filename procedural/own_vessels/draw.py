@@ -67,9 +67,10 @@ def draw_own_vessel(
         glass,
         id=id,
         name=name,
-        category=file.name,
+        category=file.category,
         roughness=alpha if rough else 0.0,
         symmetric=shape.symmetric,
+        origin=shape.origin,
         inside=inside,
     )
     if not filled or not inside.hollows:

@@ -1,14 +1,14 @@
-"""The files of vessels that a user has: a folder of them or a single one."""
+"""The files of vessels that a user has: a folder of them, a collection, or a single one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...core.folders import files_in
-
-#: Formats that are read.
-SUFFIXES = (".glb", ".obj", ".ply", ".stl")
+from ..mesh_files.layouts import Place, listing, place_of
+from ..mesh_files.read import MESH_SUFFIXES
+from ..props.mesh_files import root_of
 
 
 @dataclass(frozen=True)
@@ -19,23 +19,39 @@ class VesselFile:
     ----------
     path : Path
         The file.
-    name : str
-        Its path below the user's folder, with forward slashes.
+    root : Path
+        The user's folder; no file outside is read.
+    place : Place
+        What its place in the folder says, such as its unit and its licence.
     """
 
     path: Path
-    name: str
+    root: Path
+    place: Place = field(default_factory=Place)
+
+    @property
+    def name(self) -> str:
+        """Its path below the root, with forward slashes."""
+        return self.path.relative_to(self.root).as_posix()
+
+    @property
+    def category(self) -> str:
+        """What it is called in labels: its category where its layout states one, else its name."""
+        return self.place.category or self.name
 
 
-def vessel_files(place: Path) -> tuple[VesselFile, ...]:
+def vessel_files(folder: Path) -> tuple[VesselFile, ...]:
     """Return the files of vessels in a folder and its subfolders, ordered by their paths, or a single one.
+
+    Each object is used once: hulls and further formats of it are left out, as those of props are.
 
     Raises
     ------
     InputError
         Where there are none, or the folder cannot be read.
     """
-    if place.is_file() and place.suffix.lower() in SUFFIXES:
-        return (VesselFile(place, place.name),)
-    found = files_in(place, "vessels", SUFFIXES, below=True)
-    return tuple(VesselFile(path, path.relative_to(place).as_posix()) for path in found)
+    root = root_of(folder)
+    if folder.is_file() and folder.suffix.lower() in MESH_SUFFIXES:
+        return (VesselFile(folder, root, place_of(folder, folder.parent)),)
+    found = files_in(folder, "vessels", MESH_SUFFIXES, below=True)
+    return tuple(VesselFile(path, root, place) for path, place in listing(found, folder).used)

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import io
+import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ...core.errors import InputError, cause_of
-from ..optics.medium import Medium
+from ...core.errors import InputError
+from ..mesh_files.layouts import Place
+from ..mesh_files.model import Look, Source, content_of
+from ..mesh_files.ply import ply_points
+from ..mesh_files.read import read_parts
 from ..vessels.settings import Unit, UpAxis
-from .gltf_glass import gltf_glass
 
 #: Longest side of a vessel [m]: from a vial to a demijohn. Other sizes are mistakes of the unit.
 SIZES = (0.01, 0.7)
 #: Metres in each unit.
 UNITS: dict[Unit, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-#: Most triangles of a file [1]: ten times what is understood in seconds.
-MOST_FACES = 2_000_000
-#: Largest file [bytes]: `MOST_FACES` as text have about 100 bytes each.
-MOST_BYTES = 400_000_000
+#: A face in an OBJ file.
+_FACE = re.compile(rb"^\s*fo?\s", re.MULTILINE)
 #: Turns of coordinates that bring an axis up: places of x, y and z, and their signs. All are rotations.
 UP: dict[UpAxis, tuple[list[int], list[float]]] = {
     "z": ([0, 1, 2], [1.0, 1.0, 1.0]),
@@ -43,84 +42,50 @@ class Triangles:
         Positions in the file's unit, its own axes.
     faces : (m, 3) int64
         Triangles; none in a file of points alone.
-    glass : Medium or None
-        What a glTF material with transmission says.
+    look : Look or None
+        Its first transparent material.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
-    glass: Medium | None
+    look: Look | None
 
 
-def read_triangles(path: Path) -> Triangles:
+def read_triangles(source: Source) -> Triangles:
     """Return the triangles of a file; InputError where it cannot be read, is too large, or is not finite."""
-    try:
-        size = path.stat().st_size
-        content = path.read_bytes() if size <= MOST_BYTES else b""
-    except OSError as error:
-        raise InputError(path, "a readable mesh", cause_of(error)) from error
-    if size > MOST_BYTES:
-        raise InputError(path, f"at most {MOST_BYTES / 1e6:.0f} MB", f"{size / 1e6:.0f} MB")
-    kind = path.suffix.lower()[1:]
-    options: dict[str, Any] = {"skip_materials": True} if kind == "obj" else {}
-    try:
-        import trimesh
-
-        # From memory and without a resolver: no other file is opened here.
-        scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False, **options)
-        nodes = [(scene.graph[node]) for node in sorted(scene.graph.nodes_geometry)]
-        parts = [_placed(scene.geometry[name], pose) for pose, name in nodes]
-    except Exception as error:  # the readers raise exceptions of many types for malformed files
-        raise InputError(path, f"a readable {kind.upper()} mesh", "one that cannot be read") from error
-    solid = [part for part in parts if len(part[1])]
-    if not solid:
-        points = _points(content) if kind == "obj" else np.concatenate([np.zeros((0, 3)), *(some for some, _ in parts)])
-        _check_points(path, points)
+    points = _points_alone(source)
+    if points is not None:
+        if not np.isfinite(points).all():
+            raise InputError(source.path, "finite points", "NaN or infinity")
         return Triangles(points, np.zeros((0, 3), np.int64), None)
-    offsets = np.cumsum([0] + [len(points) for points, _ in solid[:-1]])
-    vertices = np.concatenate([points for points, _ in solid])
-    faces = np.concatenate([some + offset for (_, some), offset in zip(solid, offsets, strict=True)]).astype(np.int64)
-    _check(path, vertices, faces)
-    return Triangles(vertices, faces, gltf_glass(path, content) if kind == "glb" else None)
+    parts = read_parts(source)
+    offsets = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
+    vertices = np.concatenate([part.vertices for part in parts])
+    faces = np.concatenate([part.faces + offset for part, offset in zip(parts, offsets, strict=True)])
+    look = next((part.look for part in parts if part.look.glass is not None), None)
+    return Triangles(vertices, faces.astype(np.int64), look)
 
 
-def _points(content: bytes) -> np.ndarray:
-    """Return the points of an OBJ file, (n, 3); none where a line is no point."""
+def _points_alone(source: Source) -> np.ndarray | None:
+    """Return the points of an OBJ or PLY file without faces, (n, 3); None for any other file."""
+    kind = source.path.suffix.lower()
+    if kind == ".ply":
+        return ply_points(source)
+    content = content_of(source) if kind == ".obj" else b""
+    return None if not content or _FACE.search(content) else _points(content)
+
+
+def _points(content: bytes) -> np.ndarray | None:
+    """Return the points of an OBJ file, (n, 3); None where a line is no point, or there is none."""
     lines = [line.split()[1:4] for line in content.splitlines() if line.startswith(b"v ")]
     try:
-        return np.array(lines, dtype=np.float64).reshape(-1, 3)
+        return np.array(lines, dtype=np.float64).reshape(-1, 3) if lines else None
     except ValueError:
-        return np.zeros((0, 3))
+        return None
 
 
-def _check_points(path: Path, points: np.ndarray) -> None:
-    if not len(points):
-        raise InputError(path, "a mesh with faces, or points on a surface", "neither")
-    if not np.isfinite(points).all():
-        raise InputError(path, "finite points", "NaN or infinity")
-
-
-def _placed(part: object, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points and faces of a body in the file's frame."""
-    import trimesh
-
-    points = np.asarray(getattr(part, "vertices", np.zeros((0, 3))), np.float64).reshape(-1, 3)
-    faces = np.asarray(part.faces) if isinstance(part, trimesh.Trimesh) else np.zeros((0, 3), np.int64)
-    mirrored = np.linalg.det(pose[:3, :3]) < 0.0
-    return trimesh.transform_points(points, pose), faces[:, ::-1] if mirrored else faces
-
-
-def _check(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    if len(faces) > MOST_FACES:
-        raise InputError(path, f"at most {MOST_FACES:,} triangles", f"{len(faces):,}")
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise InputError(path, f"faces over {len(vertices)} vertices", f"indices {faces.min()} to {faces.max()}")
-    if not np.isfinite(vertices[faces]).all():
-        raise InputError(path, "finite vertices", "NaN or infinity")
-
-
-def in_metres(path: Path, vertices: np.ndarray, unit: Unit | None) -> np.ndarray:
-    """Return vertices in metres.
+def metres_per_unit(path: Path, vertices: np.ndarray, unit: Unit | None, place: Place) -> float:
+    """Return the length of a file's unit [m].
 
     Parameters
     ----------
@@ -129,7 +94,10 @@ def in_metres(path: Path, vertices: np.ndarray, unit: Unit | None) -> np.ndarray
     vertices : (n, 3) float64
         In the unit.
     unit : str or None
-        The unit; None is metres, where these give a size that a vessel has.
+        The unit that the user states; without it, that of the layout; without that metres, where these give a size
+        that a vessel has.
+    place : Place
+        What the file's place says.
 
     Raises
     ------
@@ -137,14 +105,20 @@ def in_metres(path: Path, vertices: np.ndarray, unit: Unit | None) -> np.ndarray
         Where the size is not one of `SIZES`, with the units that would fit.
     """
     longest = float(np.ptp(vertices, axis=0).max())
-    scale = UNITS[unit or "m"]
+    if longest == 0.0:
+        raise InputError(path, "a mesh with faces, or points on a surface", "a single point")
     low, high = SIZES
+    expected = f"a vessel whose longest side has {1e3 * low:g} mm to {high:g} m"
+    if unit is None and place.unit == "none":
+        found = f"{longest:.3g} units, as {place.layout} scales all models to one size (--vessels.unit states theirs)"
+        raise InputError(path, expected, found)
+    known = place.unit if unit is None and isinstance(place.unit, float) else None
+    scale = known or UNITS[unit or "m"]
     if low <= longest * scale <= high:
-        return vertices * scale
+        return scale
     fitting: list[Unit] = [name for name, factor in UNITS.items() if low <= longest * factor <= high]
     hint = f" (--vessels.unit {fitting[-1]} makes it {longest * UNITS[fitting[-1]]:.3g} m)" if fitting else ""
-    stated = f"in {unit}" if unit else "in metres, as no unit is stated"
-    expected = f"a vessel whose longest side has {1e3 * low:g} mm to {high:g} m"
+    stated = f"in {unit}" if unit else f"by its layout, {place.layout}" if known else "in metres, as no unit is stated"
     raise InputError(path, expected, f"{longest * scale:.3g} m {stated}{hint}")
 
 
@@ -152,8 +126,3 @@ def turned_up(vertices: np.ndarray, up: UpAxis) -> np.ndarray:
     """Return vertices turned so that an axis of the file points up."""
     places, signs = UP[up]
     return vertices[:, places] * signs
-
-
-def default_up(path: Path) -> UpAxis:
-    """Return the axis that is up in a format: y by glTF's standard; other formats do not say, and z is taken."""
-    return "y" if path.suffix.lower() == ".glb" else "z"

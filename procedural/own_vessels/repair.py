@@ -77,7 +77,7 @@ def closed_solid(path: Path, vertices: np.ndarray, faces: np.ndarray, shell: flo
 
 def _apart(path: Path, surface: Surface, touching: bool) -> Surface:
     """Return a solid whose bodies are united where they overlap or touch; InputError where one crosses itself."""
-    place = _doubled(surface)
+    place = doubled_at(surface)
     if place is None:
         if not touching:
             return surface
@@ -85,12 +85,12 @@ def _apart(path: Path, surface: Surface, touching: bool) -> Surface:
     joined = united(surface.vertices, surface.faces)
     if joined is not None:
         surface = _clean(*joined)
-        if not len(_edges_with(surface.faces, 2, other=True)) and _doubled(surface) is None:
+        if not len(_edges_with(surface.faces, 2, other=True)) and doubled_at(surface) is None:
             return surface
     raise InputError(path, "a surface that does not cross itself", f"one that does, {_at(place)}")
 
 
-def _doubled(surface: Surface) -> np.ndarray | None:
+def doubled_at(surface: Surface) -> np.ndarray | None:
     """Return a point that the solid holds twice, or that is inside out; found along z and along x."""
     for axes in ([0, 1, 2], [1, 2, 0]):
         turned = surface.vertices[:, axes]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from scipy.spatial import ConvexHull, cKDTree
@@ -14,13 +14,21 @@ from ...core.errors import InputError, cause_of
 from ...core.mesh import Mesh, volume_of
 from ..cavities.interior import interior_of
 from ..cavities.wall import spread
+from ..description.bodies import Origin
+from ..mesh_files.embedded import picture_folder
+from ..mesh_files.model import Look, Notes, Source
+from ..optics.catalogue import glass_named
+from ..optics.draw import glass_names
 from ..optics.medium import Medium
-from ..props.normals import creased
-from ..vessels.settings import Unit, UpAxis, VesselSettings
+from ..props.glass import medium_of
+from ..props.normals import CREASE, creased
+from ..vessels.settings import UpAxis, VesselSettings
+from .choice import FileChoice
 from .files import VesselFile
 from .points import solid_of_points
-from .read import UP, default_up, in_metres, read_triangles, turned_up
+from .read import UP, metres_per_unit, read_triangles, turned_up
 from .repair import closed_solid
+from .smoothing import smoothed
 
 #: Shapes that are remembered between scenes [1].
 _REMEMBERED = 32
@@ -47,52 +55,86 @@ class OwnShape:
         What its file says that it is made of.
     symmetric : bool
         Whether it is a solid of revolution about z.
+    origin : Origin
+        Where it comes from, and how its frame lies in the file's.
     """
 
     solid: Mesh
     glass: Medium | None
     symmetric: bool
+    origin: Origin
 
 
 def own_shape(file: VesselFile, settings: VesselSettings) -> OwnShape:
     """Return the shape in a file; InputError with what is wrong with it and where."""
+    return read_shape(file, settings)[0]
+
+
+def read_shape(file: VesselFile, settings: VesselSettings) -> tuple[OwnShape, Notes]:
+    """Return the shape in a file, and what its reader noted: the licence that it states, and files that it refers to.
+
+    Raises
+    ------
+    InputError
+        With what is wrong with the file, and where.
+    """
     try:
         stamp = file.path.stat()
     except OSError as error:
         raise InputError(file.path, "a readable mesh", cause_of(error)) from error
-    choice = (settings.unit, settings.up, settings.shell)
-    return _own_shape(file.path, *choice, stamp.st_size, stamp.st_mtime_ns)
+    # Its licence may have been found after it was read first.
+    plain = replace(file, place=replace(file.place, licence="unknown"))
+    shape, notes = _read_shape(plain, FileChoice.of(settings), stamp.st_size, stamp.st_mtime_ns)
+    origin = shape.origin.model_copy(update={"licence": file.place.licence})
+    return replace(shape, origin=origin), notes
 
 
 @lru_cache(_REMEMBERED)
-def _own_shape(
-    path: Path,
-    unit: Unit | None,
-    up: UpAxis | Literal["fullest"] | None,
-    shell: float | None,
-    _size: int,
-    _changed: int,
-) -> OwnShape:
-    found = read_triangles(path)
-    vertices = in_metres(path, found.vertices, unit)
-    faces = found.faces
+def _read_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int) -> tuple[OwnShape, Notes]:
+    path, notes = file.path, Notes()
+    # Pictures are not looked at: glass has none.
+    source = Source(path, file.root, picture_folder(), notes, check_pictures=False)
+    found = read_triangles(source)
+    scale = metres_per_unit(path, found.vertices, choice.unit, file.place)
+    vertices, faces = scale * found.vertices, found.faces
     if not len(faces):
-        if shell is None:
+        if choice.shell is None:
             expected = "faces, or a thickness for a surface through the points (--vessels.shell 3mm)"
             raise InputError(path, expected, f"{len(vertices):,} points alone")
-        vertices, faces = solid_of_points(path, vertices, shell)
-    surface = closed_solid(path, vertices, faces, shell)
-    axis = _fullest(surface.vertices, surface.faces) if up == "fullest" else up or default_up(path)
-    placed = turned_up(surface.vertices, axis)
-    solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces)
+        vertices, faces = solid_of_points(path, vertices, choice.shell)
+    surface = closed_solid(path, vertices, faces, choice.shell)
+    if choice.smooth is not None:
+        surface = smoothed(path, surface, choice.smooth)
+    up = _fullest(surface.vertices, surface.faces) if choice.up == "fullest" else choice.up or file.place.up
+    placed = turned_up(surface.vertices, up)
+    solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces, choice.smooth)
     if volume_of(solid) <= 0.0:
         raise InputError(path, "a solid", "a surface around nothing")
-    return OwnShape(solid, found.glass, is_round(solid))
+    x, y, z = (0.5 / scale * (surface.vertices.min(0) + surface.vertices.max(0))).tolist()
+    origin = Origin(
+        file=file.name,
+        layout=file.place.layout,
+        metres_per_unit=scale,
+        centre=(x, y, z),
+        up=up,
+    )
+    return OwnShape(solid, _glass(path, found.look, scale), is_round(solid), origin), notes
 
 
-def _with_normals(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
+def _glass(path: Path, look: Look | None, scale: float) -> Medium | None:
+    """Return what a file's material is: a glass or plastic of the catalogue by its name, or as the file states it."""
+    if look is None or look.glass is None:
+        return None
+    names = {name.lower(): name for name in glass_names()}
+    known = names.get(re.sub(r"[_\-]+", " ", look.name.lower()).strip())
+    if known is not None:
+        return glass_named(known)
+    return medium_of(look.glass, scale, f"{look.name[:60] or 'glass'} of {path.name}")
+
+
+def _with_normals(vertices: np.ndarray, faces: np.ndarray, smooth: float | None = None) -> Mesh:
     single = vertices.astype(np.float32).astype(np.float64)
-    points, corners, normals, _ = creased(single, faces)
+    points, corners, normals, _ = creased(single, faces, crease=max(smooth or 0.0, CREASE))
     return Mesh("solid", points, corners, normals)
 
 

@@ -86,7 +86,7 @@ def _offsets(vertices: np.ndarray, faces: np.ndarray, cross: np.ndarray) -> np.n
     """
     unit = cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), np.finfo(float).tiny)
     matrix, right = np.zeros((len(vertices), 3, 3)), np.zeros((len(vertices), 3))
-    angles = _corner_angles(vertices, faces)
+    angles = corner_angles(vertices, faces)
     for k in range(3):
         weight = angles[:, k, None]
         np.add.at(matrix, faces[:, k], (weight * unit)[:, :, None] * unit[:, None, :])
@@ -95,7 +95,8 @@ def _offsets(vertices: np.ndarray, faces: np.ndarray, cross: np.ndarray) -> np.n
     return np.linalg.solve(matrix + 1e-2 * scale * np.eye(3) / 3.0 + 1e-12 * np.eye(3), right[..., None])[..., 0]
 
 
-def _corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return the angles of triangles at their corners, (m, 3) [rad]."""
     corners = vertices[faces]
     angles = []
     for k in range(3):

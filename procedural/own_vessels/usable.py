@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import zlib
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from ...core.passed_over import Finding, Progress, checked_files
 from ...core.remembered import Checked
+from ..props.mesh_files import root_of
 from ..vessels.settings import VesselSettings
+from .choice import FileChoice
 from .files import VesselFile, vessel_files
 
 #: Number of the check of files; another one forgets what was remembered of them.
-CHECK_VERSION = 1
+CHECK_VERSION = 2
 
 
 def usable_vessels(
-    place: Path | None, settings: VesselSettings, progress: Progress | None = None
+    folder: Path | None, settings: VesselSettings, progress: Progress | None = None
 ) -> tuple[tuple[VesselFile, ...], tuple[Finding, ...]]:
     """Return the files of vessels that can be used, and what was found about the others.
 
     Parameters
     ----------
-    place : Path, optional
+    folder : Path, optional
         A folder or a single file; None has no vessels.
     settings : VesselSettings
-        Unit, axis and thickness of the files.
+        Unit, axis, thickness and smoothing of the files.
     progress : callable, optional
         Is told how far the check is.
 
@@ -33,25 +38,55 @@ def usable_vessels(
     InputError
         Where there are no files, or none can be used.
     """
-    if place is None:
+    checked, findings = checked_vessels(folder, settings, progress)
+    return tuple(file for file, _ in checked), findings
+
+
+def checked_vessels(
+    folder: Path | None, settings: VesselSettings, progress: Progress | None = None
+) -> tuple[tuple[tuple[VesselFile, Checked], ...], tuple[Finding, ...]]:
+    """Return what `usable_vessels` does, with the facts about each file."""
+    if folder is None:
         return (), ()
-    choice = f"{CHECK_VERSION} {settings.unit} {settings.up} {settings.shell}"
 
     def check(file: VesselFile) -> Checked:
-        from .shape import own_shape  # here, as it loads SciPy
-
-        own_shape(file, settings)
-        return Checked()
+        return _checked(file, settings)
 
     good, findings = checked_files(
-        vessel_files(place),
+        vessel_files(folder),
         lambda file: file.path,
         check,
         folder="vessel_dir",
-        root=place if place.is_dir() else place.parent,
+        root=root_of(folder),
         content="vessels",
         # What can be used depends on the settings as well.
-        version=zlib.crc32(choice.encode()),
+        version=zlib.crc32(f"{CHECK_VERSION} {FileChoice.of(settings)}".encode()),
         progress=progress,
     )
-    return tuple(file for file, _ in good), findings
+    return tuple((_licensed(file, outcome), outcome) for file, outcome in good), findings
+
+
+def _checked(file: VesselFile, settings: VesselSettings) -> Checked:
+    from ..cavities.interior import interior_of  # here, as these load SciPy
+    from .shape import read_shape
+
+    shape, notes = read_shape(file, settings)
+    inside = interior_of(shape.solid)
+    facts = {
+        "faces": len(shape.solid.faces),
+        "size": np.ptp(shape.solid.bounds, axis=0).tolist(),
+        "volumes": [hollow.volume for hollow in inside.hollows],
+        "wall": inside.wall,
+        "glass": shape.glass.name if shape.glass is not None else None,
+        "symmetric": shape.symmetric,
+        "licence": notes.facts.get("licence", "unknown"),
+    }
+    # What is lost of the opaque look of a file does not matter: it is glass.
+    return Checked(others=tuple(dict.fromkeys(notes.others)), facts=facts)
+
+
+def _licensed(file: VesselFile, outcome: Checked) -> VesselFile:
+    """Return a file with the licence that it states itself, where its folder states none."""
+    if file.place.licence != "unknown":
+        return file
+    return replace(file, place=replace(file.place, licence=outcome.facts["licence"]))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -33,17 +35,34 @@ class Solid:
     points: np.ndarray
     faces: np.ndarray
 
+    @cached_property
+    def exact(self) -> Any:
+        """The body as a `manifold3d.Manifold`; None where its surface is not closed."""
+        from manifold3d import Error, Manifold, Mesh64
+
+        rows = np.ascontiguousarray(self.points + 0.0)  # + 0.0 turns -0 into 0
+        _, first, index = np.unique(rows.view("V24").ravel(), return_index=True, return_inverse=True)
+        found = Manifold(Mesh64(rows[first], index.reshape(-1)[self.faces].astype(np.uint64)))
+        return found if found.status() == Error.NoError and found.volume() > 0.0 else None
+
 
 def overlap(a: Solid, b: Solid) -> bool:
     """Return whether the bodies overlap by more than `ALLOWANCE` of depth.
 
-    Bounding boxes and then a separating plane of the convex hulls clear most pairs. Otherwise the surface of each,
-    moved inwards by the allowance, is tested for points inside the other.
+    Bounding boxes and then a separating plane of the convex hulls clear most pairs, and of closed bodies an empty
+    intersection clears the others that are apart. Otherwise the surface of each, moved inwards by the allowance, is
+    tested for points inside the other.
     """
     low, high = np.maximum(a.points.min(0), b.points.min(0)), np.minimum(a.points.max(0), b.points.max(0))
     if (low > high - ALLOWANCE).any() or hulls_apart(a.points, b.points):
         return False
-    return _reaches_into(a, b) or _reaches_into(b, a)
+    if a.exact is not None and b.exact is not None:
+        common = a.exact ^ b.exact
+        if common.is_empty():
+            return False
+        box = np.array(common.bounding_box()).reshape(2, 3)
+        low, high = box[0], box[1]
+    return _reaches_into(a, b, low, high) or _reaches_into(b, a, low, high)
 
 
 def hulls_apart(a: np.ndarray, b: np.ndarray) -> bool:
@@ -61,6 +80,8 @@ def hulls_apart(a: np.ndarray, b: np.ndarray) -> bool:
         if support @ nearest > 0.0:
             return True
         step = nearest - support
+        if not step.any():  # the hulls' points lie over each other
+            return False
         nearest = nearest - min(1.0, float(nearest @ step) / float(step @ step)) * step
     return False
 
@@ -88,9 +109,10 @@ def _cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
 
 
-def _reaches_into(a: Solid, b: Solid) -> bool:
+def _reaches_into(a: Solid, b: Solid, low: np.ndarray, high: np.ndarray) -> bool:
+    """Return whether a point under the surface of one body is in the other; they meet within a box."""
     points = _inner_samples(a)
-    within = ((points >= b.points.min(0)) & (points <= b.points.max(0))).all(1)
+    within = ((points >= low - ALLOWANCE) & (points <= high + ALLOWANCE)).all(1)
     return bool(contains(b, points[within]).any())
 
 

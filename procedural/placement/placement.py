@@ -111,7 +111,7 @@ def _attempt(
                 angle, distance = rng.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(rng.uniform())
                 shifts[index] = distance * np.array([np.cos(angle), np.sin(angle)])
                 outline = footprints[index] + shifts[index]
-                if _inside(outline, board, settings.edge) and all(
+                if inside(outline, board, settings.edge) and all(
                     apart(outline, b, settings.gap) for b in placed.values()
                 ):
                     placed[index] = outline
@@ -121,7 +121,8 @@ def _attempt(
     return shifts
 
 
-def _inside(outline: np.ndarray, board: np.ndarray, edge: float) -> bool:
+def inside(outline: np.ndarray, board: np.ndarray, edge: float) -> bool:
+    """Return whether a convex polygon lies in another one, at least a distance [m] from its sides."""
     sides = np.roll(board, -1, axis=0) - board
     normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import ConvexHull
 
@@ -23,15 +25,42 @@ def resting_pose(mesh: Mesh, rng: np.random.Generator) -> np.ndarray:
     (4, 4) float64
         ``world_T_object`` with the lowest vertex at z = 0.
     """
-    normals, probability = stable_faces(mesh.vertices.astype(np.float64))
+    return lowered(resting_turn(mesh.vertices.astype(np.float64), rng), mesh)
+
+
+def resting_turn(
+    points: np.ndarray,
+    rng: np.random.Generator,
+    least_tilt: float | None = None,
+    centre: Sequence[float] | None = None,
+) -> np.ndarray:
+    """Return the turn, (4, 4), in which a body rests on a plane, drawn as `resting_pose` does.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Vertices of the body.
+    rng : numpy.random.Generator
+        Draws the face to rest on and the turn about z.
+    least_tilt : float, optional
+        Angle that the object's z axis then has to the vertical at least, up or down [rad]; where no such pose is
+        stable, all poses are drawn from.
+    centre : (3,) float, optional
+        Centre of mass; by default the hull's.
+    """
+    normals, probability = stable_faces(points, centre)
+    if least_tilt is not None:
+        tilted = np.abs(normals[:, 2]) <= np.cos(least_tilt)
+        if tilted.any():
+            normals, probability = normals[tilted], probability[tilted] / probability[tilted].sum()
     down = normals[rng.choice(len(normals), p=probability)]
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)) @ _turned_down(down), mesh)
+    return turn_about_z(rng.uniform(0.0, 2.0 * np.pi)) @ _turned_down(down)
 
 
-def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def stable_faces(points: np.ndarray, centre: Sequence[float] | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Return the faces of the convex hull that a body can rest on, and the probability that it lands on each.
 
-    A face is stable where the centre of mass, taken as the hull's, stands over it. The probability is proportional to
+    A face is stable where the centre of mass, by default the hull's, stands over it. The probability is proportional to
     the solid angle of the face seen from that centre: the quasi-static estimate without toppling of Goldberg et
     al. 1999, "Part Pose Statistics" (IEEE T-RA 15(5)), section III.
 
@@ -39,6 +68,8 @@ def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ----------
     points : (n, 3) float64
         Vertices of the body.
+    centre : (3,) float, optional
+        Centre of mass.
 
     Returns
     -------
@@ -49,11 +80,11 @@ def stable_faces(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     hull = ConvexHull(points)
     corners = points[hull.simplices]
-    centre = _centre_of_mass(corners)
+    middle = _centre_of_mass(corners) if centre is None else np.asarray(centre, dtype=np.float64)
     _, face = np.unique(np.round(hull.equations, 6), axis=0, return_inverse=True)
     face = face.reshape(-1)
-    solid_angle = np.bincount(face, weights=_solid_angles(corners - centre))
-    below = centre - (centre @ hull.equations[:, :3].T + hull.equations[:, 3])[:, None] * hull.equations[:, :3]
+    solid_angle = np.bincount(face, weights=_solid_angles(corners - middle))
+    below = middle - (middle @ hull.equations[:, :3].T + hull.equations[:, 3])[:, None] * hull.equations[:, :3]
     stable = np.flatnonzero(_within(below, corners))
     _, first = np.unique(face[stable], return_index=True)
     chosen = stable[first]

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.pose import look_at
+from ..description.material import OpaqueMaterial, ProceduralTexture
 from ..description.picture import Picture
 from ..description.scene import GlassBody, Prop, Scene, glass_solid
 from ..description.surroundings import AreaLight, ConstantEnvironment
@@ -21,10 +22,21 @@ _TO_CAMERA = np.array([0.45, -0.8, 0.5])
 _DISTANCE = 2.9
 #: A large lamp above the left of the camera [m, m], and its radiance over that of the even sky [1].
 _LAMP, _LAMP_RADIANCE = 6.0, 6.0
+#: What the board has beyond the outermost objects [m]: behind a tall one, its edge would be in the picture.
+_BORDER = 3.0
+#: Of the board below glass: squares of some centimetres, whose lines refraction bends.
+_CHECKERED = OpaqueMaterial(
+    name="checkered",
+    base_colour=ProceduralTexture(kind="checker", colours=((0.42, 0.36, 0.29), (0.2, 0.17, 0.14)), seed=1),
+    repeats=4.0,
+    roughness=0.6,
+)
 
 
 def display(objects: Sequence[Prop | GlassBody], width: int = 240, height: int = 200, spp: int = 16) -> Scene:
-    """Return a scene of objects upright on a grey board, in their order, each before a camera of its own.
+    """Return a scene of objects upright on a board, in their order, each before a camera of its own.
+
+    They are under an even sky with a lamp. The board is grey; for glass, which shows what is behind it, checkered.
 
     Parameters
     ----------
@@ -48,20 +60,21 @@ def display(objects: Sequence[Prop | GlassBody], width: int = 240, height: int =
         target = pose[:3, 3]
         eye = target + _DISTANCE * radius * _TO_CAMERA / np.linalg.norm(_TO_CAMERA)
         cameras.append(camera(tuple(eye), tuple(target), width=width, height=height, baseline=0.1 * radius))
-    side = SPACING * across
-    pose = look_at(np.array([-side, -side, _LAMP]), np.zeros(3))
+    side = SPACING * across + _BORDER
+    glass = all(isinstance(item, GlassBody) for item in placed)
     return metered(
         scene(
             [item for item in placed if isinstance(item, GlassBody)],
             cameras,
             props=[item for item in placed if isinstance(item, Prop)],
-            table=board((side, side, 0.03), matte((0.35, 0.35, 0.35))),
+            table=board((side, side, 0.03), _CHECKERED if glass else matte((0.35, 0.35, 0.35))),
             environment=ConstantEnvironment(radiance=(0.6, 0.6, 0.6)),
-            lights=[
-                AreaLight(
-                    world_T_light=pose, size=(2.0, 2.0), radiance=(_LAMP_RADIANCE, _LAMP_RADIANCE, _LAMP_RADIANCE)
-                )
-            ],
+            lights=[_lamp(side)],
             picture=Picture(spp=spp, light="path", layers=0, refraction=False),
         )
     )
+
+
+def _lamp(side: float) -> AreaLight:
+    pose = look_at(np.array([-side, -side, _LAMP]), np.zeros(3))
+    return AreaLight(world_T_light=pose, size=(2.0, 2.0), radiance=(_LAMP_RADIANCE, _LAMP_RADIANCE, _LAMP_RADIANCE))

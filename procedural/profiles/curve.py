@@ -84,6 +84,12 @@ def simplified(curve: Curve, tolerance: float) -> Curve:
     tolerance : float
         Largest distance of a dropped point from its segment [m].
     """
+    kept = kept_points(curve, tolerance)
+    return Curve(curve.points[kept], curve.normals[kept])
+
+
+def kept_points(curve: Curve, tolerance: float) -> list[int]:
+    """Return the numbers of the points that `simplified` keeps."""
     last, kept = len(curve.points) - 1, [0]
     while kept[-1] < last:
         start, good, step = kept[-1], kept[-1] + 1, 2
@@ -94,7 +100,7 @@ def simplified(curve: Curve, tolerance: float) -> Curve:
             middle = (good + bad) // 2
             good, bad = (middle, bad) if _fits(curve, start, middle, tolerance) else (good, middle)
         kept.append(good)
-    return Curve(curve.points[kept], curve.normals[kept])
+    return kept
 
 
 def _fits(curve: Curve, start: int, end: int, tolerance: float) -> bool:

@@ -60,7 +60,7 @@ def superellipsoid(name: str, size: tuple[float, float, float], power: float) ->
     power : float
         p, at least 2 (smaller ones have points).
     """
-    direction, faces, uv = _sphere()
+    direction, faces, uv = face_grids(ROUND_STEPS)
     radius = np.sum(np.abs(direction) ** power, axis=1, keepdims=True) ** (-1.0 / power)
     unit_shape = direction * radius
     gradient = np.sign(unit_shape) * np.abs(unit_shape) ** (power - 1.0) / np.array(size)
@@ -87,7 +87,7 @@ def stone(
     rng : numpy.random.Generator
         Source of the waves.
     """
-    direction, faces, uv = _sphere()
+    direction, faces, uv = face_grids(ROUND_STEPS)
     low, high = np.log(STONE_FREQUENCIES)
     frequency = np.exp(rng.uniform(low, high, STONE_WAVES))
     heading = rng.normal(size=(STONE_WAVES, 3))
@@ -177,14 +177,17 @@ def _unrolled(
     return np.stack(np.meshgrid(first, second), -1).reshape(-1, 2)
 
 
-def _sphere() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return unit directions on a cube's grid, faces, and texture coordinates that run 0..1 across each face."""
-    slope = np.tan(np.linspace(-np.pi / 4, np.pi / 4, ROUND_STEPS + 1))
-    slope[[0, ROUND_STEPS // 2, -1]] = -1.0, 0.0, 1.0
+def face_grids(steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return unit directions on a grid over each face of a cube, faces, and coordinates 0 to 1 across each cube's face.
+
+    The cube's faces come as +x, -x, +y, -y, +z, -z; `steps` is even and counts the cells along an edge.
+    """
+    slope = np.tan(np.linspace(-np.pi / 4, np.pi / 4, steps + 1))
+    slope[[0, steps // 2, -1]] = -1.0, 0.0, 1.0
     grids = [_face_grid(axis, sign, slope) for axis, sign in _cube_faces()]
     points = np.concatenate([grid for grid, _ in grids])
     faces = np.concatenate([index + number * len(grids[0][0]) for number, (_, index) in enumerate(grids)])
-    across = np.linspace(0.0, 1.0, ROUND_STEPS + 1)
+    across = np.linspace(0.0, 1.0, steps + 1)
     uv = np.tile(np.stack(np.meshgrid(across, across), -1).reshape(-1, 2), (6, 1))
     return points / _length(points), faces, uv
 

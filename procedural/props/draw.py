@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Callable, Sequence
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from ...core.model import Model
+from ...core.model import Model, Ordered, Unit
 from ...core.units import Length
+from ...core.weighted import Weighted, check_names, weights_of
 from ..description.scene import GlassBody, Prop
 from ..materials.draw import draw_material, whole_repeats
 from ..materials.surface_files import SurfaceFiles
 from .from_file import prop_from_file
+from .kinds import DEFAULT_KINDS, PROP_KINDS
 from .mesh_files import MeshChoice, MeshFile
 from .shapes import draw_shape
 
@@ -22,6 +24,16 @@ from .shapes import draw_shape
 class PropSettings(Model):
     """How opaque props are drawn."""
 
+    kinds: Weighted = Field(
+        default=DEFAULT_KINDS,
+        min_length=1,
+        description="Kinds to draw from where no mesh file is drawn, equally likely or by weights (book=2); all but "
+        "`shape` have the sizes of real ones",
+        json_schema_extra={"range": f"one or more of {', '.join(PROP_KINDS)}"},
+    )
+    wear: Annotated[tuple[Unit, Unit], Ordered] = Field(
+        default=(0.1, 0.9), description="Traces of use of all kinds but `shape`: 0 new, 1 worn, within 0 and 1"
+    )
     smallest: Length = Field(default=0.05, ge=0.03, le=0.3, description="Least longest side of a drawn shape [m]")
     largest: Length = Field(default=0.16, ge=0.03, le=0.3, description="Greatest longest side of a drawn shape [m]")
     file_share: float = Field(
@@ -44,6 +56,12 @@ class PropSettings(Model):
         """Which mesh files are used, and what is stated about them."""
         return MeshChoice(self.include, self.exclude, self.unit, self.up)
 
+    @field_validator("kinds")
+    @classmethod
+    def _known_kinds(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
+        check_names(weights_of(kinds), PROP_KINDS)
+        return kinds
+
     @model_validator(mode="after")
     def _in_order(self) -> PropSettings:
         if self.smallest > self.largest:
@@ -59,6 +77,7 @@ def draw_prop(
     name: str,
     mesh_files: Sequence[MeshFile] = (),
     texture_files: Sequence[SurfaceFiles] = (),
+    thing: Callable[[], Prop] | None = None,
 ) -> Prop | GlassBody:
     """Draw a prop at the world's origin; placement sets its pose.
 
@@ -76,6 +95,8 @@ def draw_prop(
         Result of `mesh_files.usable_meshes`; may be empty. One that its file says is glass is a glass body.
     texture_files : sequence of SurfaceFiles
         Result of `surface_files.usable_surfaces`; may be empty.
+    thing : callable, optional
+        What makes the prop where no file is drawn, instead of a plain shape (`things.draw.draw_prop_of_kind`).
 
     Raises
     ------
@@ -87,6 +108,8 @@ def draw_prop(
     if mesh_files and from_file:
         file = mesh_files[int(rng.integers(len(mesh_files)))]
         return prop_from_file(rng, file, drawn_size(file, settings), id=id, name=name, texture_files=texture_files)
+    if thing is not None:
+        return thing()
     shape = draw_shape(rng, longest, name)
     x, y, z = (float(side) for side in np.ptp(shape.mesh.bounds, axis=0))
     return Prop(

@@ -14,7 +14,8 @@ from ..description.scene import GlassBody, Interface, Origin, Prop, PropPart
 from ..materials.draw import draw_material, draw_plain_material, whole_repeats
 from ..materials.surface_files import SurfaceFiles
 from ..mesh_files.model import GlassLook, Look
-from ..optics.medium import AIR, Medium
+from ..optics.medium import AIR
+from .glass import medium_of, roughness_of
 from .mesh_files import Z_UP, FileMesh, MeshFile, box_mapped, read_mesh
 
 
@@ -144,16 +145,8 @@ _AXIS_TOLERANCE = 0.02
 
 def _glass_body(file: MeshFile, found: FileMesh, look: GlassLook, id: int, name: str) -> GlassBody:
     mesh = Mesh(name, found.mesh.vertices, found.mesh.faces, found.mesh.normals)
-    length = look.distance * found.metres_per_unit
-    red, green, blue = (0.0 if math.isinf(length) else -math.log(max(c, 1e-4)) / length for c in look.colour)
-    roughness = found.pieces[0].look.roughness or 0.0
-    medium = Medium(
-        name=f"glass of {Path(file.name).name}",
-        eta=look.index,
-        sigma_a=(red, green, blue),
-        source="the mesh file's material",
-    )
-    alpha = roughness**2  # glTF 2.0, section 3.9.2: the square of its roughness is that of the microfacets
+    medium = medium_of(look, found.metres_per_unit, f"glass of {Path(file.name).name}")
+    alpha = roughness_of(found.pieces[0].look)
     x, y, z = (float(side) for side in np.ptp(mesh.bounds, axis=0))
     return GlassBody(
         id=id,
@@ -164,5 +157,6 @@ def _glass_body(file: MeshFile, found: FileMesh, look: GlassLook, id: int, name:
         interfaces=(Interface(part="outside", mesh=mesh, front=AIR, back=medium, roughness=alpha),),
         size=(x, y, z),
         symmetric=_turns(file, found),
+        origin=origin_of(file, found),
         world_T_object=np.eye(4),
     )

@@ -102,7 +102,9 @@ def book(rng: np.random.Generator, longest: float, name: str) -> Shape:
     mesh, unit = extrusion(name, np.concatenate([back, front]), longest)
     # The outline's plane becomes the xz plane: the book lies on its cover.
     turn = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], float)
-    return Shape(Mesh(name, mesh.vertices @ turn.T, mesh.faces, mesh.normals @ turn.T, mesh.uv), "book", False, unit)
+    return Shape(
+        Mesh(name, mesh.vertices @ turn.T, mesh.faces, mesh.normals @ turn.T, mesh.uv), "plain book", False, unit
+    )
 
 
 def prism(rng: np.random.Generator, longest: float, name: str) -> Shape:
@@ -134,7 +136,7 @@ def can(rng: np.random.Generator, longest: float, name: str) -> Shape:
     corners = [(0, depth), (inside, depth), (inside, 0), (radius, 0)]
     corners += [(r, height - z) for r, z in reversed(corners)]
     edge = rim * 0.45
-    return _revolved(name, "can", rounded(corners, [edge] * 6))
+    return _revolved(name, "plain can", rounded(corners, [edge] * 6))
 
 
 def ball(rng: np.random.Generator, longest: float, name: str) -> Shape:
@@ -195,10 +197,10 @@ def pebble(rng: np.random.Generator, longest: float, name: str) -> Shape:
 #: All shapes by category, equally probable.
 SHAPES: dict[str, Callable[[np.random.Generator, float, str], Shape]] = {
     "box": box,
-    "book": book,
+    "plain book": book,
     "prism": prism,
     "cylinder": cylinder,
-    "can": can,
+    "plain can": can,
     "ball": ball,
     "cone": cone,
     "ring": ring,

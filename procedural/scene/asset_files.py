@@ -19,6 +19,7 @@ from ..surroundings.hdri import usable_hdris
 from ..surroundings.pose_files import FilePose
 from ..surroundings.shipped_light import shipped_maps
 from ..vessels.media import own_media
+from .asset_places import check_asset_places
 from .settings import SceneSettings
 from .splits import Split, files_of
 
@@ -55,6 +56,7 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     InputError
         Where a folder cannot be used or no file in it can; with `settings.strict` where any file cannot.
     """
+    check_asset_places(settings)
     environments, of_light = usable_hdris(settings.environment.hdri_dir, progress)
     meshes, of_meshes = usable_meshes(settings.mesh_dir, progress, choice=settings.props.choice)
     textures, of_textures = usable_surfaces(settings.texture_dir, settings.texture_size, progress)

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...core.randomness import stream
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, Scene, SceneObject, Vessel
-from ..own_vessels.draw import draw_own_vessel
-from ..placement.placement import CONTACT_GAP, draw_positions, footprint
-from ..placement.resting import lowered, resting_pose, turn_about_z
-from ..props.draw import PropSettings, draw_prop
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
+from ..props.draw import PropSettings
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.furnished_rooms import room_in_place, with_loose_things
 from ..surroundings.lights import draw_lights
 from ..surroundings.photographer import camera_exposure, toned_cameras
 from ..surroundings.shipped_light import with_shipped_light
-from ..surroundings.table import draw_table, outline
-from ..vessels.draw import draw_vessel
-from ..vessels.media import draw_media
-from ..vessels.settings import VesselSettings
-from ..vessels.sizes import draw_size
+from ..surroundings.table import draw_table
+from ..things.draw import draw_prop_of_kind
+from .arrange import arranged
 from .asset_files import AssetFiles, asset_files, files_for
+from .draw_vessels import draw_vessels
 from .settings import SceneSettings
-from .solids import body_mesh, workspace
+from .solids import workspace
 from .splits import families_of, split_of
 
 
@@ -44,7 +38,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     Raises
     ------
     InputError
-        Where a folder of the settings or a file in it cannot be used, or the objects do not fit on the table.
+        Where a folder of the settings or a file in it cannot be used, the objects do not fit on the table, or no pile
+        of them comes to rest.
     """
     split = split_of(settings.splits, seed, scene_id)
     files = files_for(settings, files or asset_files(settings), seed, split)
@@ -53,10 +48,11 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     prop_count = int(counts.integers(settings.prop_count[0], settings.prop_count[1] + 1))
     families = families_of(settings.splits, seed, split, settings.vessels.categories)
     kinds = settings.vessels.model_copy(update={"categories": families})
-    vessels = _vessels(kinds, seed, scene_id, vessel_count, files)
+    vessels, parts = draw_vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures)
-    objects = _placed([*vessels, *props], outline(table), settings, seed, scene_id)
+    kind = stream(seed, scene_id, "table/kind")
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
+    objects, rest = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
 
     space = workspace(objects, table)
     environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
@@ -82,34 +78,17 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         lights=lights,
         cameras=cameras,
         picture=settings.picture,
+        rest=rest,
     )
-
-
-def _vessels(settings: VesselSettings, seed: int, scene_id: int, count: int, files: AssetFiles) -> list[GlassBody]:
-    return [_vessel(settings, seed, scene_id, i, files) for i in range(count)]
-
-
-def _vessel(settings: VesselSettings, seed: int, scene_id: int, number: int, files: AssetFiles) -> GlassBody:
-    place, media = f"vessels/{number}", stream(seed, scene_id, f"media/{number}")
-    id, name = FIRST_OBJECT_ID + number, f"vessel-{number:02d}"
-    if files.vessels:
-        choice = stream(seed, scene_id, f"vessel-file/{number}")
-        file = files.vessels[int(choice.integers(len(files.vessels)))]
-        if choice.random() < settings.file_probability:
-            rng = stream(seed, scene_id, place)
-            return draw_own_vessel(rng, media, settings, file, id=id, name=name, own=files.media)
-    # The family is the first that a vessel's stream gives; the wall's material follows it.
-    category, *_ = draw_size(stream(seed, scene_id, place), settings)
-    glass, liquid = draw_media(media, settings, category, files.media)
-    return draw_vessel(stream(seed, scene_id, place), settings, id=id, name=name, glass=glass, liquid_medium=liquid)
 
 
 def _props(
     settings: PropSettings, seed: int, scene_id: int, count: int, first_id: int, files: AssetFiles
 ) -> list[Prop | GlassBody]:
     return [
-        draw_prop(
+        draw_prop_of_kind(
             stream(seed, scene_id, f"props/{i}"),
+            stream(seed, scene_id, f"prop-kind/{i}"),
             settings,
             id=first_id + i,
             name=f"prop-{i:02d}",
@@ -118,24 +97,3 @@ def _props(
         )
         for i in range(count)
     ]
-
-
-def _placed(
-    objects: list[SceneObject], board: np.ndarray, settings: SceneSettings, seed: int, scene_id: int
-) -> list[SceneObject]:
-    """Return the objects in their places: vessels upright, props in a stable pose."""
-    poses = [_pose(item, stream(seed, scene_id, f"pose/{item.name}")) for item in objects]
-    outlines = [footprint(body_mesh(item), pose) for item, pose in zip(objects, poses, strict=True)]
-    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
-    placed = []
-    for item, pose, shift in zip(objects, poses, shifts, strict=True):
-        world_T_object = pose.copy()
-        world_T_object[:3, 3] += [*shift, CONTACT_GAP]
-        placed.append(item.model_copy(update={"world_T_object": world_T_object}))
-    return placed
-
-
-def _pose(item: SceneObject, rng: np.random.Generator) -> np.ndarray:
-    if not isinstance(item, Vessel | MeshVessel):
-        return resting_pose(body_mesh(item), rng)
-    return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), body_mesh(item))

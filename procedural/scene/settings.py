@@ -11,6 +11,7 @@ from ...core.units import Length
 from ...core.user_text import UserPath
 from ..description.picture import Picture
 from ..materials.surface_files import PICTURE_SIDE
+from ..physics.settings import PhysicsSettings
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
 from ..surroundings.camera_settings import CameraSettings
@@ -57,6 +58,7 @@ class SceneSettings(Model):
     lights: LightSettings = LightSettings()
     cameras: CameraSettings = CameraSettings()
     placement: PlacementSettings = PlacementSettings()
+    physics: PhysicsSettings = PhysicsSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
 

@@ -12,7 +12,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, volume_of
 from ...core.pose import check_rigid
 from ..description.camera import LONGEST_SIDE, Camera
-from ..description.edits import check_above_table, check_apart, in_world, solid_of
+from ..description.edits import check_above_table, check_pair, in_world, solid_of
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -224,10 +224,7 @@ def _check_liquid(body: GlassBody) -> None:
 def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
     """Refuse a record of a liquid that differs from its surface, or from what the vessel's profile holds."""
     if isinstance(body, MeshVessel):
-        heights = np.unique(surface.vertices[:, 2])  # one of each cavity
-        if np.abs(heights - liquid.level).min() > SIZE_TOLERANCE:
-            expected = f"that of its surface, {heights[0]:.4f} m"
-            raise InputError(f"{body.name}, liquid, level", expected, f"{liquid.level:.4f} m")
+        _check_mesh_heights(body.name, liquid, surface)
         return
     radii = np.hypot(*surface.vertices[:, :2].T)
     stated = {"contact": liquid.contact, "centre": liquid.centre}
@@ -247,21 +244,39 @@ def _check_heights(body: GlassBody, liquid: Liquid, surface: Mesh) -> None:
             raise InputError(f"{body.name}, liquid, {field}", expected, f"{stated[field]:.4f} m")
 
 
+def _check_mesh_heights(name: str, liquid: Liquid, surface: Mesh) -> None:
+    """Refuse a record that differs from the liquid's surface, which has a piece in each cavity."""
+    for field, heights in (("contact", _border_heights(surface)), ("centre", surface.vertices[:, 2])):
+        stated = getattr(liquid, field)
+        nearest = float(heights[np.abs(heights - stated).argmin()])
+        if not abs(nearest - stated) <= SIZE_TOLERANCE:
+            raise InputError(f"{name}, liquid, {field}", f"that of its surface, {nearest:.4f} m", f"{stated:.4f} m")
+    low, high = sorted((liquid.centre, liquid.contact))
+    if not low - SIZE_TOLERANCE <= liquid.level <= high + SIZE_TOLERANCE:
+        expected = f"that of its surface, {low:.4f} to {high:.4f} m"
+        raise InputError(f"{name}, liquid, level", expected, f"{liquid.level:.4f} m")
+
+
 def _rim_height(surface: Mesh) -> float:
     """Return the mean height of a surface's border, where it meets the wall; under a neck it is not the widest ring."""
+    return float(_border_heights(surface).mean())
+
+
+def _border_heights(surface: Mesh) -> np.ndarray:
+    """Return the heights of the points on a surface's border [m]."""
     positions, index = np.unique(surface.vertices, axis=0, return_inverse=True)
     corners = index.reshape(-1)[surface.faces]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     border, count = np.unique(edges, axis=0, return_counts=True)
-    return float(positions[np.unique(border[count == 1]), 2].mean())
+    return positions[np.unique(border[count == 1]), 2]
 
 
 def _check_places(scene: Scene) -> None:
     solids = {item.name: solid_of(item) for item in scene.objects}
     for name, solid in solids.items():
         check_above_table(name, solid)
-    for (name, solid), (other, another) in combinations(solids.items(), 2):
-        check_apart(name, solid, other, another)
+    for (item, solid), (other, another) in combinations(zip(scene.objects, solids.values(), strict=True), 2):
+        check_pair(item, solid, other, another)
     solids |= {"the table": in_world(scene.table.mesh, np.eye(4))}
     _check_eyes(scene, solids)
     for number in range(len(scene.lights)):

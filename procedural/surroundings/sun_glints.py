@@ -23,6 +23,9 @@ from .sphere import solid_angles, texel_directions
 #: Angular radius of the wide disc over the angle of a pixel [1]: a wall curved to a radius of 3 cm, 0.6 m away, mirrors
 #: it as a spot of one pixel in diameter. And its largest value [rad], 4 degrees.
 _RADIUS_OVER_PIXEL, _MAX_RADIUS = 20.0, math.radians(4.0)
+#: Largest spread of a pixel's paths by which the disc is widened further [rad], 15 degrees: the light of a sun that
+#: wide still comes from about there. A low sun is not spread below the horizon.
+_WIDEST = math.radians(15.0)
 # The sun of a map: what is brighter, within this angle of its brightest texel, than the mean of the ring around it, as
 # wide again [rad]. Suns of maps from files are blurred over a degree or two.
 _CORE = math.radians(2.5)
@@ -36,7 +39,8 @@ class WideSun:
     core_cos: float  #: cosine of the angle within which the map shows the sun
     around: np.ndarray  #: (3,) linear Rec.709 radiance of the sky around it: the map within the core, without the sun
     disc_cos: float  #: cosine of the wide disc's radius
-    disc: np.ndarray  #: (3,) linear Rec.709 radiance that the disc adds
+    widest: float  #: largest spread of a pixel's paths that widens it further [rad]
+    light: np.ndarray  #: (3,) linear Rec.709 radiance times solid angle [sr] of the disc
 
 
 def wide_sun(environment: Environment, pixel_angle: float) -> WideSun | None:
@@ -59,12 +63,11 @@ def wide_sun(environment: Environment, pixel_angle: float) -> WideSun | None:
     around = pixels[ring].mean(axis=0, dtype=np.float64)
     area = np.broadcast_to(weights[:, None], core.shape)[core]
     light = (np.maximum(pixels[core] - around, 0.0) * area[:, None]).sum(axis=0, dtype=np.float64)
+    widest = min(_WIDEST, math.asin(max(centre[2], 0.0)))
     disc_cos = math.cos(min(_RADIUS_OVER_PIXEL * pixel_angle, _MAX_RADIUS))
     if area[luminance(pixels[core]) > 0.5 * luminance(pixels[core]).max()].sum() > 2.0 * math.pi * (1.0 - disc_cos):
         return None
     cos, sin = math.cos(environment.rotation), math.sin(environment.rotation)
     world_R_map = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    disc = light / (2.0 * math.pi * (1.0 - disc_cos))
-    return WideSun(
-        world_R_map @ centre, math.cos(_CORE), around * environment.strength, disc_cos, disc * environment.strength
-    )
+    strength = environment.strength
+    return WideSun(world_R_map @ centre, math.cos(_CORE), around * strength, disc_cos, widest, light * strength)

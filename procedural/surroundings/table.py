@@ -1,4 +1,4 @@
-"""The table, drawn at random: a board with rounded edges."""
+"""The table, drawn at random: a board with rounded edges, a board under a cloth, or a counter with a sink."""
 
 from __future__ import annotations
 
@@ -6,17 +6,20 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...core.mesh import Mesh
-from ...core.model import Model
+from ...core.model import Model, Ordered, Unit
 from ...core.units import LENGTH, Length
 from ...core.user_text import UserPath
+from ...core.weighted import Weighted, check_names, weights_of
 from ..description.surroundings import Table
 from ..materials.draw import draw_table_material
 from ..materials.surface_files import SurfaceFiles
 from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
+from ..tables.forms import hanging_cloth, over_edges, steel_counter
+from ..tables.kinds import DEFAULT_TABLES, TABLE_KINDS, TableKind, draw_top
 
 #: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
 THICKNESS = (0.02, 0.05)
@@ -24,8 +27,26 @@ THICKNESS = (0.02, 0.05)
 EDGE_RADIUS = (0.002, 0.010)
 
 
+#: Depth of shelves, and the sizes of tables from which on one is a shelf's length [m]: of bookcases and wall shelves
+#: that bear glasses, 0.4-0.6 m; narrower ones do not hold a scene's objects.
+SHELF_DEPTH = (0.42, 0.6)
+#: Kinds that may be round: boards.
+ROUND_KINDS = ("wood", "stone", "laminate", "plain")
+
+
 class TableSettings(Model):
-    """Sizes and shape of the table."""
+    """Kind, sizes and shape of the table."""
+
+    kinds: Weighted = Field(
+        default=DEFAULT_TABLES,
+        min_length=1,
+        description="Kinds to draw from, equally likely or by weights (wood=5); `plain` is a board with a pattern "
+        "without relief, and the only one with pictures of `texture_dir`",
+        json_schema_extra={"range": f"one or more of {', '.join(TABLE_KINDS)}"},
+    )
+    wear: Annotated[tuple[Unit, Unit], Ordered] = Field(
+        default=(0.1, 0.8), description="Traces of use, scratches, dust and smears: 0 new, 1 worn, within 0 and 1"
+    )
 
     smallest: Length = Field(default=0.9, ge=0.3, le=5.0, description="Least side or diameter of the table [m]")
     largest: Length = Field(default=1.8, ge=0.3, le=5.0, description="Greatest side or diameter of the table [m]")
@@ -39,6 +60,12 @@ class TableSettings(Model):
     )
     round_share: float = Field(default=0.25, ge=0.0, le=1.0, description="Probability that the table is round")
 
+    @field_validator("kinds")
+    @classmethod
+    def _known_kinds(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
+        check_names(weights_of(kinds), TABLE_KINDS)
+        return kinds
+
     @model_validator(mode="after")
     def _in_order(self) -> TableSettings:
         if self.smallest > self.largest:
@@ -50,6 +77,7 @@ def draw_table(
     rng: np.random.Generator,
     settings: TableSettings,
     texture_files: Sequence[SurfaceFiles] = (),
+    kind_rng: np.random.Generator | None = None,
 ) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
@@ -60,7 +88,9 @@ def draw_table(
     settings : TableSettings
         Sizes and the probability of a round table.
     texture_files : sequence of SurfaceFiles
-        Pictures for the top, with their maps; without them the material is procedural.
+        Pictures for the top, with their maps; with them the table is a plain board.
+    kind_rng : numpy.random.Generator, optional
+        Source of the kind and of all that is its own; without it the table is a plain board.
 
     Returns
     -------
@@ -71,9 +101,43 @@ def draw_table(
     short_side = rng.uniform(settings.smallest, long_side)
     thickness, radius = rng.uniform(*THICKNESS), rng.uniform(*EDGE_RADIUS)
     round_table = rng.random() < settings.round_share
+    kind = "plain" if kind_rng is None or texture_files else _kind(kind_rng, settings)
+    if kind_rng is not None and kind != "plain":
+        round_table = round_table and kind in ROUND_KINDS
+        if kind == "shelf":
+            short_side = min(short_side, kind_rng.uniform(*SHELF_DEPTH))
+        size = (long_side, long_side if round_table else short_side, thickness)
+        return _of_kind(kind_rng, settings, kind, size, radius, round_table)
     size = (long_side, long_side if round_table else short_side, thickness)
     mesh = _round_board(long_side, thickness, radius) if round_table else _board(size, radius)
     return Table(mesh=mesh, material=draw_table_material(rng, texture_files, settings.texture_size), size=size)
+
+
+def _kind(rng: np.random.Generator, settings: TableSettings) -> TableKind:
+    weights = weights_of(settings.kinds)
+    names: list[TableKind] = [kind for kind in TABLE_KINDS if kind in weights]
+    probability = np.array([weights[name] for name in names])
+    return names[int(rng.choice(len(names), p=probability / probability.sum()))]
+
+
+def _of_kind(
+    rng: np.random.Generator,
+    settings: TableSettings,
+    kind: TableKind,
+    size: tuple[float, float, float],
+    radius: float,
+    round_table: bool,
+) -> Table:
+    """Return a table with a surface at a scale in metres, and a shape of its own where its kind has one."""
+    if kind == "cloth":
+        mesh, size = hanging_cloth(rng, size[:2])
+    elif kind == "steel":
+        mesh, size = steel_counter(rng, size[:2])
+    else:
+        board = _round_board(size[0], size[2], radius) if round_table else _board(size, radius)
+        mesh = board if round_table else over_edges(board, size)
+    material = draw_top(rng, kind, size[:2], rng.uniform(*settings.wear))
+    return Table(mesh=mesh, material=material, size=size, kind=kind)
 
 
 def outline(table: Table) -> np.ndarray:

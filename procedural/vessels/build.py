@@ -12,6 +12,7 @@ from ..description.refill import liquid_of
 from ..description.scene import Vessel
 from ..optics.medium import Medium
 from ..profiles.curve import Curve
+from ..profiles.liquid import brimful_volume
 from ..profiles.liquid_surface import surface_of_volume
 from ..profiles.revolve import segments_for
 from .wall import Section
@@ -32,6 +33,11 @@ class VesselShape:
     outer: Curve
     inner: Curve
     wall: float
+
+    @property
+    def brimful(self) -> float:
+        """Volume up to the brim [m^3]."""
+        return brimful_volume(self.inner.points)
 
 
 @dataclass(frozen=True)

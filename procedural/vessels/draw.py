@@ -11,12 +11,13 @@ from ..profiles.liquid import brimful_volume, volume_below
 from ..profiles.liquid_surface import most_volume
 from .amounts import fill_fractions
 from .build import Filling, VesselShape, build_vessel, vessel_shape
-from .families import FAMILIES, Family, Size
+from .families import FAMILIES
+from .family_pieces import Family, Size
 from .outline import Outline
 from .scaling import draw_wanted, shape_that_holds
 from .settings import VesselSettings
 from .sizes import draw_size
-from .wall import WallShape, glass_section
+from .wall import WallShape, glass_section, round_section
 
 #: Least radius of the ball that rounds the inside's corners [m]: no blown or pressed glass has a sharp one.
 LEAST_CORNER = 1.5e-3
@@ -27,6 +28,8 @@ MOST_TAPER = 1.5e-3
 #: Largest radius of the ball that rounds the inside's corners, and radii of the outer corner at the base [m], as on
 #: pressed and blown household glass; both give way where the vessel is narrow.
 MOST_CORNER, FILLET = 6e-3, (8e-4, 4e-3)
+#: Most that a wall is thicker at the bottom than at the top where the bottom is round, of the wall [1].
+ROUND_TAPER = 0.4
 #: Heights of the hollow under the base [m], at most this fraction of the base's radius, and how often vessels have one.
 PUNT, PUNT_STEEPNESS, PUNT_PROBABILITY = (0.3e-3, 3e-3), 0.12, 0.6
 #: Least depth of a liquid [m]: less is a film, whose shape the floor decides, not the wall.
@@ -82,7 +85,7 @@ def draw_vessel(
 
     built = shape_that_holds(rng, settings, category, (size[0], size[1]), wanted, build, takes)
     filling = _draw_filling(rng, settings, built.inner, glass, liquid_medium, wanted.filled)
-    roughness = _draw_roughness(rng, settings)
+    roughness = draw_roughness(rng, settings)
     return build_vessel(built, glass, roughness, filling, settings.chord_error, id=id, name=name, category=category)
 
 
@@ -94,18 +97,21 @@ def _built(
     # The rounded rim adds up to half a wall.
     size = Size(height - 0.5 * wall, radius, room=min(wall + MOST_TAPER + LEAST_CORNER + LEAST_BORE, radius))
     outline = family.outline(rng, size)
+    if isinstance(outline, Curve):
+        taper = ROUND_TAPER * wall * rng.uniform()
+        return vessel_shape(round_section(outline, wall, taper, settings.chord_error), wall)
     shape = _draw_shape(rng, settings, family, outline, wall)
     return vessel_shape(glass_section(outline, shape, settings.chord_error), wall)
 
 
-def _draw_within(rng: np.random.Generator, family: tuple[float, float], limits: tuple[float, float]) -> float:
+def draw_within(rng: np.random.Generator, family: tuple[float, float], limits: tuple[float, float]) -> float:
     """Draw from the family's range, clipped to the settings' limits."""
     low, high = np.clip(family, *limits)
     return float(rng.uniform(low, high))
 
 
 def _draw_wall(rng: np.random.Generator, settings: VesselSettings, family: Family) -> float:
-    return _draw_within(rng, family.wall, settings.wall)
+    return draw_within(rng, family.wall, settings.wall)
 
 
 def _draw_shape(
@@ -117,12 +123,26 @@ def _draw_shape(
     open_radius = float(radius[len(radius) // 4 if outline.solid_below else 0 :].min())
     narrowest = float(outline.derivative(np.linspace(0.0, outline.height, 513), 0).min())
     foot = float(outline.derivative(np.zeros(1), 0)[0])
-    base = max(_draw_within(rng, family.base, settings.base), wall)
+    base = max(draw_within(rng, family.base, settings.base), wall)
     taper = min(MOST_TAPER, 0.6 * wall) * rng.uniform(0.0, 1.0)
     corner = min(rng.uniform(LEAST_CORNER, MOST_CORNER), max(LEAST_CORNER, 0.6 * (open_radius - wall - taper)))
     fillet = min(rng.uniform(*FILLET), 0.35 * narrowest)
     punt = rng.uniform(*PUNT) if rng.random() < PUNT_PROBABILITY and not outline.solid_below else 0.0
     return WallShape(wall, taper, base, fillet, corner, min(punt, PUNT_STEEPNESS * foot))
+
+
+def draw_amount(
+    rng: np.random.Generator,
+    settings: VesselSettings,
+    brimful: float,
+    medium: Medium | None,
+    volume: float | None,
+) -> float | None:
+    """Draw whether a vessel is filled, and how far [m^3]; with a given volume [m^3] only whether. None is empty."""
+    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*fill_fractions(settings.fill))
+    if medium is None or not filled:
+        return None
+    return fill * brimful if volume is None else volume
 
 
 def _draw_filling(
@@ -133,13 +153,13 @@ def _draw_filling(
     medium: Medium | None,
     volume: float | None,
 ) -> Filling | None:
-    """Draw whether a vessel is filled, and how far; with a given volume [m^3] only whether."""
-    filled, fill = rng.random() < settings.fill_probability, rng.uniform(*fill_fractions(settings.fill))
-    if medium is None or not filled:
+    """Draw whether a vessel is filled, and how far."""
+    amount = draw_amount(rng, settings, brimful_volume(inner.points), medium, volume)
+    if medium is None or amount is None:
         return None
-    if volume is not None:
-        return Filling(medium, volume)
-    return Filling(medium, float(np.clip(fill * brimful_volume(inner.points), *_volume_limits(inner, medium, glass))))
+    return Filling(
+        medium, amount if volume is not None else float(np.clip(amount, *_volume_limits(inner, medium, glass)))
+    )
 
 
 def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, float]:
@@ -148,6 +168,7 @@ def _volume_limits(inner: Curve, medium: Medium, glass: Medium) -> tuple[float, 
     return least, most_volume(inner, medium, glass)
 
 
-def _draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:
+def draw_roughness(rng: np.random.Generator, settings: VesselSettings) -> float:
+    """Draw the GGX alpha of a vessel's glass; 0 is smooth."""
     rough, alpha = rng.random() < settings.rough_probability, rng.uniform(*settings.roughness)
     return alpha if rough else 0.0

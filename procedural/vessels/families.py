@@ -2,121 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
-
 import numpy as np
 
-from .outline import Outline, Piece, bulging, easing, levelling, linear, waved
+from .containers import (
+    angular_bottle_outline,
+    jar_outline,
+    plastic_bottle_outline,
+    plastic_cup_outline,
+    vial_outline,
+)
+from .family_pieces import Family, Proportions, Size, free_chain, free_piece, lip, smoothed
+from .laboratory import round_flask_profile, tube_profile, volumetric_flask_outline
+from .outline import Outline, bulging, easing, levelling, linear, waved
 from .settings import Category
-
-Limits = tuple[float, float]
-
-#: Probabilities of straight, polynomial and sinusoidal pieces where a family leaves them free: those of vertical and
-#: linear, accelerating and polynomial, and sine stretches in TransProteus' vessel generator (20+18, 18+22, 22 %).
-PIECE_PROBABILITIES = (0.38, 0.40, 0.22)
-#: Steepest dr/dz of a free piece: 2.5 is a wall at 22 degrees to the table, about the flattest of a common bowl.
-MAX_SLOPE = 2.5
-#: Most half periods of a sinusoidal piece, and most halvings of a deviation that is too large.
-MOST_HALF_WAVES, HALVINGS = 4, 40
-
-
-@dataclass(frozen=True)
-class Size:
-    """What a family's outline is drawn for [m].
-
-    `room` is the smallest outer radius that leaves room inside the wall (`draw.py` says how much).
-    """
-
-    height: float
-    radius: float
-    room: float
-
-
-@dataclass(frozen=True)
-class Family:
-    """Sizes of common glassware of one category [m], and the function that draws its outline."""
-
-    height: Limits
-    radius: Limits
-    slenderness: Limits
-    """Radius over height."""
-    wall: Limits
-    base: Limits
-    outline: Callable[[np.random.Generator, Size], Outline]
-
-
-def free_piece(rng: np.random.Generator, piece: Piece, limits: Limits, strength: float) -> Piece:
-    """Draw a piece of a random kind between the ends of a straight one.
-
-    Its deviation from the straight line is `strength` times its size at most, and is halved until the radius keeps
-    within `limits` [m] and the slope within `MAX_SLOPE` (or the straight line's own, if that is steeper).
-    """
-    ends = (piece.low, piece.high, piece.coefficients[0], sum(piece.coefficients))
-    kind = rng.choice(3, p=PIECE_PROBABILITIES)
-    most = strength * min(piece.high - piece.low, ends[2] + ends[3])
-    first, second = rng.uniform(-most, most, 2)
-    half_waves = int(rng.integers(1, MOST_HALF_WAVES + 1))
-    if kind == 0:
-        return linear(*ends)
-    u = np.linspace(piece.low, piece.high, 65)
-    steepest = max(MAX_SLOPE, abs(ends[3] - ends[2]) / (piece.high - piece.low) + 0.1)
-    for halvings in range(HALVINGS):
-        factor = 0.5**halvings
-        if kind == 1:
-            drawn = bulging(*ends, bulge=factor * first, skew=factor * second)
-        else:
-            drawn = waved(*ends, amplitude=factor * first / half_waves, half_waves=half_waves)
-        radius, slope = drawn.derivative(u, 0), drawn.derivative(u, 1)
-        within = radius.min() >= min(limits[0], *ends[2:]) - 1e-9 and radius.max() <= max(limits[1], *ends[2:]) + 1e-9
-        if within and np.abs(slope).max() <= steepest:
-            return drawn
-    return linear(*ends)
-
-
-def free_chain(
-    rng: np.random.Generator, z: list[float], r: list[float], limits: Limits, strength: float
-) -> tuple[Piece, ...]:
-    """Draw free pieces through knots at heights z and radii r [m]; radii are held within limits and slopes."""
-    held = [float(np.clip(r[0], *limits))]
-    for low, high, radius in zip(z[:-1], z[1:], r[1:], strict=True):
-        reach = 0.8 * MAX_SLOPE * (high - low)
-        held.append(float(np.clip(np.clip(radius, *limits), held[-1] - reach, held[-1] + reach)))
-    straight = [linear(*ends) for ends in zip(z[:-1], z[1:], held[:-1], held[1:], strict=True)]
-    return tuple(free_piece(rng, piece, limits, strength) for piece in straight)
-
-
-def smoothed(pieces: tuple[Piece, ...], half: float, solid_below: float = 0.0) -> Outline:
-    """Return the outline of the pieces, joints smoothed over +- `half` [m], or less between short pieces."""
-    lengths = [piece.high - piece.low for piece in pieces]
-    joints = tuple(min(half, 0.45 * min(pair)) for pair in pairwise(lengths))
-    return Outline(pieces, joints, solid_below)
-
-
-@dataclass(frozen=True)
-class Proportions:
-    """Ranges of one family's shape: fractions [1] unless a unit stands beside them.
-
-    They span common glassware of the family by eye. No single source has them, and nothing else depends on them: the
-    limits of radius and slope hold whatever is drawn.
-    """
-
-    foot: Limits = (1.0, 1.0)
-    """Radius at the base, of the largest radius."""
-    rim: Limits = (1.0, 1.0)
-    """Radius at the rim, of the largest radius (vase: of the throat's radius)."""
-    neck: Limits = (1.0, 1.0)
-    """Radius of the neck, of the largest radius."""
-    first: Limits = (0.0, 0.0)
-    """Height of the first joint, of the height (stem glass: where the foot ends)."""
-    second: Limits = (0.0, 0.0)
-    """Height of the second joint, of the height (stem glass: where the bowl begins)."""
-    blend: Limits = (0.0, 0.0)
-    """Half the height over which joints are smoothed [m]."""
-    bulge: float = 0.0
-    """Largest deviation of free pieces from a straight line, of their size."""
-
+from .tableware import (
+    cocktail_outline,
+    cup_outline,
+    double_walled_outline,
+    jug_outline,
+    mug_outline,
+    teapot_outline,
+)
 
 TUMBLER = Proportions(foot=(0.68, 1.0), first=(0.2, 0.8), blend=(0.004, 0.015), bulge=0.08)
 BOWL = Proportions(foot=(0.42, 0.65), rim=(0.8, 1.0), first=(0.55, 1.0), blend=(0.004, 0.012), bulge=0.1)
@@ -145,8 +51,6 @@ _FLARE, _FLARE_HEIGHT = (0.002, 0.004), 2.5
 _PLAIN_BOWL, _PLAIN_BULGE, _LEAST_RIM = 0.4, (0.2, 0.8), 0.008
 #: Bottle: widest neck [m] (that of a jar is a mouth), probability of a round instead of an S-shaped shoulder.
 _WIDEST_NECK, _ROUND_SHOULDER = 0.02, 0.3
-#: Lip of bottles and flasks: height [m], at most this fraction of the vessel's, and flare over its height.
-_LIP, _LIP_FRACTION, _LIP_FLARE = (0.005, 0.012), 0.1, (0.0, 0.7)
 #: Stem glass: radius of the stem and thickness of the foot's edge [m]; height of the widest place, of the bowl's; the
 #: stem's largest deviation and its radii, of its own radius.
 _STEM, _FOOT_EDGE, _BELLY, _STEM_BULGE, _STEM_RADII = (0.0032, 0.0055), (0.0022, 0.0032), (0.45, 0.7), 0.3, (0.8, 1.8)
@@ -156,12 +60,6 @@ _CONICAL = 0.5
 _PIECES, _LEAST_RADIUS = (2, 5), 0.4
 #: Half the heights over which joints are smoothed where they do not vary [m]: beaker, bottle, flask.
 _BEAKER_BLEND, _BOTTLE_BLEND, _FLASK_BLEND = 0.003, 0.008, 0.012
-
-
-def _lip(rng: np.random.Generator, height: float, radius: float) -> tuple[float, float]:
-    """Draw the height at which a lip begins to flare, and the radius that it reaches [m]."""
-    length = min(rng.uniform(*_LIP), _LIP_FRACTION * height)
-    return height - length, radius + length * rng.uniform(*_LIP_FLARE)
 
 
 def _tumbler(rng: np.random.Generator, size: Size) -> Outline:
@@ -202,8 +100,8 @@ def _bottle(rng: np.random.Generator, size: Size) -> Outline:
     slope = easing(shoulder, collar, size.radius, neck)
     if rng.random() < _ROUND_SHOULDER:
         slope = levelling(shoulder, collar, size.radius, neck, power=2)
-    lip, mouth = _lip(rng, height, neck)
-    top = (linear(collar, lip, neck, neck), linear(lip, height, neck, mouth))
+    start, mouth = lip(rng, height, neck)
+    top = (linear(collar, start, neck, neck), linear(start, height, neck, mouth))
     return smoothed((*body, slope, *top), _BOTTLE_BLEND)
 
 
@@ -231,8 +129,8 @@ def _flask(rng: np.random.Generator, size: Size) -> Outline:
     height, radius = size.height, size.radius
     neck = max(size.room, radius * rng.uniform(*FLASK.neck))
     collar = height * rng.uniform(*FLASK.second)
-    lip, mouth = _lip(rng, height, neck)
-    top = (linear(collar, lip, neck, neck), linear(lip, height, neck, mouth))
+    start, mouth = lip(rng, height, neck)
+    top = (linear(collar, start, neck, neck), linear(start, height, neck, mouth))
     if rng.random() < _CONICAL:
         belly = height * rng.uniform(*FLASK.first)
         foot = radius - 0.3 * belly
@@ -268,7 +166,8 @@ def _freeform(rng: np.random.Generator, size: Size) -> Outline:
 
 
 #: Sizes are those of common household and laboratory glassware (tumblers 0.1-0.5 l, wine glasses, bottles up to a
-#: magnum, laboratory glass from 50 ml), rounded.
+#: magnum, laboratory glass from 50 ml), rounded. Of square and oval vessels the radius is half the smaller width, and
+#: that of vessels with handles is without them.
 FAMILIES: dict[Category, Family] = {
     "tumbler": Family((0.06, 0.17), (0.022, 0.05), (0.24, 0.55), (0.0015, 0.003), (0.003, 0.010), _tumbler),
     "beaker": Family((0.055, 0.19), (0.02, 0.065), (0.33, 0.40), (0.001, 0.0018), (0.002, 0.003), _beaker),
@@ -278,4 +177,53 @@ FAMILIES: dict[Category, Family] = {
     "flask": Family((0.09, 0.24), (0.03, 0.075), (0.30, 0.40), (0.001, 0.0022), (0.002, 0.004), _flask),
     "vase": Family((0.10, 0.30), (0.03, 0.075), (0.20, 0.36), (0.002, 0.004), (0.004, 0.010), _vase),
     "freeform": Family((0.04, 0.30), (0.015, 0.08), (0.18, 0.8), (0.001, 0.004), (0.002, 0.010), _freeform),
+    # Pressed: Duralex Picardie 90 x 88 mm (25 cl), a Soviet glass of 250 ml 105 x 73 mm, an old-fashioned 90 x 82 mm.
+    "faceted glass": Family((0.07, 0.15), (0.03, 0.045), (0.3, 0.5), (0.002, 0.004), (0.004, 0.010), _tumbler),
+    "fluted glass": Family((0.07, 0.16), (0.03, 0.045), (0.27, 0.5), (0.0018, 0.0035), (0.004, 0.010), _tumbler),
+    # Mould-blown: thinner.
+    "ribbed glass": Family((0.07, 0.15), (0.03, 0.045), (0.3, 0.5), (0.0012, 0.0025), (0.003, 0.008), mug_outline),
+    "square glass": Family((0.07, 0.14), (0.027, 0.042), (0.28, 0.48), (0.002, 0.004), (0.004, 0.010), mug_outline),
+    # Mugs of 0.2 to 0.5 l: 100 x 75 mm to 155 x 95 mm; cups of 0.1 to 0.3 l; jugs of 0.5 to 1.7 l.
+    "mug": Family((0.085, 0.16), (0.036, 0.05), (0.3, 0.46), (0.0025, 0.004), (0.004, 0.010), mug_outline),
+    "cup": Family((0.05, 0.085), (0.036, 0.055), (0.55, 0.8), (0.0018, 0.0035), (0.003, 0.006), cup_outline),
+    "jug": Family((0.15, 0.25), (0.044, 0.066), (0.24, 0.36), (0.002, 0.0035), (0.004, 0.010), jug_outline),
+    # Glass teapots of 0.5 to 1.2 l; double-walled glasses of 0.1 to 0.4 l, each wall about 1 mm.
+    "teapot": Family((0.085, 0.14), (0.048, 0.07), (0.46, 0.62), (0.0015, 0.0025), (0.002, 0.004), teapot_outline),
+    "double-walled glass": Family(
+        (0.07, 0.14), (0.034, 0.046), (0.32, 0.5), (0.001, 0.0014), (0.0015, 0.0025), double_walled_outline
+    ),
+    # Martini glasses and coupes of 0.1 to 0.3 l.
+    "cocktail glass": Family(
+        (0.13, 0.19), (0.042, 0.06), (0.28, 0.4), (0.001, 0.0018), (0.002, 0.006), cocktail_outline
+    ),
+    # ISO 3819, low form: 50 ml 42 x 60 mm, 250 ml 70 x 95 mm, 1000 ml 105 x 145 mm.
+    "spouted beaker": Family((0.055, 0.15), (0.02, 0.054), (0.34, 0.38), (0.001, 0.0018), (0.002, 0.003), _beaker),
+    # ISO 4142 (test tubes): 10 x 75 to 25 x 200 mm, walls of 0.8 to 1.4 mm.
+    "test tube": Family((0.075, 0.2), (0.005, 0.0125), (0.05, 0.085), (0.0008, 0.0014), (0.0008, 0.0014), tube_profile),
+    # ISO 8362-1: 2R 16 x 35 mm to 100H 52 x 94 mm, walls of 1 to 1.7 mm.
+    "vial": Family((0.04, 0.1), (0.01, 0.026), (0.23, 0.32), (0.001, 0.0017), (0.001, 0.0025), vial_outline),
+    # ISO 1042: 50 ml 140 mm high to 1000 ml 300 mm.
+    "volumetric flask": Family(
+        (0.14, 0.3), (0.024, 0.064), (0.17, 0.215), (0.001, 0.002), (0.0015, 0.003), volumetric_flask_outline
+    ),
+    # ISO 1773: 50 ml 51 x 95 mm to 1000 ml 131 x 210 mm.
+    "round flask": Family(
+        (0.09, 0.21), (0.025, 0.066), (0.27, 0.32), (0.001, 0.002), (0.001, 0.002), round_flask_profile
+    ),
+    # Marasca bottles of 250 to 1000 ml (49 x 49 x 192 mm to 74 x 74 x 305 mm); flask bottles of 100 to 500 ml.
+    "square bottle": Family(
+        (0.14, 0.3), (0.022, 0.038), (0.115, 0.19), (0.002, 0.0035), (0.003, 0.010), angular_bottle_outline
+    ),
+    "oval bottle": Family(
+        (0.12, 0.24), (0.018, 0.03), (0.11, 0.17), (0.002, 0.0035), (0.003, 0.008), angular_bottle_outline
+    ),
+    # Jars of 100 to 720 ml with twist-off lids.
+    "jar": Family((0.07, 0.17), (0.027, 0.05), (0.26, 0.48), (0.0018, 0.0035), (0.003, 0.007), jar_outline),
+    # PET bottles of 0.25 to 1 l: walls of 0.25 to 0.4 mm; cups of 0.1 to 0.4 l.
+    "plastic bottle": Family(
+        (0.15, 0.29), (0.026, 0.042), (0.13, 0.19), (0.0003, 0.0005), (0.0006, 0.0015), plastic_bottle_outline
+    ),
+    "plastic cup": Family(
+        (0.07, 0.13), (0.03, 0.048), (0.34, 0.48), (0.0003, 0.0006), (0.0004, 0.0008), plastic_cup_outline
+    ),
 }

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from ...core.errors import InputError
 from ...core.units import volume_text
-from ..profiles.liquid import brimful_volume
-from .build import VesselShape
-from .families import Limits
+from .family_pieces import Limits
 from .rolling import NoRoomError
 from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings
 from .sizes import NOMINAL, draw_proportions, filled_limits, nominal_limits, size_limits
@@ -28,8 +27,19 @@ ATTEMPTS = 24
 #: scaled because they are too small or too large for it.
 _TOO_LARGE, _IN_SMALL, _IN_LARGE = 0.1, (0.5, 0.85), (0.15, 0.4)
 
+
+class Holds(Protocol):
+    """A shape that holds a liquid."""
+
+    @property
+    def brimful(self) -> float:
+        """Volume up to the brim [m^3]."""
+        ...
+
+
+S = TypeVar("S", bound=Holds)
 #: Makes a shape of a height and a radius [m], with the draws that a stream gives.
-Build = Callable[[np.random.Generator, float, float], VesselShape]
+Build = Callable[[np.random.Generator, float, float], S]
 
 
 @dataclass(frozen=True)
@@ -53,9 +63,9 @@ def shape_that_holds(
     category: Category,
     size: tuple[float, float],
     wanted: WantedVolume,
-    build: Build,
-    takes: Callable[[VesselShape], bool] = lambda shape: True,
-) -> VesselShape:
+    build: Build[S],
+    takes: Callable[[S], bool] = lambda shape: True,
+) -> S:
     """Return a shape that has a wanted brimful volume, or room for a wanted filling; any shape where both are free.
 
     Where a shape has no room inside its wall, or cannot be scaled to the volume within the settings' heights and radii,
@@ -72,7 +82,7 @@ def shape_that_holds(
             shape = _attempt(rng, size_limits(settings, category), size, wanted, build)
             if wanted == WantedVolume():
                 return shape
-            volume = brimful_volume(shape.inner.points)
+            volume = shape.brimful
             if _holds(volume, wanted) and takes(shape):
                 return shape
             target = wanted.brimful or wanted.filled or 1.0
@@ -88,15 +98,15 @@ def _attempt(
     limits: tuple[Limits, Limits],
     size: tuple[float, float],
     wanted: WantedVolume,
-    build: Build,
-) -> VesselShape:
+    build: Build[S],
+) -> S:
     before = deepcopy(rng)
     shape = build(rng, *size)
     if wanted == WantedVolume():
         return shape
     target = wanted.brimful
     if target is None:
-        fraction = (wanted.filled or 0.0) / brimful_volume(shape.inner.points)
+        fraction = (wanted.filled or 0.0) / shape.brimful
         if _TOO_LARGE <= fraction <= MOST_FILL:
             return shape
         target = (wanted.filled or 0.0) / float(rng.uniform(*(_IN_SMALL if fraction > MOST_FILL else _IN_LARGE)))
@@ -109,8 +119,8 @@ def _scaled(
     limits: tuple[Limits, Limits],
     size: tuple[float, float],
     target: float,
-    build: Build,
-) -> VesselShape:
+    build: Build[S],
+) -> S:
     """Return the shape of a stream, scaled as near to a brimful volume [m^3] as limits of height and radius allow."""
     height, radius = size
     heights, radii = limits
@@ -120,7 +130,7 @@ def _scaled(
     stream = deepcopy(before)
     shape = build(stream, scale * height, scale * radius)
     for _ in range(_STEPS):
-        ratio = target / brimful_volume(shape.inner.points)
+        ratio = target / shape.brimful
         following = float(np.clip(scale * ratio**_EXPONENT, low, high))
         if abs(ratio - 1.0) <= 0.5 * VOLUME_TOLERANCE or following == scale:
             break

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ...core.model import Model, Ordered
-from ...core.units import LENGTH, Length, volume_text
+from ...core.units import ANGLE, LENGTH, Length, volume_text
 from ...core.user_text import UserPath
 from ...core.weighted import Weighted, check_names, unknown_names, weights_of
 from ..optics.catalogue import MOST_DYE
@@ -15,7 +15,36 @@ from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution
 from ..optics.dyes import DYES
 from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
 
-Category = Literal["tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"]
+Category = Literal[
+    "tumbler",
+    "beaker",
+    "bowl",
+    "bottle",
+    "stem glass",
+    "flask",
+    "vase",
+    "freeform",
+    "faceted glass",
+    "fluted glass",
+    "ribbed glass",
+    "square glass",
+    "mug",
+    "cup",
+    "jug",
+    "teapot",
+    "double-walled glass",
+    "cocktail glass",
+    "spouted beaker",
+    "test tube",
+    "vial",
+    "volumetric flask",
+    "round flask",
+    "square bottle",
+    "oval bottle",
+    "jar",
+    "plastic bottle",
+    "plastic cup",
+]
 CATEGORIES: tuple[Category, ...] = get_args(Category)
 #: Units of mesh files, and axes of theirs that point up.
 Unit = Literal["m", "cm", "mm", "in"]
@@ -23,9 +52,9 @@ UpAxis = Literal["x", "y", "z", "-x", "-y", "-z"]
 
 
 _Height = Annotated[float, Field(ge=0.04, le=0.30), LENGTH]
-_Radius = Annotated[float, Field(ge=0.015, le=0.08), LENGTH]
-_Wall = Annotated[float, Field(ge=0.001, le=0.004), LENGTH]
-_Base = Annotated[float, Field(ge=0.002, le=0.010), LENGTH]
+_Radius = Annotated[float, Field(ge=0.005, le=0.08), LENGTH]
+_Wall = Annotated[float, Field(ge=0.0003, le=0.004), LENGTH]
+_Base = Annotated[float, Field(ge=0.0003, le=0.010), LENGTH]
 _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
 #: Least and most of the brimful volume that a volume of liquid may take [1]: more than a film on the floor, and a level
 #: below the rim, whatever the vessel's shape.
@@ -79,14 +108,16 @@ class VesselSettings(Model):
         default=(0.04, 0.30), description="Height of the vessel, within 0.04 and 0.30 [m]"
     )
     radius: Annotated[tuple[_Radius, _Radius], Ordered] = Field(
-        default=(0.015, 0.08),
-        description="Largest outer radius, within 0.015 and 0.08 [m]; rounding may take up to 5 % from it",
+        default=(0.005, 0.08),
+        description="Largest outer radius, within 0.005 and 0.08 [m]; rounding may take up to 5 % from it; of square and "
+        "oval vessels half the smaller width, without handles and lips",
     )
     wall: Annotated[tuple[_Wall, _Wall], Ordered] = Field(
-        default=(0.001, 0.004), description="Smallest thickness across the wall, within 0.001 and 0.004 [m]"
+        default=(0.0003, 0.004), description="Smallest thickness across the wall, within 0.0003 and 0.004 [m]"
     )
     base: Annotated[tuple[_Base, _Base], Ordered] = Field(
-        default=(0.002, 0.010), description="Thickness of the base, within 0.002 and 0.010; never below the wall's [m]"
+        default=(0.0003, 0.010),
+        description="Thickness of the base, within 0.0003 and 0.010; never below the wall's [m]",
     )
     fill_probability: float = Field(default=0.6, ge=0.0, le=1.0, description="Probability that a vessel holds a liquid")
     fill: Filled = Field(
@@ -98,6 +129,18 @@ class VesselSettings(Model):
     rough_probability: float = Field(default=0.1, ge=0.0, le=1.0, description="Probability that the glass is rough")
     roughness: Annotated[tuple[_Alpha, _Alpha], Ordered] = Field(
         default=(0.02, 0.2), description="GGX alpha of rough glass, within 0.001 and 1"
+    )
+    closed_probability: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=1.0,
+        description="Probability that a vessel that can be closed has its cap, cork, lid or stopper",
+    )
+    label_probability: float = Field(
+        default=0.6,
+        ge=0.0,
+        le=1.0,
+        description="Probability that a bottle, jar or vial has a label, and laboratory glass a print",
     )
     file_probability: float = Field(
         default=1.0, ge=0.0, le=1.0, description="Probability that a vessel comes from `vessel_dir`, if that is given"
@@ -115,6 +158,11 @@ class VesselSettings(Model):
         default=None,
         description="Thickness that surfaces without one get in `vessel_dir`, inwards, 0.0003 to 0.02 [m]; by default "
         "they are refused",
+    )
+    smooth: Annotated[float, Field(gt=0.0, le=1.3), ANGLE] | None = Field(
+        default=None,
+        description="Edges of the files in `vessel_dir` that bend by less than this angle are rounded, such as 50deg, "
+        "at most 1.3 [rad]; by default files keep their shape, and edges up to 40deg look smooth",
     )
     chord_error: Length = Field(
         default=15e-6,

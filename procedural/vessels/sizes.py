@@ -7,15 +7,31 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.units import volume_text
 from .amounts import fill_volumes, volume_limits
-from .families import FAMILIES, Family, Limits
+from .families import FAMILIES
+from .family_pieces import Family, Limits
 from .settings import LEAST_FILL, MOST_FILL, Category, VesselSettings, family_weights
 
 #: Nominal volume over the brimful one [1]. Laboratory glass is named by its graduation: by the diameters and heights of
 #: ISO 3819 (beakers, low form, 50 to 1000 ml) and ISO 1773 (conical flasks) less 1.3 mm walls it is 0.71 to 0.86. A
 #: wine bottle of 750 ml holds 770 ml (CETIE data sheets). Drinking glasses, bowls and vases are sold by what they hold.
-NOMINAL: dict[Category, float] = {"beaker": 0.8, "flask": 0.8, "bottle": 0.97}
+#: Volumetric flasks are filled to the mark in the middle of the neck (ISO 1042), injection vials of 10 ml hold 13.5 (ISO
+#: 8362-1), jars and plastic bottles have some room under the lid.
+NOMINAL: dict[Category, float] = {
+    "beaker": 0.8,
+    "spouted beaker": 0.8,
+    "flask": 0.8,
+    "round flask": 0.8,
+    "volumetric flask": 0.9,
+    "vial": 0.75,
+    "bottle": 0.97,
+    "square bottle": 0.97,
+    "oval bottle": 0.97,
+    "jar": 0.95,
+    "plastic bottle": 0.95,
+}
 #: Brimful volume over that of a cylinder of the same height and largest radius [1]: 5th and 95th percentiles of 250
-#: drawn shapes of each family, within which most shapes can be scaled to a volume.
+#: drawn shapes of each family (60 of those with other cross-sections, whose radius is half the smaller width), within
+#: which most shapes can be scaled to a volume.
 FULLNESS: dict[Category, Limits] = {
     "tumbler": (0.54, 0.79),
     "beaker": (0.58, 0.85),
@@ -25,6 +41,26 @@ FULLNESS: dict[Category, Limits] = {
     "flask": (0.29, 0.45),
     "vase": (0.35, 0.62),
     "freeform": (0.34, 0.69),
+    "faceted glass": (0.54, 0.77),
+    "fluted glass": (0.56, 0.78),
+    "ribbed glass": (0.71, 0.88),
+    "square glass": (0.79, 1.22),
+    "mug": (0.64, 0.79),
+    "cup": (0.59, 0.72),
+    "jug": (0.53, 0.71),
+    "teapot": (0.56, 0.64),
+    "double-walled glass": (0.47, 0.58),
+    "cocktail glass": (0.14, 0.31),
+    "spouted beaker": (0.58, 0.81),
+    "test tube": (0.56, 0.79),
+    "vial": (0.58, 0.76),
+    "volumetric flask": (0.23, 0.28),
+    "round flask": (0.34, 0.42),
+    "square bottle": (0.62, 1.60),
+    "oval bottle": (0.72, 1.09),
+    "jar": (0.66, 0.82),
+    "plastic bottle": (0.67, 0.74),
+    "plastic cup": (0.60, 0.71),
 }
 
 

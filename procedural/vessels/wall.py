@@ -100,10 +100,31 @@ def glass_section(outline: Outline, shape: WallShape, chord_error: float) -> Sec
     floor = max(shape.punt + max(shape.base, clearance[0] + DENSE_MARGIN), outline.solid_below)
     inside, last = rolled(side, clearance, shape.corner, floor)
     side = Curve(side.points[: last + 1], side.normals[: last + 1])
-    return _closed(_underside(float(side.points[0, 0]), shape.punt, chord_error), side, inside, chord_error)
+    return _closed(underside(float(side.points[0, 0]), shape.punt, chord_error), side, inside, chord_error)
 
 
-def _underside(radius: float, punt: float, chord_error: float) -> Curve:
+def round_section(side: Curve, thickness: float, taper: float, chord_error: float) -> Section:
+    """Return the section of a vessel whose outside begins on the axis, as round bottoms do.
+
+    The inside keeps the thickness along the normals, which is its distance where the outside's curves are wider than
+    it.
+
+    Parameters
+    ----------
+    side : Curve
+        The outside, dense, from the axis at z = 0 to where the rim begins; normals out of the glass.
+    thickness, taper : float
+        Smallest thickness, and how much thicker the wall is at the bottom [m].
+    chord_error : float
+        As in `glass_section`.
+    """
+    reach = thickness + 2.0 * chord_error + DENSE_MARGIN + taper * (1.0 - side.points[:, 1] / side.points[-1, 1]) ** 2
+    inside = Curve(side.points - reach[:, None] * side.normals, side.normals)
+    inside.points[0, 0] = 0.0
+    return _closed(None, side, inside, chord_error)
+
+
+def underside(radius: float, punt: float, chord_error: float) -> Curve:
     """Return the base from the axis to `radius`: a hollow with a standing ring around it; normals out of the glass."""
     if punt == 0.0:
         return Curve(np.array([[0.0, 0.0], [radius, 0.0]]), np.array([[0.0, -1.0], [0.0, -1.0]]))
@@ -119,7 +140,7 @@ def _underside(radius: float, punt: float, chord_error: float) -> Curve:
     )
 
 
-def _closed(base: Curve, side: Curve, inside: Curve, chord_error: float) -> Section:
+def _closed(base: Curve | None, side: Curve, inside: Curve, chord_error: float) -> Section:
     """Join side and inside by a half circle over their ends, split at its highest point, and simplify both."""
     end, facing = side.points[-1], inside.points[-1]
     centre, radius = 0.5 * (end + facing), 0.5 * float(np.hypot(*(end - facing)))
@@ -131,8 +152,9 @@ def _closed(base: Curve, side: Curve, inside: Curve, chord_error: float) -> Sect
     inner_rim.normals[-1] = outer_rim.normals[-1]
     # Each part on its own: a segment from far down the straight wall to some way round the rim would lean the normals
     # of all that is between, and the line of light on a rim becomes a row of dots.
+    outside = [simplified(side, chord_error), simplified(outer_rim, chord_error)]
     return Section(
-        outer=chained(base, simplified(side, chord_error), simplified(outer_rim, chord_error)),
+        outer=chained(*outside) if base is None else chained(base, *outside),
         inner=chained(
             simplified(Curve(inside.points, -inside.normals), chord_error), simplified(inner_rim, chord_error)
         ),

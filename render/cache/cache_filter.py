@@ -10,7 +10,8 @@ of its power that is noise. The noise is estimated from two halves of the paths,
 difference has the noise of their mean and no signal.
 
 A firefly, found by one path of one half, is all noise by that measure, and is spread over its neighbourhood. Fireflies
-that are too bright for that would still make a spot, and are spread over their whole mesh before.
+that are too bright for that would still make a spot, and are spread before over all of their mesh that faces the same
+way.
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ _STEPS = (1, 2, 4, 8, 16, 32)
 #: Diffusion steps that powers are averaged over [1], and the factor on the estimated noise power [1], which has noise
 #: itself.
 _AVERAGING_STEPS, _NOISE_FACTOR = 3, 1.5
-#: Smallest ratio of a firefly to the darker halves around it, averaged over `_AVERAGING_STEPS` steps [1], and of the
-#: brighter half of its paths to the darker one [1].
+#: Smallest ratio of a firefly to the light around it by the darker half of all paths, averaged over `_AVERAGING_STEPS`
+#: steps [1], and of the brighter half of its own paths to the darker one [1].
 _MIN_CONTRAST, _MIN_HALF_RATIO = 10.0, 4.0
 #: Weight of the mesh index in the neighbour search [1]: vertices of other meshes are beyond any reach.
 _MESH_DISTANCE = 1e6
@@ -155,19 +156,33 @@ def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) 
 def _without_fireflies(
     points: CachePoints, step: csr_array, halves: tuple[np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return both halves with the excess of fireflies spread over their meshes."""
+    """Return both halves with the excess of fireflies spread over their meshes (`_even`)."""
     levels = luminance(halves[0][:, :3]), luminance(halves[1][:, :3])
     dark, level = np.minimum(*levels), 0.5 * (levels[0] + levels[1])
-    around = _diffused(step, _AVERAGING_STEPS, dark)
+    # Each half is averaged alone: where half of the paths find the sun, both averages have it, but of a few paths of a
+    # vertex often one half has none.
+    around = np.minimum(*(_diffused(step, _AVERAGING_STEPS, one) for one in levels))
     is_firefly = (level > _MIN_CONTRAST * around) & (np.maximum(*levels) > _MIN_HALF_RATIO * dark)
     kept = np.divide(around, level, out=np.ones_like(level), where=is_firefly)[:, None].astype(halves[0].dtype)
-    area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
-    excess = (area[:, None] * (1.0 - kept) * 0.5 * (halves[0] + halves[1])).T
-    whole = np.maximum(np.bincount(mesh, area), 1e-12)
-    even = np.stack([np.bincount(mesh, one, len(whole)) / whole for one in excess], axis=1)[mesh].astype(
-        halves[0].dtype
-    )
+    even = _even(points, (1.0 - kept) * 0.5 * (halves[0] + halves[1])).astype(halves[0].dtype)
     return kept * halves[0] + even, kept * halves[1] + even
+
+
+def _even(points: CachePoints, excess: np.ndarray) -> np.ndarray:
+    """Return light spread over the vertices of each mesh that face the same way; its sum by area stays.
+
+    A vertex faces each of the six directions along the axes by the fourth power of its normal's part, over the sum of
+    these: the light of a side in the sun does not reach the one in the shade.
+    """
+    area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
+    power = np.square(np.square(np.concatenate([points.normals, -points.normals], axis=1).clip(min=0.0)))
+    result = np.zeros(excess.shape)
+    for part in (power / np.maximum(power.sum(axis=1, keepdims=True), 1e-30)).T:
+        weight = area * part
+        whole = np.maximum(np.bincount(mesh, weight), 1e-12)
+        means = np.stack([np.bincount(mesh, weight * one, len(whole)) / whole for one in excess.T], axis=1)
+        result += part[:, None] * means[mesh]
+    return result
 
 
 def _diffused(step: csr_array, steps: int, values: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from ...procedural.description.surroundings import AreaLight
 from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.metering import irradiance
+from ...procedural.surroundings.sun_glints import wide_sun
 from .._mitsuba import dr, mi
 from ..interfaces.dielectric import ReflectProbability
 
@@ -26,6 +27,8 @@ CELLS = 64
 #: Directions averaged in a cell [1], and how far they reach beyond it [cells], so that cells beside a lamp contain a
 #: part of it.
 _DIRECTIONS, _MARGIN = 64, 0.5
+#: How far the sun reaches beyond the disc that paths find through glass [rad], 4 degrees: walls spread a pixel's paths.
+_AROUND_SUN = np.radians(4.0)
 #: Box of random ray origins [m]: lamps are so far away that their exact position matters little.
 _LOW, _HIGH = (-0.2, -0.2, 0.0), (0.2, 0.2, 0.15)
 #: Assumed reflectance of the table seen from above [1], and smallest emission of a cell over the table's radiance [1].
@@ -94,13 +97,18 @@ def octahedral(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _sky(scene: Scene, direction: np.ndarray) -> np.ndarray:
-    """Return the luminance of the environment by direction."""
+    """Return the luminance of the environment by direction, with the sun as wide as paths find it through glass."""
     pixels = luminance(bake_environment(scene.environment)) * scene.environment.strength
     height, width = pixels.shape
+    sun = wide_sun(scene.environment, min(1.0 / camera.focal for camera in scene.cameras))
     theta = np.arccos(np.clip(direction[..., 2], -1.0, 1.0))
     phi = np.arctan2(direction[..., 1], direction[..., 0]) - scene.environment.rotation
     row = np.clip((theta / np.pi * height).astype(int), 0, height - 1)
-    return pixels[row, np.floor(phi / (2.0 * np.pi) * width).astype(int) % width]
+    light = pixels[row, np.floor(phi / (2.0 * np.pi) * width).astype(int) % width]
+    if sun is not None:
+        near = direction @ sun.direction > np.cos(np.arccos(sun.disc_cos) + _AROUND_SUN)
+        light = np.where(near, np.maximum(light, luminance(sun.light) / (2.0 * np.pi * (1.0 - sun.disc_cos))), light)
+    return light
 
 
 def hits_lamp(lamp: AreaLight, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:

@@ -12,13 +12,13 @@ RGB variants only: no polarisation, no dispersion.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
-from ..interfaces.dielectric import scatter
+from ..interfaces.dielectric import Scattered, scatter
 from ..pictures.integrator import (
     MAX_SURVIVAL,
     Bounce,
@@ -32,14 +32,16 @@ from ..pictures.integrator import (
 )
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
-from ..pictures.sampler import SobolSampler, hashed_seed, sample_1d, sample_4d
+from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
 from ..scene.emitters import Emitters, ends_paths
-from ..scene.lighting import SunGlints, sun_glints
+from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import AIR_INDEX, registry_id, surface_media
+from ..scene.surfaces import registry_id, surface_media
+from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
+from .path_state import PathState, camera_state, compacted, values_of
 from .stored_caustics import stored_caustics
 
 #: Adaptive sampling: with the cache, most noise is in glass and in reflections of polished surfaces (docs/design.md).
@@ -58,30 +60,6 @@ _MIN_INTERVAL = 2.0**-12
 
 
 @dataclass(frozen=True, eq=False)
-class PathState:
-    """A wavefront of paths: the state of the loop."""
-
-    origin: mi.Point3f
-    direction: mi.Vector3f
-    beta: mi.Color3f  #: throughput
-    L: mi.Color3f  #: radiance so far
-    eta_scale: mi.Float  #: product of eta^2, which Russian roulette must not count as loss
-    pdf: mi.Float  #: density of the last direction by solid angle
-    delta: mi.Bool  #: whether emitter sampling could not have sampled the last direction
-    glossy: mi.Color3f  #: fraction of an emitter's light behind glass that the last opaque surface has not stored
-    through_glass: mi.Bool  #: whether the path has met glass since that surface; both only where surfaces are traced
-    medium: mi.UInt32  #: medium of the segment by the last event
-    u_rescaled: mi.Float  #: the path's number, rescaled to [0, 1) within the interval of the lobes sampled so far
-    u_interval: mi.Float  #: length of that interval
-    depth: mi.UInt32
-    violations: mi.UInt32
-    active: mi.Bool
-    pixel: mi.UInt32  #: pixel of the path
-    index: mi.UInt32  #: sample of the pixel
-    lane: mi.UInt32  #: lane of the result
-
-
-@dataclass(frozen=True, eq=False)
 class CachedTracing:
     """What stays the same along all paths of a trace."""
 
@@ -91,6 +69,7 @@ class CachedTracing:
     shader: CachedShader
     emission: EmissionMap
     glints: SunGlints | None  #: the sun as paths find it through glass; None: as it is
+    derivatives: NormalDerivatives | None = None  #: of glass, where footprints are followed for `glints`
 
     def of_paths(self, state: PathState) -> CachedTracing:
         """Return the same for compacted paths, whose lanes differ."""
@@ -103,12 +82,13 @@ def cached_tracer(loaded: LoadedScene, cache: IrradianceCache, traced: tuple[int
     Objects with the ids `traced` are path traced; only their caustics are read.
     """
     emission, glints = emission_map(loaded.description), sun_glints(loaded.description)
+    derivatives = None if glints is None else normal_derivatives(loaded)
     shader = cached_shader(loaded, cache, emission, _traced_surfaces(loaded, cache, traced) if traced else None)
 
     def trace(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture
     ) -> Radiance:
-        return trace_cached(CachedTracing(loaded, sampler, picture, shader, emission, glints), ray)
+        return trace_cached(CachedTracing(loaded, sampler, picture, shader, emission, glints, derivatives), ray)
 
     return Tracer(trace, CACHED_WEIGHTS)
 
@@ -126,12 +106,12 @@ def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
     def advanced(state: PathState, surfaces: int = tracing.picture.max_depth) -> PathState:
         return _advanced(tracing, state, surfaces)
 
-    state = advanced(_camera_state(ray, tracing.sampler), FIRST_PASS_SURFACES)
+    state = advanced(camera_state(ray, tracing.sampler, tracing.derivatives), FIRST_PASS_SURFACES)
     dr.eval(state)
     found = state.L, state.violations, state.depth
     remaining = dr.compress(state.active)
     while dr.width(remaining) > 0:
-        rest = _compacted(state, remaining)
+        rest = compacted(state, remaining)
         state = advanced(rest) if dr.width(remaining) > MIN_PATHS_PER_PASS else _to_the_end(rest, advanced)
         dr.eval(state)
         for result, value in zip(found, (state.L, state.violations, state.depth), strict=True):
@@ -141,45 +121,13 @@ def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
     return Radiance(*found)
 
 
-def _camera_state(ray: mi.Ray3f, sampler: SobolSampler) -> PathState:
-    lanes = dr.width(sampler.index)
-    return PathState(
-        origin=ray.o,
-        direction=ray.d,
-        beta=mi.Color3f(1.0),
-        L=mi.Color3f(0.0),
-        eta_scale=mi.Float(1.0),
-        pdf=mi.Float(1.0),
-        delta=mi.Bool(True),
-        glossy=mi.Color3f(1.0),
-        through_glass=mi.Bool(False),
-        medium=mi.UInt32(AIR_INDEX),
-        u_rescaled=sample_1d(sampler, mi.UInt32(0), mi.UInt32(3)),  # of the camera's set, beside the pixel position
-        u_interval=mi.Float(1.0),
-        depth=mi.UInt32(0),
-        violations=mi.UInt32(0),
-        active=mi.Bool(True),
-        pixel=sampler.pixel,
-        index=sampler.index,
-        lane=dr.arange(mi.UInt32, lanes),
-    )
-
-
-def _compacted(state: PathState, lanes: mi.UInt32) -> PathState:
-    return PathState(*(dr.gather(type(value), value, lanes) for value in _values(state)))
-
-
-def _values(state: PathState) -> tuple:
-    return tuple(getattr(state, field.name) for field in fields(state))
-
-
 @syntax
 def _to_the_end(first: PathState, advanced: Callable[[PathState], PathState]) -> PathState:
     """Follow paths until all have ended, in one kernel."""
-    state, active = _values(first), mi.Bool(first.active)
+    state, active = values_of(first), mi.Bool(first.active)
     while dr.hint(active, exclude=[first, advanced]):
         found = advanced(PathState(*state))
-        state, active = _values(found), mi.Bool(found.active)
+        state, active = values_of(found), mi.Bool(found.active)
     return PathState(*state)
 
 
@@ -210,35 +158,34 @@ def _through_glass(
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta)
     # (Copies: the loop must not change the caller's arrays.)
-    eta_scale, pdf = mi.Float(state.eta_scale), mi.Float(state.pdf)
-    u_rescaled, u_interval = mi.Float(state.u_rescaled), mi.Float(state.u_interval)
+    floats = state.eta_scale, state.pdf, state.u_rescaled, state.u_interval
+    eta_scale, pdf, u_rescaled, u_interval = (mi.Float(x) for x in floats)
     medium, depth, violations = (mi.UInt32(x) for x in (state.medium, state.depth, state.violations))
+    footprint = None if state.footprint is None else replace(state.footprint)
     delta, active, through_glass = (mi.Bool(x) for x in (state.delta, state.active, state.through_glass))
     outside, pi, traced = mi.Bool(False), dr.zeros(mi.PreliminaryIntersection3f), mi.Bool(bool(tracing.shader.traced))
 
-    while dr.hint(active & (depth < limit), exclude=[table, scene, sampler, emission]):
+    while dr.hint(active & (depth < limit), exclude=[table, scene, sampler, emission, tracing]):
         pi = scene.ray_intersect_preliminary(ray, depth < _COHERENT_DEPTH, active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         violations += dr.select(surface.before != medium, mi.UInt32(1), mi.UInt32(0))
         beta *= table.transmittance(surface, si.wavelengths, active)
-        outside = ~hit | surface.opaque
-        active = hit & ~surface.opaque
-        medium = mi.UInt32(surface.before)
+        outside, active, medium = ~hit | surface.opaque, hit & ~surface.opaque, mi.UInt32(surface.before)
 
-        if dr.hint(active, exclude=[table, scene, sampler, emission]):
+        if dr.hint(active, exclude=[table, scene, sampler, emission, tracing]):
             bits = hashed_seed(sampler, depth)
             interface = interface_hit(table, surface, ray, si.wavelengths, u_rescaled, bits)
             interface = replace(interface, u_facet=_facet_sample(sampler, depth, interface.alpha))
             index = dr.gather(mi.Float, table.eta_d, surface.before)
             event = scatter(interface, path_guide(emission, index, dr.max(beta) * eta_scale))
-            beta *= event.weight
-            eta_scale *= event.eta_squared
+            beta, eta_scale = beta * event.weight, eta_scale * event.eta_squared
             medium = dr.select(event.transmitted, surface.behind, surface.before)
+            triangle = pi.prim_index, dr.sign(dr.dot(si.n, surface.n))
+            footprint = followed(footprint, tracing.derivatives, triangle, surface, ray.d, event, interface.eta)
             u_rescaled, u_interval = rescaled_sample(u_rescaled, u_interval, event.probability, event.transmitted, bits)
-            ray, pdf, delta = leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
-            through_glass = through_glass | traced
+            ray, pdf, delta, through_glass = (*_left(si, event, offset), through_glass | traced)
             beta, active = _russian_roulette(beta, eta_scale, depth + 1 >= rr_depth, bits)
         depth += 1
         active &= depth < max_depth
@@ -252,6 +199,7 @@ def _through_glass(
         pdf=pdf,
         delta=delta,
         through_glass=through_glass,
+        footprint=footprint,
         medium=medium,
         u_rescaled=u_rescaled,
         u_interval=u_interval,
@@ -260,6 +208,11 @@ def _through_glass(
         active=active,
     )
     return end, pi, outside
+
+
+def _left(si: mi.SurfaceInteraction3f, event: Scattered, offset: mi.Float) -> tuple[mi.Ray3f, mi.Float, mi.Bool]:
+    """Return the ray after an interface, and its density: one direction."""
+    return leave(si, event.direction, offset), mi.Float(1.0), mi.Bool(True)
 
 
 @syntax
@@ -285,8 +238,8 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     previous.p = ray.o
     # A direction that only glass or the camera can have, and another surface behind: the path comes through glass.
     through = delta & (depth > 1)
-    origin = PathOrigin(previous, pdf, delta)
-    found = emitter_hit(tracing.loaded.emitters, pi, si, ray, origin, outside, tracing.glints, through)
+    origin, glints = PathOrigin(previous, pdf, delta), _glints_of(tracing.glints, state.footprint)
+    found = emitter_hit(tracing.loaded.emitters, pi, si, ray, origin, outside, glints, through)
     glossy, through_glass, any_traced = (
         mi.Color3f(state.glossy),
         mi.Bool(state.through_glass),
@@ -321,6 +274,18 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         depth=depth,
         active=active,
     )
+
+
+def _glints_of(glints: SunGlints | None, footprint: Footprint | None) -> SunGlints | None:
+    """Return the sun as paths of a footprint find it."""
+    if glints is None or footprint is None:
+        return glints
+    spread = footprint.d_u, footprint.d_v
+
+    def of_footprint(radiance: mi.Color3f, direction: mi.Vector3f, _spread: Spread | None = None) -> mi.Color3f:
+        return glints(radiance, direction, spread)
+
+    return of_footprint
 
 
 def _opaque_bounce(

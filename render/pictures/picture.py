@@ -16,7 +16,7 @@ from ..scene.rays import Pinhole, pinhole, pixel_rays
 from ..scene.spectrum import draw_wavelengths
 from .denoise import blend, denoise, with_mean_of
 from .film import Film
-from .fireflies import spread_fireflies, without_glints
+from .fireflies import spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import SampleWeights, group_counts
@@ -48,6 +48,7 @@ class NoisyImage:
     variance: np.ndarray  #: (H, W, 3) float32, estimated variance of each value; 0 for one sample
     guides: Guides
     sampling: PictureNoise  #: mean samples per pixel, and the relative error (`Film.noise`)
+    exposure: float  #: factor from radiance to displayed light, of which 1 is white
     violations: float  #: fraction of segments whose medium is not the one on the near side of the surface at their end
 
 
@@ -104,7 +105,7 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     shape = (camera.height, camera.width, 3)
     radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
     sampling = PictureNoise(spp=spp, noise=film.noise(camera.exposure))
-    return NoisyImage(radiance, variance, guides, sampling, float(counts[0] / counts[1]))
+    return NoisyImage(radiance, variance, guides, sampling, camera.exposure, float(counts[0] / counts[1]))
 
 
 def denoise_image(image: NoisyImage) -> np.ndarray:
@@ -113,8 +114,7 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     Pixels that see the surroundings directly have no noise and are not changed.
     """
     guides = image.guides
-    radiance, variance = spread_fireflies(image.radiance, image.variance, guides)
-    radiance, variance, glints = without_glints(radiance, variance, guides)
+    radiance, variance, glints = spread_fireflies(image.radiance, image.variance, guides, image.exposure)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
     clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance) + glints
     return np.where(guides.background[..., None], image.radiance, clean)

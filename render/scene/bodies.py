@@ -10,8 +10,8 @@ from ...core.mesh import Mesh, some_faces
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
 from ...procedural.materials.surface_maps import bake_maps, mean_metallic, mean_roughness
-from ...procedural.materials.textures import bake
 from ...procedural.optics.medium import AIR
+from ...procedural.patterns.bake import bake_material
 from .._mitsuba import mi
 from .surfaces import Surface
 from .vertex_colours import coloured
@@ -46,8 +46,8 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
     The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it.
     """
     material, surface = scene.table.material, Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
-    maps = _maps(material)
-    table = mi.load_dict(opaque_bsdf(material, maps=maps))
+    pixels, maps = bake_material(material)
+    table = mi.load_dict(opaque_bsdf(material, pixels, maps))
     bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps)]
     glass = None if glass_for_mitsuba else table
     for index, item in enumerate(scene.objects):
@@ -78,10 +78,11 @@ def _prop_bodies(prop: Prop, index: int) -> list[Body]:
         material, end = piece.material, start + piece.faces
         mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
         surface = Surface(prop.id, index, True, AIR, AIR, 0.0, polished=_is_polished(material), piece=number)
-        pixels = None
         if material.base_colour.kind == "vertices":
             mesh, pixels = coloured(mesh)
-        maps = _maps(material)
+            maps = bake_maps(material) if material.is_mapped else None
+        else:
+            pixels, maps = bake_material(material)
         bsdf = mi.load_dict(opaque_bsdf(material, pixels, maps))
         bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface, maps))
         start = end
@@ -93,10 +94,6 @@ def _is_polished(material: OpaqueMaterial) -> bool:
     return mean_roughness(material) <= POLISHED or mean_metallic(material) >= 0.5
 
 
-def _maps(material: OpaqueMaterial) -> np.ndarray | None:
-    return bake_maps(material) if material.is_mapped else None
-
-
 def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None, maps: np.ndarray | None = None) -> dict:
     """Return the Mitsuba dictionary of a principled BSDF, one-sided; the ray loop flips the frame to the ray's side.
 
@@ -105,7 +102,7 @@ def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None, maps
     `with_repeats`. The colours are the material's texture, or `pixels` as `bake` returns them. Materials with `maps`
     have a second kernel; the normals in them tilt the frame before the BSDF is asked (`surface_maps`).
     """
-    pixels = bake(material.base_colour) if pixels is None else pixels
+    pixels = bake_material(material)[0] if pixels is None else pixels
     # Reflectance, for spectral variants too; a float bitmap counts as linear.
     colour = _bitmap(pixels, raw=False)
     if maps is not None:

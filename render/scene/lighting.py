@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -48,8 +47,31 @@ def _rows_for_mitsuba(pixels: np.ndarray) -> np.ndarray:
     return rows
 
 
-#: (radiance of the environment, direction to it) -> its radiance with the wide disc in place of the sun.
-SunGlints: TypeAlias = "Callable[[mi.Color3f, mi.Vector3f], mi.Color3f]"
+#: Half-width of the footprint of a path in its pixel [px]: about the distance between the 50 to 100 paths that a pixel
+#: of glass has. A wider one moves light: a bowl of seed 207, whose rim glitters, has 2.3 % too much light with 0.15 and
+#: 6.4 % with 0.6 (against paths without a footprint, by hand, standard errors 0.2 and 0.4 %).
+_FOOTPRINT = 0.15
+
+#: Derivatives of a direction by two perpendicular offsets of the path's place in the pixel [1/px].
+Spread: TypeAlias = "tuple[mi.Vector3f, mi.Vector3f]"
+
+
+class SunGlints(Protocol):
+    """The sun as paths find it through glass."""
+
+    def __call__(self, radiance: mi.Color3f, direction: mi.Vector3f, spread: Spread | None = None, /) -> mi.Color3f:
+        """Return the environment's radiance with a wider disc in place of the sun.
+
+        Parameters
+        ----------
+        radiance : mi.Color3f
+            The environment's radiance.
+        direction : mi.Vector3f
+            Direction to it.
+        spread : Spread, optional
+            Of the direction: the disc is stretched by as much.
+        """
+        ...
 
 
 def sun_glints(scene: Scene) -> SunGlints | None:
@@ -57,16 +79,42 @@ def sun_glints(scene: Scene) -> SunGlints | None:
     sun = wide_sun(scene.environment, min(1.0 / camera.focal for camera in scene.cameras))
     if sun is None:
         return None
-    to_sun, around, disc = (mi.Vector3f(*values.tolist()) for values in (sun.direction, sun.around, sun.disc))
-    core_cos, disc_cos = mi.Float(sun.core_cos), mi.Float(sun.disc_cos)
-    dr.make_opaque(to_sun, around, disc, core_cos, disc_cos)
+    to_sun, around, light = (mi.Vector3f(*values.tolist()) for values in (sun.direction, sun.around, sun.light))
+    core_cos, disc_cos, widest2 = mi.Float(sun.core_cos), mi.Float(sun.disc_cos), mi.Float(sun.widest**2)
+    dr.make_opaque(to_sun, around, light, core_cos, disc_cos, widest2)
 
-    def with_wide_sun(radiance: mi.Color3f, direction: mi.Vector3f) -> mi.Color3f:
+    def with_wide_sun(radiance: mi.Color3f, direction: mi.Vector3f, spread: Spread | None = None) -> mi.Color3f:
         cos = dr.dot(direction, to_sun)
         sky = dr.select(cos > core_cos, dr.minimum(radiance, mi.Color3f(around)), radiance)
-        return sky + dr.select(cos > disc_cos, mi.Color3f(disc), 0.0)
+        if spread is None:
+            return sky + dr.select(cos > disc_cos, mi.Color3f(light) / (dr.two_pi * (1.0 - disc_cos)), 0.0)
+        inside, area = _in_ellipse(direction, to_sun, 1.0 - dr.square(disc_cos), spread, widest2)
+        # The ellipse is flat; solid angles are larger by 1 / cos.
+        return sky + dr.select(inside & (cos > 0.0), mi.Color3f(light) * (cos / area), 0.0)
 
     return with_wide_sun
+
+
+def _in_ellipse(
+    direction: mi.Vector3f,
+    to_sun: mi.Vector3f,
+    radius2: mi.Float,
+    spread: Spread,
+    widest2: mi.Float,
+) -> tuple[mi.Bool, mi.Float]:
+    """Return whether the sun is in the ellipse of a disc and a spread around a direction, and its area there [sr].
+
+    In the plane across the direction the ellipse is x^T Q^-1 x < 1, with Q = r^2 I + a a^T + b b^T of the disc's radius
+    r and the half-widths a and b of the spread. (For widths that are independent, such matrices add.)
+    """
+    frame, (a, b) = mi.Frame3f(direction), spread
+    size2 = _FOOTPRINT**2 * (dr.squared_norm(a) + dr.squared_norm(b))
+    scale = _FOOTPRINT**2 * dr.minimum(widest2 / dr.maximum(size2, 1e-20), 1.0)
+    (ax, ay), (bx, by), (x, y) = ((dr.dot(v, frame.s), dr.dot(v, frame.t)) for v in (a, b, to_sun))
+    xx, yy = radius2 + scale * (ax * ax + bx * bx), radius2 + scale * (ay * ay + by * by)
+    xy = scale * (ax * ay + bx * by)
+    det = xx * yy - xy * xy
+    return yy * x * x - 2.0 * xy * x * y + xx * y * y < det, dr.pi * dr.sqrt(det)
 
 
 def area_light(light: AreaLight) -> dict:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,9 @@ def test_a_missing_folder_a_file_and_an_empty_folder_are_refused(tmp_path) -> No
     ):
         with pytest.raises(InputError, match=f"found {found}"):
             names(path)
+
+
+def test_a_pipe_is_no_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.obj")
+    (tmp_path / "b.obj").touch()
+    assert files_in(tmp_path, "meshes", (".obj",), below=False) == (tmp_path / "b.obj",)

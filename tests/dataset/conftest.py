@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -8,8 +10,21 @@ import pytest
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import Labels, annotate
 from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
+from glassware.dataset.format.file_kinds import EARLIER_KINDS
+from glassware.dataset.pipeline import write
+from glassware.dataset.settings.draw import draw
 from glassware.dataset.writer import finish_dataset, scene_writer, start_dataset
 from glassware.render.frame import Frame
+
+#: One view of two vessels, one of them filled, and two props.
+SEED = 11
+SETTINGS = {
+    "vessel_count": [2, 2],
+    "prop_count": [2, 2],
+    "vessels": {"chord_error": 1e-4, "fill_probability": 1.0},
+    "cameras": {"width": 40, "height": 30, "views": 1},
+    "picture": {"spp": 2, "denoise": False},
+}
 
 
 class Rendered(NamedTuple):
@@ -24,7 +39,7 @@ def write_scene() -> Callable[..., None]:
     """(root, scene, points, views) -> nothing: the views are written one by one, as they are asked for."""
 
     def write(root, scene, points, views: Iterable[Rendered]) -> None:
-        with scene_writer(root, scene, points) as writer:
+        with scene_writer(root, scene, points, files=EARLIER_KINDS) as writer:
             for frame, labels in views:
                 writer.add(frame, labels)
 
@@ -58,3 +73,15 @@ def stored(made, head, write_scene, tmp_path):
     write_scene(root, scene, points, views)
     finish_dataset(root)
     return root
+
+
+@pytest.fixture(scope="session")
+def proven(made_once, backend) -> Path:
+    """A data set of one view with all files; do not change it."""
+    return made_once("proven", lambda folder: write(folder / "data", draw(SEED, 0, **SETTINGS), files="all")) / "data"
+
+
+@pytest.fixture
+def copy(proven, tmp_path) -> Path:
+    """A copy of it."""
+    return Path(shutil.copytree(proven, tmp_path / "data"))

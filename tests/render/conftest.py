@@ -52,6 +52,9 @@ def drawn(sky_light) -> Callable[..., Scene]:
         base = {
             "vessel_count": (2, 2),
             "prop_count": (2, 2),
+            # Shapes on a board without relief: no test has to compile the kernels of maps for them.
+            "props": {"kinds": "shape"},
+            "table": {"kinds": "plain"},
             "vessels": {"fill_probability": 1.0, "chord_error": 5e-5, "rough_probability": 0.0},
             "environment": {"hdri_dir": sky_light, "hdri_calibrated": True},
             "lights": {"max_count": 1},

@@ -15,7 +15,7 @@ from glassware.core.mesh import Mesh
 from glassware.procedural.description.camera import Camera
 from glassware.procedural.description.material import OpaqueMaterial
 from glassware.procedural.description.scene import GlassBody, Prop, Scene
-from glassware.procedural.materials.textures import bake
+from glassware.procedural.patterns.bake import bake_material
 from glassware.procedural.surroundings.environments import bake_environment
 
 
@@ -78,7 +78,7 @@ def _opaque_body(
     if material.repeats_v is not None:
         raise ValueError(f"{material.name}: expected a square texture, got one of another shape")
     texture = f"{mesh.name}.texture"
-    arrays[texture] = bake(material.base_colour)
+    arrays[texture] = bake_material(material)[0]
     written = {
         "kind": "diffuse" if lambertian else "principled",
         "texture": texture,

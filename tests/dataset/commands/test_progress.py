@@ -140,7 +140,7 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
             "path",
             (),
             [
-                "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%, object 1 "
+                "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%, the table "
                 "(caustic part) -4.1% +- 0.5%; the whole scene is path traced instead"
             ],
         ),
@@ -150,8 +150,8 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
             [
                 "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%; they are "
                 "path traced instead",
-                "checked: the irradiance cache is off by more than 2% at object 1 (caustic part) -4.1% +- 0.5%; they "
-                "are within it once the props above are path traced",
+                "checked: the irradiance cache is off by more than 2% at the table (caustic part) -4.1% +- 0.5%; they "
+                "are within it once the objects above are path traced",
             ],
         ),
     ],

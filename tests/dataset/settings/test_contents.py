@@ -2,6 +2,9 @@ from __future__ import annotations
 
 from glassware.dataset.settings.contents import catalogue
 from glassware.procedural.optics.draw import liquid_names
+from glassware.procedural.props.draw import PropSettings
+from glassware.procedural.props.kinds import PROP_KINDS
+from glassware.procedural.surroundings.table import TableSettings
 from glassware.procedural.vessels.settings import CATEGORIES, VesselSettings
 
 
@@ -16,6 +19,8 @@ def test_the_catalogue_has_what_settings_can_name():
         }
     )
     assert tuple(found.families) == CATEGORIES
+    PropSettings.model_validate({"kinds": list(found.props)})
+    TableSettings.model_validate({"kinds": list(found.tables)})
     assert {*found.liquids, *found.mixtures} == set(liquid_names())
     assert found.glasses["lead crystal"].eta > found.glasses["fused silica"].eta
     assert found.presets == ("fast", "keypose", "standard", "syn-todd")
@@ -23,7 +28,7 @@ def test_the_catalogue_has_what_settings_can_name():
 
 def test_the_catalogue_prints_every_name_with_its_figures():
     text = str(catalogue())
-    for name in (*catalogue().glasses, *catalogue().dyes, *CATEGORIES, *catalogue().presets, "olive oil"):
+    for name in (*catalogue().glasses, *catalogue().dyes, *CATEGORIES, *catalogue().presets, "olive oil", *PROP_KINDS):
         assert name in text
     assert "  water                     1.3330" in text.splitlines()
 

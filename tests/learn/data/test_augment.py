@@ -3,10 +3,11 @@ from __future__ import annotations
 import numpy as np
 
 from glassware.core.images import srgb8
-from glassware.learn.data.augment import augmented, linear, with_noise
+from glassware.learn.data.augment import augmented, hue_turn, linear, with_noise
 from glassware.learn.data.settings import AugmentSettings
 
 NOTHING = {
+    "hue": 0.0,
     "exposure": 0.0,
     "balance": 0.0,
     "view_exposure": 0.0,
@@ -59,3 +60,11 @@ def test_noise_has_the_variance_of_light_and_of_the_dark(rng):
 def test_views_differ_in_their_noise(rng):
     first, second = augmented(flat(100), AugmentSettings(**{**NOTHING, "shot_noise": 0.1}), rng)
     assert (first != second).any()
+
+
+def test_a_turn_of_hues_keeps_grey_and_takes_red_to_green_to_blue():
+    third = hue_turn(2.0 * np.pi / 3.0)
+    np.testing.assert_allclose(third @ np.eye(3), np.roll(np.eye(3), 1, axis=0), atol=1e-6)
+    for angle in (0.1, 1.0, 3.0):
+        np.testing.assert_allclose(hue_turn(angle) @ np.ones(3), np.ones(3), atol=1e-6)
+        np.testing.assert_allclose(hue_turn(angle) @ hue_turn(angle).T, np.eye(3), atol=1e-6)

@@ -44,8 +44,8 @@ def views(box_scene):
 
 def matched(views, found):
     """Go through pairs of a label and the detection whose peak is nearest to its pixels' mean."""
-    for (ids, _, objects, K), detections in zip(views, found, strict=True):
-        for item in detectable(objects, K):
+    for (ids, _, objects, _), detections in zip(views, found, strict=True):
+        for item in detectable(objects):
             y, x = np.nonzero(ids == item.id)
             away = np.linalg.norm(detections.peak.numpy() - [x.mean(), y.mean()], axis=1)
             index = int(away.argmin())
@@ -58,7 +58,7 @@ def matched(views, found):
 def test_the_targets_decode_to_the_labels_boxes_and_poses(views, encoding, rotation):
     outputs, K = batch_of(views, encoding)
     found = decode(outputs, K, replace(encoding, rotation=rotation))
-    assert [len(detections) for detections in found] == [len(detectable(objects, K)) for _, _, objects, K in views]
+    assert [len(detections) for detections in found] == [len(detectable(objects)) for _, _, objects, _ in views]
     for _, item, detections, index in matched(views, found):
         pose, size = detections.camera_T_object[index].numpy(), detections.size[index].numpy()
         assert box_iou(pose, size, item.camera_T_object, item.size) > IOU

@@ -56,7 +56,7 @@ def test_perfect_outputs_have_perfect_summarise(scores, samples):
     # Fields are float32 (see the test of decoding).
     assert found["boxes"]["iou_all"] == pytest.approx(1.0, abs=1e-3)
     assert found["masks"]["ap"] == pytest.approx(1.0)
-    wanted = sum(len(detectable(s.ground_truth.objects, s.K[0].numpy())) for s in (samples[(i, 0)] for i in range(10)))
+    wanted = sum(len(detectable(s.ground_truth.objects)) for s in (samples[(i, 0)] for i in range(10)))
     pose = found["pose"]
     assert (pose["objects"], pose["found"], pose["near"]) == (wanted, 1.0, 1.0)
     assert pose["auc"] > 0.999

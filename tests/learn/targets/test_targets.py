@@ -7,6 +7,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal
 
+from glassware.annotate.heatmap import MIN_PIXELS, Gaussian, gaussian_of, heatmap
 from glassware.annotate.projection import project_camera
 from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry, motions_of
 from glassware.core.mesh import Mesh
@@ -21,9 +22,8 @@ from glassware.learn.targets.encoding import (
     encoded_vertices,
 )
 from glassware.learn.targets.fields import STRIDE, box_covariance, cell_owners
-from glassware.learn.targets.heatmap import Gaussian, gaussian_of, heatmap
 from glassware.learn.targets.objects import ViewObject, box_points, canonical_pose
-from glassware.learn.targets.view import MIN_PIXELS, detectable, view_targets
+from glassware.learn.targets.view import detectable, view_targets
 
 HEIGHT, WIDTH = 96, 128
 #: Heat in float32.
@@ -165,7 +165,7 @@ def test_a_speck_and_what_reaches_behind_the_camera_are_not_to_be_found():
     objects = [item(n, at(0, 0, 0.9), np.full(3, 0.1), ids) for n in (2, 3)] + [
         item(4, at(0, 0, 0.9), np.full(3, 2.0), ids)
     ]
-    assert [found.id for found in detectable(objects, K)] == [3]
+    assert [found.id for found in detectable(objects)] == [3]
     targets = view_targets(ids, np.ones((HEIGHT, WIDTH), np.float32), objects, K, CORRECTED)
     np.testing.assert_array_equal(targets["object_mask"], ids == 3)
     # The classes are of all pixels.

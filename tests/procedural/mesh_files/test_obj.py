@@ -219,3 +219,12 @@ def test_a_picture_without_texture_coordinates_gives_way_to_the_plain_colour(
         parts, notes = _read(makers, tmp_path, files)
         assert parts[0].look.texture.colour == pytest.approx(colour)
         assert notes.remarks == ["material 'skin' has a picture, but its faces have no texture coordinates"]
+
+
+@pytest.mark.parametrize("index", ["9", "-7", "9" * 30, "-" + "9" * 30])
+def test_a_face_over_a_vertex_that_is_not_there_is_refused_whatever_its_index(
+    makers: ModuleType, tmp_path: Path, index: str
+) -> None:
+    path = makers.written(tmp_path, {"a.obj": makers.CORNERS + f"f 1 2 {index}\n"}) / "a.obj"
+    with pytest.raises(InputError, match="faces over 4 vertices, found one with index"):
+        makers.parts_of(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from pathlib import Path
 from types import ModuleType
 
@@ -13,9 +14,10 @@ import trimesh
 from glassware.core.errors import InputError
 from glassware.core.mesh import check_closed, volume_of
 from glassware.procedural.cavities.interior import interior_of
+from glassware.procedural.optics.catalogue import glass_named
 from glassware.procedural.own_vessels.files import vessel_files
-from glassware.procedural.own_vessels.gltf_glass import gltf_glass
 from glassware.procedural.own_vessels.shape import OwnShape, own_shape
+from glassware.procedural.own_vessels.usable import checked_vessels
 from glassware.procedural.vessels.settings import VesselSettings
 
 
@@ -113,26 +115,59 @@ def test_points_alone_become_a_solid(tmp_path: Path) -> None:
 
 def test_a_file_without_anything_is_refused(tmp_path: Path) -> None:
     (tmp_path / "empty.obj").write_text("# nothing\n")
-    with pytest.raises(InputError, match="found neither"):
+    with pytest.raises(InputError, match="a mesh with faces, found none"):
         shape(tmp_path / "empty.obj")
 
 
-def test_the_glass_of_a_glb_is_read(tmp_path: Path) -> None:
-    material = {
-        "name": "amber",
-        "extensions": {
-            "KHR_materials_transmission": {"transmissionFactor": 1.0},
-            "KHR_materials_ior": {"ior": 1.6},
-            "KHR_materials_volume": {"attenuationColor": [0.5, 1.0, 0.25], "attenuationDistance": 0.01},
-        },
+def glb_with(path: Path, material: dict) -> None:
+    """Give the only mesh of a GLB file a material."""
+    content = path.read_bytes()
+    length = int.from_bytes(content[12:16], "little")
+    document = json.loads(content[20 : 20 + length])
+    document["materials"] = [material]
+    document["meshes"][0]["primitives"][0]["material"] = 0
+    document["asset"]["copyright"] = "CC0"
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = content[20 + length :]
+    total = 20 + len(text) + len(rest)
+    path.write_bytes(b"glTF" + struct.pack("<III", 2, total, len(text)) + b"JSON" + text + rest)
+
+
+def test_the_glass_and_the_licence_of_a_glb_are_read(own_shapes: ModuleType, tmp_path: Path) -> None:
+    path = own_shapes.saved(own_shapes.beaker(24), tmp_path / "b.glb", 1e2)
+    glass = {
+        "KHR_materials_transmission": {"transmissionFactor": 1.0},
+        "KHR_materials_ior": {"ior": 1.6},
+        "KHR_materials_volume": {"attenuationColor": [0.5, 1.0, 0.25], "attenuationDistance": 1.0},
     }
-    chunk = json.dumps({"materials": [material]}).encode()
-    content = b"glTF" + bytes(8) + len(chunk).to_bytes(4, "little") + b"JSON" + chunk
-    glass = gltf_glass(tmp_path / "a.glb", content)
-    assert glass is not None
-    assert glass.eta == 1.6
-    assert np.exp(-0.01 * np.array(glass.sigma_a)) == pytest.approx([0.5, 1.0, 0.25])
-    material["extensions"]["KHR_materials_ior"] = {"ior": "x"}
-    chunk = json.dumps({"materials": [material]}).encode()
-    with pytest.raises(InputError, match="ior"):
-        gltf_glass(tmp_path / "a.glb", b"glTF" + bytes(8) + len(chunk).to_bytes(4, "little") + b"JSON" + chunk)
+    glb_with(path, {"name": "amber", "extensions": glass})
+    ((file, _),), _ = checked_vessels(tmp_path, VesselSettings(unit="cm", up="z"))
+    found = own_shape(file, VesselSettings(unit="cm", up="z"))
+    assert found.glass is not None
+    assert found.glass.eta == 1.6
+    # The file's distances have the file's unit.
+    assert np.exp(-0.01 * np.array(found.glass.sigma_a)) == pytest.approx([0.5, 1.0, 0.25])
+    assert found.origin.licence == "CC0"
+    assert found.origin.metres_per_unit == 0.01
+
+
+def test_a_material_file_chooses_glass_by_its_name_or_its_index(own_shapes: ModuleType, tmp_path: Path) -> None:
+    path = own_shapes.saved(own_shapes.beaker(24), tmp_path / "b.obj")
+    faces = path.read_text()
+    for material, index in (("Lead_Crystal", 1.5), ("dense", 1.7)):
+        path.write_text(f"mtllib b.mtl\nusemtl {material}\n{faces}")
+        (tmp_path / "b.mtl").write_text(f"newmtl {material}\nd 0.2\nNi {index}\n")
+        glass = shape(path).glass
+        assert glass is not None
+        assert glass == glass_named("lead crystal") if material == "Lead_Crystal" else glass.eta == index
+
+
+def test_a_layout_states_unit_and_category(own_shapes: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "models" / "obj_000001.ply"
+    path.parent.mkdir()
+    own_shapes.saved(own_shapes.beaker(24), path, 1e3)
+    file = vessel_files(tmp_path)[0]
+    assert file.category == "obj_000001"
+    solid = own_shape(file, VesselSettings()).solid
+    assert np.ptp(solid.bounds, axis=0)[2] == pytest.approx(own_shapes.HEIGHT, abs=1e-6)

@@ -56,7 +56,7 @@ def test_a_shape_has_unit_normals_that_follow_its_faces_and_finite_texture_coord
 
 
 #: Solids of revolution.
-ROUND = ("cylinder", "can", "ball", "cone", "ring", "capsule", "cup")
+ROUND = ("cylinder", "plain can", "ball", "cone", "ring", "capsule", "cup")
 
 
 @pytest.mark.parametrize("category", ROUND)

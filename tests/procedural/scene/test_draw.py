@@ -31,12 +31,18 @@ ROOM = SKY | {"room_share": 1.0}
 
 
 def _settings(assets: Path | None = None, environment: dict | None = None) -> SceneSettings:
+    # Piles have tests of their own, in tests/procedural/physics.
     files: dict[str, Any] = {"environment": environment or {}}
     if assets is not None:
         files = {"mesh_dir": assets / "meshes", "texture_dir": assets / "textures"}
         files["environment"] = {"hdri_dir": assets / "hdri"}
     return SceneSettings.model_validate(
-        {"cameras": {"views": 5, "width": 64, "height": 48}, "picture": {"spp": 4}, **files}
+        {
+            "cameras": {"views": 5, "width": 64, "height": 48},
+            "picture": {"spp": 4},
+            "physics": {"piled_probability": 0.0},
+            **files,
+        }
     )
 
 

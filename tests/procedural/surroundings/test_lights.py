@@ -26,6 +26,7 @@ from glassware.procedural.surroundings.photometry import photometry
 from glassware.procedural.surroundings.room_places import CLEARANCE, fits_in_room, room_corners
 from glassware.procedural.surroundings.rooms import draw_room
 from glassware.procedural.surroundings.settings import LightSettings
+from glassware.procedural.surroundings.shipped_light import shipped_maps
 from glassware.procedural.surroundings.skies import draw_sky
 
 SETTINGS = LightSettings()
@@ -191,3 +192,8 @@ def test_real_maps_are_told_outdoors_from_indoors(shared_assets: Path):
     found = {path.stem: shows_open_sky(read_hdri(asset(path))) for path in hdri_files(shared_assets / "hdri")}
     outdoors = {name for name, open_sky in found.items() if open_sky}
     assert outdoors == {"city", "dawn", "forest", "park", "venice"}
+
+
+def test_shipped_maps_are_told_outdoors_from_indoors():
+    outdoors = {path.stem for path in shipped_maps() if shows_open_sky(read_hdri(asset(path)))}
+    assert outdoors == {"city", "forest", "night", "sunrise", "sunset"}

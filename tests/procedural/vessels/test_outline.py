@@ -3,7 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.procedural.vessels.families import FAMILIES, MAX_SLOPE, Size, free_chain
+from glassware.procedural.vessels.families import FAMILIES
+from glassware.procedural.vessels.family_pieces import MAX_SLOPE, Size, free_chain
 from glassware.procedural.vessels.outline import Outline, bulging, easing, levelling, linear, waved
 from glassware.procedural.vessels.settings import Category
 

@@ -9,6 +9,7 @@ import pytest
 
 from glassware.core.mesh import Mesh
 from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.scene import TABLE_ID
 from glassware.procedural.primitives import bodies, scenes
 from glassware.render.cache import scene_cache
 from glassware.render.cache.light_check import BOUND, regions_of
@@ -68,10 +69,26 @@ def test_a_prop_whose_light_is_wrong_is_path_traced_alone(blocks, cache, monkeyp
     assert all(abs(region.difference) < max(BOUND, 4.0 * region.standard_error) for region in again)
 
 
-def test_a_table_whose_light_is_wrong_has_the_whole_scene_path_traced(blocks, cache, monkeypatch):
+def test_a_table_whose_light_is_wrong_is_path_traced_alone(blocks, cache, monkeypatch):
     moments = cache.moments.copy()
     moments[: cache.points.grid_count, :6] *= 1.1
     monkeypatch.setattr(scene_cache, "fill_scene_cache", lambda loaded: replace(cache, moments=moments))
     _, check, _ = scene_cache.make_tracer(blocks)
-    assert check.mode == "path"
-    assert check.traced == ()
+    assert check.mode == "shared"
+    assert TABLE_ID in check.traced
+    assert any(region.difference == pytest.approx(0.1, abs=0.03) for region in check.failed if region.id == TABLE_ID)
+
+
+def test_a_prop_that_only_the_second_comparison_finds_is_path_traced_too(blocks, monkeypatch):
+    """Noise hides a fault from one comparison; then the scene is not path traced as a whole."""
+    real, faults = scene_cache.check_regions, {0: 2, 1: 3}
+
+    def with_fault(loaded, tracer, reference, regions, which=0):
+        found = real(loaded, tracer, reference, regions, which)
+        wrong = faults.get(which)
+        return [replace(one, difference=0.5, standard_error=0.01) if one.id == wrong else one for one in found]
+
+    monkeypatch.setattr(scene_cache, "check_regions", with_fault)
+    _, check, _ = scene_cache.make_tracer(blocks)
+    assert check.mode == "shared"
+    assert check.traced == (2, 3)

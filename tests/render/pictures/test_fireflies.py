@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from glassware.render.pictures.fireflies import spread_fireflies, without_glints
+from glassware.render.pictures.fireflies import spread_fireflies
 from glassware.render.pictures.guides import Guides
 
 #: float32 sums over a picture of 64 x 48.
@@ -42,7 +42,7 @@ def grey(height: int, width: int) -> Guides:
 def test_a_firefly_is_gone_and_its_light_is_not(noisy, plain, place):
     radiance, variance = noisy
     radiance[place], variance[place] = (500.0, 300.0, 100.0), np.square((500.0, 300.0, 100.0))
-    spread, _ = spread_fireflies(radiance, variance, plain)
+    spread, _, _ = spread_fireflies(radiance, variance, plain, 1.0)
     # The kernel of radius 4 px has the sum 26.2, of which a corner has a third. The firefly's own weight is larger than
     # that of its neighbours; it keeps less than an eighth.
     assert spread[place].max() < 500.0 / 8.0
@@ -52,20 +52,20 @@ def test_a_firefly_is_gone_and_its_light_is_not(noisy, plain, place):
 def test_what_is_bright_in_every_group_of_samples_is_left_alone(noisy, plain):
     radiance, variance = noisy
     radiance[20, 30], variance[20, 30] = 500.0, 50.0**2  # a lamp's image: a tenth of its value in doubt
-    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain)[0], radiance)
+    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain, 1.0)[0], radiance)
 
 
 def test_a_picture_of_one_sample_of_which_nothing_is_known_is_left_alone(noisy, plain):
     radiance, variance = noisy
     radiance[20, 30] = 500.0
-    np.testing.assert_array_equal(spread_fireflies(radiance, np.zeros_like(variance), plain)[0], radiance)
+    np.testing.assert_array_equal(spread_fireflies(radiance, np.zeros_like(variance), plain, 1.0)[0], radiance)
 
 
 def test_noise_on_an_edge_is_no_firefly(noisy, plain):
     radiance, variance = noisy
     radiance[:, 32:] *= 100.0
     variance[:, 32:] *= 100.0**2
-    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain)[0], radiance)
+    np.testing.assert_array_equal(spread_fireflies(radiance, variance, plain, 1.0)[0], radiance)
 
 
 @pytest.fixture
@@ -78,40 +78,56 @@ def with_firefly(noisy):
 def test_pixels_without_noise_get_no_light(with_firefly, plain):
     radiance, variance = with_firefly
     variance[:, 32:] = 0.0
-    spread, _ = spread_fireflies(radiance, variance, plain)
+    spread, _, _ = spread_fireflies(radiance, variance, plain, 1.0)
     np.testing.assert_array_equal(spread[:, 32:], radiance[:, 32:])
     np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
 
 
-def test_glass_keeps_its_fireflies_and_gets_none_of_others(with_firefly, plain):
-    radiance, variance = with_firefly
-    glass = np.zeros((48, 64), bool)
-    glass[16:24, 26:34] = True
-    np.testing.assert_array_equal(spread_fireflies(radiance, variance, replace(plain, glass=glass))[0], radiance)
-    beside, _ = spread_fireflies(radiance, variance, replace(plain, glass=np.roll(glass, 8, axis=1)))
-    np.testing.assert_array_equal(beside[16:24, 34:42], radiance[16:24, 34:42])
-    assert beside[20, 27].sum() > radiance[20, 27].sum()
+@pytest.fixture
+def two_glasses(plain) -> Guides:
+    """A glass of 16 x 16 px, and another one to its right."""
+    instance = np.zeros((48, 64), np.uint32)
+    instance[12:28, 22:38], instance[12:28, 38:54] = 2, 3
+    return replace(plain, glass=instance > 0, instance=instance)
 
 
-def test_fireflies_in_glass_are_taken_apart_whole(with_firefly, plain):
+def test_a_firefly_in_glass_is_spread_over_the_same_glass(noisy, two_glasses):
+    radiance, variance = noisy
+    radiance[20, 36], variance[20, 36] = (5.0, 3.0, 1.0), np.square((5.0, 3.0, 1.0))
+    spread, _, glints = spread_fireflies(radiance, variance, two_glasses, 0.5)
+    assert not glints.any()
+    assert spread[20, 36].max() < 5.0 / 3.0
+    np.testing.assert_allclose(spread.sum((0, 1)), radiance.sum((0, 1)), rtol=SUM_ROUNDING)
+    others = two_glasses.instance != 2
+    np.testing.assert_array_equal(spread[others], radiance[others])
+    assert (spread[18:22, 33:36] > radiance[18:22, 33:36]).all()
+
+
+def test_a_firefly_that_would_bleach_its_glass_stays_where_it_is(with_firefly, two_glasses):
     radiance, variance = with_firefly
-    glass = np.zeros((48, 64), bool)
-    glass[16:24, 26:34] = True
-    rest, less, glints = without_glints(radiance, variance, replace(plain, glass=glass))
+    rest, less, glints = spread_fireflies(radiance, variance, two_glasses, 0.5)
     np.testing.assert_allclose(rest + glints, radiance, rtol=1e-6)
     assert rest[20, 30].mean() == pytest.approx(np.median(radiance[18:23, 28:33].mean(axis=2)), rel=1e-5)
     assert less[20, 30].max() < 1e-4 * variance[20, 30].max()
     others = np.ones((48, 64), bool)
     others[20, 30] = False
     assert not glints[others].any()
-    assert not without_glints(radiance, variance, plain)[2].any()
+
+
+def test_glass_gets_nothing_of_fireflies_beside_it(with_firefly, two_glasses):
+    radiance, variance = with_firefly
+    moved = replace(two_glasses, glass=np.roll(two_glasses.glass, 12, axis=1))
+    beside, _, glints = spread_fireflies(radiance, variance, moved, 1.0)
+    assert not glints.any()
+    np.testing.assert_array_equal(beside[moved.glass], radiance[moved.glass])
+    assert beside[20, 27].sum() > radiance[20, 27].sum()
 
 
 def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
     radiance, variance = with_firefly
     normal = plain.normal.copy()
     normal[:, 32:] = (1.0, 0.0, 0.0)
-    spread, _ = spread_fireflies(radiance, variance, replace(plain, normal=normal))
+    spread, _, _ = spread_fireflies(radiance, variance, replace(plain, normal=normal), 1.0)
     given = np.maximum(spread - radiance, 0.0)
     # The normals are 0.92 apart: a weight of exp(-0.5 (0.92 / 0.25)^2) = 0.0012 against 1, over about as many pixels.
     assert given[:, 32:].sum() < 2e-3 * given[:, :32].sum()
@@ -120,7 +136,7 @@ def test_another_side_of_a_body_gets_next_to_nothing(with_firefly, plain):
 def test_the_light_has_no_border():
     radiance, variance = np.full((128, 256, 3), 0.5, np.float32), np.full((128, 256, 3), 0.05**2, np.float32)
     radiance[64, 128], variance[64, 128] = 500.0, 500.0**2
-    spread, _ = spread_fireflies(radiance, variance, grey(128, 256))
+    spread, _, _ = spread_fireflies(radiance, variance, grey(128, 256), 1.0)
     given = (spread - radiance)[64, 129:, 0]
     assert (np.diff(given) <= 0.0).all()
     # The biweight kernel of radius 16 px falls to (1 - (16 / 17)^2)^2 = 0.013 at its last pixel.

@@ -64,3 +64,26 @@ def test_glass_shows_the_light_of_the_sun_with_less_noise(tumbler) -> None:
     table = np.zeros_like(glass)
     table[:4] = table[-4:] = True
     np.testing.assert_array_equal(wide.radiance[table], real.radiance[table])
+
+
+def test_a_spread_disc_keeps_the_light_of_the_sun(tumbler, rng) -> None:
+    from glassware.procedural.surroundings.sun_glints import wide_sun
+    from glassware.render._mitsuba import mi
+    from glassware.render.scene.lighting import sun_glints
+
+    scene = tumbler.description
+    glints, sun = sun_glints(scene), wide_sun(scene.environment, 1.0 / scene.cameras[0].focal)
+    assert glints is not None
+    assert sun is not None
+    # Directions within 0.4 of the sun, uniform by solid angle; spreads as long as 0.2 in any direction, across them.
+    count, versine = 1 << 16, 1.0 - math.cos(0.4)
+    z, turn = 1.0 - versine * rng.random(count), 2.0 * math.pi * rng.random(count)
+    local = mi.Vector3f(*np.stack([np.sqrt(1.0 - z**2) * np.cos(turn), np.sqrt(1.0 - z**2) * np.sin(turn), z]))
+    direction = mi.Frame3f(mi.Vector3f(*sun.direction.tolist())).to_world(local)
+    for a, b in (((0.0, 0.0), (0.0, 0.0)), ((0.2, 0.05), (0.0, 0.1)), ((0.15, 0.0), (0.0, 0.0))):
+        frame = mi.Frame3f(direction)
+        spread = tuple(x * frame.s + y * frame.t for x, y in (a, b))
+        dark = mi.Color3f(0.0)
+        found = luminance(np.array(glints(dark, direction, spread)).T).mean() * 2.0 * math.pi * versine
+        # Noise of 2^16 directions of which a hundredth or more hit: three of 1 / sqrt(655).
+        assert found == pytest.approx(float(luminance(sun.light)), rel=0.12)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+
+from .labels import ObjectLabel
 
 #: Factor from the covariance of an object's pixels to that of its Gaussian (from the released code; the paper gives
 #: none).
@@ -12,6 +15,8 @@ CONCENTRATION = 0.8
 #: Variance of a uniform distribution over a pixel [px^2]. Added to the covariance of pixel centres it gives that of
 #: pixel areas, so a single row of pixels has a width as well.
 PIXEL_VARIANCE = 1.0 / 12.0
+#: Least number of visible pixels of an object with heat [px]: a quarter of a cell of the networks' fields, 8 x 8 px.
+MIN_PIXELS = 16
 #: Cells with less heat have no target, and less hot peaks are no objects (from the released code).
 HEAT_THRESHOLD = 0.3
 #: Search radius of the hottest pixel around the mean of a Gaussian, in rows and columns [px].
@@ -36,6 +41,19 @@ def gaussian_of(mask: np.ndarray) -> Gaussian:
     mean = pixels.mean(0)
     covariance = (pixels - mean).T @ (pixels - mean) / len(pixels)
     return Gaussian(mean, CONCENTRATION * (covariance + PIXEL_VARIANCE * np.eye(2)))
+
+
+def is_detectable(visible: int, corners: np.ndarray) -> bool:
+    """Return whether an object has heat: enough visible pixels, and its whole box in front of the camera.
+
+    Parameters
+    ----------
+    visible : int
+        Pixels where it is the first surface.
+    corners : (8, 3) float
+        Corners of its box, camera frame [m].
+    """
+    return visible >= MIN_PIXELS and bool((corners[:, 2] > 0.0).all())
 
 
 def log_heat(gaussians: list[Gaussian], size: tuple[int, int], stride: int = 1) -> np.ndarray:
@@ -71,6 +89,25 @@ def heatmap(gaussians: list[Gaussian], size: tuple[int, int]) -> np.ndarray:
     if not gaussians:
         return np.zeros(size, np.float32)
     return np.exp(log_heat(gaussians, size).max(axis=0))
+
+
+def view_heatmap(ids: np.ndarray, objects: Iterable[ObjectLabel]) -> np.ndarray:
+    """Return the heatmap of the objects of a view that networks are to detect (`is_detectable`).
+
+    Parameters
+    ----------
+    ids : (H, W) integer
+        Instance ids of the first surface.
+    objects : iterable of ObjectLabel
+        The objects.
+
+    Returns
+    -------
+    (H, W) float32
+        In [0, 1].
+    """
+    wanted = [item.id for item in objects if is_detectable(item.pixels.visible, np.asarray(item.box3d))]
+    return heatmap([gaussian_of(ids == number) for number in wanted], (ids.shape[0], ids.shape[1]))
 
 
 def peak_pixel(gaussian: Gaussian, size: tuple[int, int]) -> np.ndarray:

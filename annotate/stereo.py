@@ -1,0 +1,83 @@
+"""Labels of the right camera, and what each camera of a pair sees of the points that the other one sees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..procedural.description.camera import Camera
+from ..procedural.description.scene import Scene
+from ..render.frame import Eye, Frame, Geometry
+from ..render.renderer import Renderer
+from .keypoints import SURFACE_TOLERANCE, SceneKeypoints
+from .labels import Labels, annotate
+from .projection import inside_picture, project, transformed, unproject
+
+#: How the other camera sees a point of this one, by its code: it sees it as well, a surface is in front of it, it is
+#: outside of its picture, or there is no point.
+BOTH, HIDDEN, OUTSIDE, NOTHING = range(4)
+
+
+@dataclass(frozen=True, eq=False)
+class PairVisibility:
+    """How the other camera of a pair sees what is in each pixel of one: `BOTH`, `HIDDEN`, `OUTSIDE` or `NOTHING`."""
+
+    first: np.ndarray  #: (H, W) uint8, the first surface: hidden where any surface is in front of it, glass included
+    background: np.ndarray  #: (H, W) uint8, the first opaque surface: hidden where an opaque surface is in front of it
+
+
+@dataclass(frozen=True, eq=False)
+class StereoLabels:
+    """What the right camera of a pair adds to a view's labels."""
+
+    geometry: Geometry  #: of the right camera
+    labels: Labels  #: of the right camera, in its own frame
+    left: PairVisibility  #: of the left camera's pixels from the right camera
+    right: PairVisibility  #: of the right camera's pixels from the left camera
+
+
+def eye_camera(camera: Camera, eye: Eye) -> Camera:
+    """Return the camera whose ``world_T_camera`` is the pose of one eye of a pair."""
+    return camera if eye == "left" else camera.model_copy(update={"world_T_camera": camera.world_T_right})
+
+
+def stereo_labels(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints) -> StereoLabels:
+    """Return the labels of a view's right camera, and the visibility of each camera's points from the other one.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that the renderer was made of.
+    frame : Frame
+        A view that the renderer rendered.
+    renderer : Renderer
+        It traces the right camera's rays.
+    points : SceneKeypoints
+        From `keypoints.scene_keypoints`.
+    """
+    camera, geometry = scene.cameras[frame.view], renderer.geometry(frame.view, "right")
+    sight = renderer.line_of_sight(frame.view, points.world.reshape(-1, 3), "right")
+    return StereoLabels(
+        geometry=geometry,
+        labels=annotate(scene, eye_camera(camera, "right"), geometry, points, sight),
+        left=_visibility(renderer, frame.view, frame.geometry, "left"),
+        right=_visibility(renderer, frame.view, geometry, "right"),
+    )
+
+
+def _visibility(renderer: Renderer, view: int, geometry: Geometry, eye: Eye) -> PairVisibility:
+    """Trace rays from the other eye to every point that this one sees."""
+    camera, other = renderer.scene.cameras[view], "right" if eye == "left" else "left"
+    here, there = eye_camera(camera, eye), eye_camera(camera, other)
+    codes = []
+    for depth, field in ((geometry.Z, "first_distance"), (geometry.background_Z, "opaque_distance")):
+        seen = np.isfinite(depth)
+        world = transformed(here.world_T_camera, unproject(depth, here.K)[seen])
+        distance = np.linalg.norm(world - there.world_T_camera[:3, 3], axis=1)
+        free = getattr(renderer.line_of_sight(view, world, other), field) >= distance - SURFACE_TOLERANCE
+        inside = inside_picture(project(world, there.K, there.world_T_camera)[0], there.width, there.height)
+        code = np.full(depth.shape, NOTHING, np.uint8)
+        code[seen] = np.where(inside, np.where(free, BOTH, HIDDEN), OUTSIDE)
+        codes.append(code)
+    return PairVisibility(*codes)

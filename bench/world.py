@@ -1,0 +1,176 @@
+"""What scenes are drawn: time by part, failures, overlaps, counts and piles, for many seeds of a preset.
+
+``python bench/world.py 1000 standard fast``: for each preset a table in Markdown; nothing is rendered. With ``--load``
+the scene is also loaded into the renderer. Times are processor time, so that a busy machine changes little.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import wraps
+from itertools import combinations
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / ".ci" / "packages"))
+
+from glassware.core.errors import InputError
+from glassware.dataset.settings.config import preset, validated
+from glassware.procedural.description.edits import solid_of
+from glassware.procedural.description.scene import GlassBody, Prop, Scene
+from glassware.procedural.placement.overlap import overlap
+from glassware.procedural.scene import arrange
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+
+#: Numbers of objects in a scene of the paper (Syn-TODD): fewest and most.
+PAPER = {"objects": "3 to 15", "vessels": "up to 7", "props": "up to 8"}
+#: Tilt from the vertical beyond which an object leans or lies [rad].
+TILTED = np.radians(5.0)
+
+
+def main() -> None:
+    """Print the tables that the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", type=int, help="seeds of each preset")
+    parser.add_argument("presets", nargs="+", help="names of presets")
+    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
+    parser.add_argument("--load", action="store_true", help="load scenes into the renderer as well")
+    request = parser.parse_args()
+    for name in request.presets:
+        rows = table(name, range(request.first, request.first + request.count), request.load)
+        sys.stdout.write(f"\n{name}, {request.count} scenes of seed 1 from {request.first} on\n\n")
+        sys.stdout.write("| figure | value |\n|---|---|\n")
+        sys.stdout.write("".join(f"| {what} | {value} |\n" for what, value in rows))
+        sys.stdout.flush()
+
+
+def table(name: str, scenes: range, load: bool) -> list[tuple[str, str]]:
+    """Return the rows of a preset's table."""
+    settings = validated(SceneSettings, preset(name), "preset")
+    seen, faults = Seen(), []
+    times: dict[str, float] = defaultdict(float)
+    total = []
+    for number in scenes:
+        start = process_time()
+        try:
+            with timed(times, arrange, "pile_up", "piles"), timed(times, arrange, "_apart", "places"):
+                scene = draw_scene(settings, 1, number)
+        except InputError as error:
+            faults.append(f"{number}: {error}")
+            continue
+        times["described"] += process_time() - start
+        if load:
+            start_load = process_time()
+            _load(scene)
+            times["loaded"] += process_time() - start_load
+        total.append(process_time() - start)
+        seen.add(scene)
+    return [
+        ("failures", "; ".join(faults) or "none"),
+        ("pairs of objects that overlap by more than 0.5 mm", f"{seen.overlaps} of {seen.pairs}"),
+        *[
+            (f"{what} in a scene: mean, range, the paper's", f"{_span(seen.counts[what])}, {PAPER[what]}")
+            for what in PAPER
+        ],
+        ("scenes with a pile", _share(len(seen.rests), seen.scenes)),
+        ("piles drawn again; falls drawn again", _again(seen)),
+        ("simulated time of a pile: mean, longest [s]", _mean([rest.seconds for rest in seen.rests])),
+        (
+            "largest movement in the last second [mm]",
+            f"{1e3 * max([rest.moved for rest in seen.rests], default=0.0):.2f}",
+        ),
+        ("objects on another one; leaning or lying vessels", f"{_share(seen.upon, seen.objects)}; {_tilts(seen)}"),
+        ("processor time of a scene: mean, longest [s]", _mean(total)),
+        ("of it " + ", ".join(times), ", ".join(f"{value / max(len(total), 1):.2f}" for value in times.values())),
+    ]
+
+
+class Seen:
+    """Sums over scenes."""
+
+    def __init__(self) -> None:
+        self.scenes = self.pairs = self.overlaps = self.upon = self.objects = self.vessels = self.tilted = 0
+        self.counts: dict[str, list[int]] = {what: [] for what in PAPER}
+        self.rests: list[Any] = []
+
+    def add(self, scene: Scene) -> None:
+        """Take a scene in."""
+        self.scenes += 1
+        counts = {"vessels": len(scene.vessels), "props": len(scene.props), "objects": len(scene.objects)}
+        for what, count in counts.items():
+            self.counts[what].append(count)
+        solids = [solid_of(item) for item in scene.objects]
+        for first, second in combinations(solids, 2):
+            self.pairs += 1
+            self.overlaps += overlap(first, second)
+        self.objects += len(solids)
+        self.vessels += len(scene.vessels)
+        self.tilted += sum(_tilt(item) > TILTED for item in scene.vessels)
+        if scene.rest is not None:
+            self.rests.append(scene.rest)
+            standing = {pair[1] for pair in scene.rest.contacts if pair[0] == 1}
+            self.upon += sum(item.id not in standing for item in scene.objects)
+
+
+def _tilt(item: GlassBody | Prop) -> float:
+    return float(np.arccos(np.clip(item.world_T_object[2, 2], -1.0, 1.0)))
+
+
+def _load(scene: Scene) -> None:
+    from glassware.render.backend.variant import activate
+    from glassware.render.scene.loaded_scene import load
+
+    activate()
+    load(scene)
+
+
+@contextmanager
+def timed(times: dict[str, float], module: Any, function: str, what: str) -> Iterator[None]:
+    """Add the processor time of a module's function to a sum within the block."""
+    original = getattr(module, function)
+
+    @wraps(original)
+    def measured(*arguments: Any) -> Any:
+        start = process_time()
+        try:
+            return original(*arguments)
+        finally:
+            times[what] += process_time() - start
+
+    setattr(module, function, measured)
+    try:
+        yield
+    finally:
+        setattr(module, function, original)
+
+
+def _span(values: list[int]) -> str:
+    return f"{np.mean(values):.1f}, {min(values)} to {max(values)}" if values else "none"
+
+
+def _mean(values: list[float]) -> str:
+    return f"{np.mean(values):.2f}, {max(values):.2f}" if values else "none"
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{part} of {whole} ({100.0 * part / max(whole, 1):.1f} %)"
+
+
+def _again(seen: Seen) -> str:
+    return f"{sum(rest.attempt - 1 for rest in seen.rests)}; {sum(rest.fell_again for rest in seen.rests)}"
+
+
+def _tilts(seen: Seen) -> str:
+    return _share(seen.tilted, seen.vessels)
+
+
+if __name__ == "__main__":
+    main()

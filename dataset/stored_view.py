@@ -1,0 +1,247 @@
+"""A stored view: its files as the typed data that they were written from, and labels that follow from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, cast, get_args
+
+import numpy as np
+
+from ..annotate.coordinates import back_wall, object_coordinates
+from ..annotate.flow import flow_visibility, optical_flow
+from ..annotate.heatmap import view_heatmap
+from ..annotate.labels import LABELS_SCHEMA, Labels
+from ..annotate.masks import decode_mask
+from ..annotate.outlines import fill_lines, openings
+from ..annotate.projection import disparity, project, transformed, unproject
+from ..annotate.stereo import PairVisibility
+from ..annotate.vessel_parts import VesselParts
+from ..core.arguments import check_type, described
+from ..core.errors import InputError
+from ..core.json_file import read_record
+from ..procedural.description.camera import Camera
+from ..procedural.description.scene import Scene, SceneObject
+from ..procedural.scene.scene_file import load_scene
+from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
+from .format import layout
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
+from .format.exr import channel, read_exr, stacked
+from .format.file_kinds import FileKind
+from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
+from .format.pictures import read_png
+from .format.ray_files import read_layers, read_refraction
+
+_Frame = Literal["camera", "world"]
+
+
+@dataclass(frozen=True)
+class StoredView:
+    """A view on disk; each call reads its files."""
+
+    folder: Path
+    number: int
+
+    def camera(self) -> Camera:
+        """Return the stereo pair."""
+        return camera_of(read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA))
+
+    def scene(self) -> Scene:
+        """Return the whole description of the view's scene."""
+        return load_scene(self.folder.parent / layout.SCENE)
+
+    def labels(self, eye: Eye = "left") -> Labels:
+        """Return the labels of one camera, in its own frame; those of the right one need ``--write right-labels``."""
+        path = self.folder / layout.LABELS if _checked_eye(eye) == "left" else self._right(layout.RIGHT_LABELS)
+        return read_record(Labels, path, LABELS_SCHEMA)
+
+    def picture(self, eye: Eye = "left") -> np.ndarray:
+        """Return the 8-bit sRGB picture, (H, W, 3) uint8."""
+        return read_png(self.folder / f"{_checked_eye(eye)}.png")
+
+    def radiance(self, eye: Eye = "left", noisy: bool = False) -> np.ndarray:
+        """Return linear Rec.709 radiance, (H, W, 3) float32; ``noisy`` is before the denoiser."""
+        path, kind = self._of_kind(f"{_checked_eye(eye)}.exr", "noisy" if noisy else "radiance")
+        channels = read_exr(path)
+        if ("noisy.R" if noisy else "R") not in channels:
+            raise _absent(path, kind)
+        return stacked(channels, "noisy.RGB" if noisy else "RGB", path).astype(np.float32, copy=False)
+
+    def geometry(self, eye: Eye = "left") -> Geometry:
+        """Return the geometry of one camera; the silhouettes come from the masks of its labels.
+
+        That of the right camera needs ``--write right-labels``.
+        """
+        if _checked_eye(eye) == "left":
+            path, instances = self.folder / layout.GEOMETRY, self.folder / layout.INSTANCES
+        else:
+            path, instances = self._right(layout.RIGHT_GEOMETRY), self._right(layout.RIGHT_INSTANCES)
+        channels = read_exr(path)
+        ids = read_ids(instances)
+        Z = channel(channels, "Z", path)
+        if ids.shape != Z.shape:
+            raise InputError(instances, f"16-bit ids of {Z.shape} px", ids.shape)
+        return Geometry(
+            Z=Z,
+            normal=stacked(channels, "N.XYZ", path).astype(np.float32, copy=False),
+            id=ids,
+            background_Z=channel(channels, "background.Z", path),
+            background_id=channel(channels, "background.id", path).astype(np.uint16),
+            transmittance=stacked(channels, "transmittance.RGB", path).astype(np.float32, copy=False),
+            crossed=self._masks(eye, "mask_amodal", Z.shape),
+            reached=self._masks(eye, "mask_seen", Z.shape),
+        )
+
+    def layers(self) -> Layers:
+        """Return the surfaces along the left camera's straight rays, as many layers as the file has."""
+        return read_layers(self._of_kind(layout.LAYERS, "layers")[0])
+
+    def refraction(self) -> Refraction:
+        """Return the end points of the left camera's refracted rays."""
+        return read_refraction(self._of_kind(layout.REFRACTION, "refraction")[0])
+
+    def points(self, frame: _Frame = "camera") -> np.ndarray:
+        """Return the point cloud of the first surfaces that the left camera sees, glass included.
+
+        Parameters
+        ----------
+        frame : {"camera", "world"}
+            Frame of the points: the left camera's (OpenCV axes), or the world's.
+
+        Returns
+        -------
+        (n, 3) float64
+            One point per pixel that sees a surface, row by row [m].
+        """
+        if frame not in get_args(_Frame):
+            raise InputError("frame", "'camera' or 'world'", repr(frame))
+        camera = self.camera()
+        seen = unproject(self._depth(), camera.K)
+        points = seen[np.isfinite(seen[..., 2])]
+        return points if frame == "camera" else transformed(camera.world_T_camera, points)
+
+    def disparity(self, eye: Eye = "left", background: bool = False) -> np.ndarray:
+        """Return the disparity ``f b / Z`` of the first surface, or of the first opaque one, (H, W) float32 [px].
+
+        It is 0 where there is no surface. That of the left camera follows from its depth; that of the right one needs
+        ``--write right-labels`` or ``disparity``.
+        """
+        stored = self.folder / layout.DISPARITY
+        if _checked_eye(eye) == "right" and stored.is_file():
+            return read_disparity(stored, eye, background)
+        path = self.folder / layout.GEOMETRY
+        if eye == "right":
+            path = self.folder / layout.RIGHT_GEOMETRY
+            if not path.is_file():
+                raise _absent(stored, "disparity")
+        Z, camera = channel(read_exr(path), "background.Z" if background else "Z", path), self.camera()
+        return disparity(Z, camera.fx, camera.baseline).astype(np.float32)
+
+    def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
+        """Return how the other camera sees the points of one; it needs ``--write disparity``."""
+        return read_pair(self._of_kind(layout.PAIR, "disparity")[0], _checked_eye(eye))
+
+    def heatmap(self) -> np.ndarray:
+        """Return the heatmap of the left picture's objects, as the networks learn it, (H, W) float32 in [0, 1]."""
+        return view_heatmap(read_ids(self.folder / layout.INSTANCES), self.labels().objects)
+
+    def object_coordinates(self, back: bool = False) -> np.ndarray:
+        """Return normalised object coordinates of the left picture, (H, W, 3) float32; NaN where there is no object.
+
+        Parameters
+        ----------
+        back : bool
+            Those of the last surface of the first surface's object along the ray, such as the back wall of a vessel,
+            instead of the first surface's. It needs ``--write coordinates`` or ``layers``.
+        """
+        stored = self.folder / layout.COORDINATES
+        if back and stored.is_file():
+            return read_coordinates(stored, back)
+        if back and not (self.folder / layout.LAYERS).is_file():
+            raise _absent(stored, "coordinates")
+        ids = read_ids(self.folder / layout.INSTANCES)
+        Z = back_wall(self.layers(), ids) if back else self._depth()
+        return object_coordinates(Z, ids, self.labels().objects, self.camera().K)
+
+    def flow(self, other: StoredView) -> np.ndarray:
+        """Return where the first surfaces of the left picture appear in that of another view of the scene.
+
+        Returns
+        -------
+        (H, W, 2) float32
+            (du, dv) to add to a pixel [px]; NaN where there is no surface, or it is behind the other camera.
+        """
+        return optical_flow(self._depth(), self.camera(), _same_scene(self, other).camera())
+
+    def flow_visibility(self, other: StoredView) -> np.ndarray:
+        """Return where another view shows the first surface of a pixel as its own first surface, (H, W) bool."""
+        there = _same_scene(self, other)
+        return flow_visibility(self._depth(), self.camera(), there._depth(), there.camera())
+
+    def vessel_parts(self) -> dict[str, VesselParts]:
+        """Return the masks of each vessel's parts in the left picture, by name; it needs ``--write layers``."""
+        return parts_of(self.scene(), self.layers(), self.camera())
+
+    def openings(self) -> dict[str, tuple[np.ndarray, ...]]:
+        """Return the mouths of vessels in the left picture as polygons, by name, each (n, 2) [px]."""
+        return self._lines(openings)
+
+    def fill_lines(self) -> dict[str, tuple[np.ndarray, ...]]:
+        """Return where liquids meet the wall in the left picture as closed lines, by name, each (n, 2) [px]."""
+        return self._lines(fill_lines)
+
+    def _lines(self, lines_of: Callable[[SceneObject], tuple[np.ndarray, ...]]) -> dict[str, tuple[np.ndarray, ...]]:
+        camera, found = self.camera(), {}
+        for body in self.scene().vessels:
+            world = (transformed(body.world_T_object, line) for line in lines_of(body))
+            found[body.name] = tuple(project(line, camera.K, camera.world_T_camera)[0] for line in world)
+        return found
+
+    def _depth(self) -> np.ndarray:
+        path = self.folder / layout.GEOMETRY
+        return channel(read_exr(path), "Z", path)
+
+    def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
+        """Return a file that is written on request, with its kind; InputError where it was not."""
+        path = self.folder / name
+        if not path.is_file():
+            raise _absent(path, kind)
+        return path, kind
+
+    def _right(self, name: str) -> Path:
+        return self._of_kind(name, "right-labels")[0]
+
+    def _masks(self, eye: Eye, field: str, shape: tuple[int, ...]) -> np.ndarray:
+        path = self.folder / (layout.LABELS if eye == "left" else layout.RIGHT_LABELS)
+        masks = np.zeros((0, *shape), bool)
+        for label in self.labels(eye).objects:
+            rle = getattr(label, field)
+            where = f"{path}: object {label.id} {field}"
+            if rle.size != shape:
+                raise InputError(where, f"size {shape}", rle.size)
+            try:
+                masks = np.concatenate([masks, decode_mask(rle.counts, rle.size)[None]])
+            except ValueError as error:
+                raise InputError(where, "a mask", error) from error
+        return masks
+
+
+def _same_scene(view: StoredView, other: object) -> StoredView:
+    check_type("other", other, StoredView, "another view of the same scene")
+    there = cast(StoredView, other)
+    if there.folder.parent.resolve() != view.folder.parent.resolve():
+        raise InputError("other", f"a view of the same scene, {view.folder.parent}", there.folder.parent)
+    return there
+
+
+def _absent(path: Path, kind: FileKind) -> InputError:
+    """Return the error of a file that a view may lack, with how it is made."""
+    expected = f"a data set with {kind}, made with --write {kind} (from Python: files={kind!r})"
+    return InputError(path, expected, f"one without {kind}")
+
+
+def _checked_eye(eye: object) -> Eye:
+    if eye not in EYES:
+        raise InputError("eye", "'left' or 'right'", described(eye))
+    return cast(Eye, eye)

@@ -1,0 +1,237 @@
+"""``camera.json`` and ``objects.json`` against the scene's description and its meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from scipy.spatial import cKDTree
+
+from ...core.mesh import Mesh, as_trimesh
+from ...procedural.description.camera import Camera
+from ...procedural.description.scene import Prop, Scene, SceneObject
+from ...procedural.optics.medium import Medium
+from ..format.camera_file import CameraFile
+from ..format.objects_file import GlassMaterial, MediumRecord, ObjectRecord, ObjectsFile
+from .fault import Fault, unlike
+
+#: Float64 through JSON [m, px].
+EXACT = 1e-12
+#: Distance of a point from the surface that it is on [m]: float32 positions of some decimetres.
+ON_SURFACE = 1e-6
+#: How far a symmetry may move a surface from itself, as a fraction of the box's diagonal [1]: tessellations of solids
+#: of revolution are good to parts of a millimetre, and drawn glass is a little elliptical and leans a little, which its
+#: stated symmetries leave out.
+SYMMETRIC = 1e-2
+#: Relative difference of volumes of meshes by two sums in float64 over float32 positions, and of a profile's frusta
+#: from its 64 to some hundred facets.
+VOLUME, FACETS = 1e-4, 0.02
+#: Ranges of the constants of transparent media: refractive index at 587.56 nm from aerogel's to diamond's, Abbe number
+#: of glasses and liquids (Schott and Ohara glass maps: 16 to 95), density from ether to dense flint [kg/m^3], surface
+#: tension from ether's to mercury's [N/m].
+RANGES = {
+    "eta": (1.0, 2.5),
+    "abbe": (10.0, 120.0),
+    "density": (0.5, 8000.0),
+    "surface_tension": (0.005, 0.5),
+    "contact_angle": (0.0, np.pi),
+}
+
+
+def camera_faults(camera: Camera, record: CameraFile, file: str) -> list[Fault]:
+    """Compare ``camera.json`` with the camera of the description, and the right camera's pose with the left one's."""
+    cx, cy = camera.centre
+    focal_y = camera.focal if camera.focal_y is None else camera.focal_y
+    K = [[camera.focal, 0.0, cx], [0.0, focal_y, cy], [0.0, 0.0, 1.0]]
+    pose = np.asarray(record.world_T_camera)
+    right = pose.copy()
+    right[:3, 3] += record.baseline * pose[:3, 0]
+    return [
+        *unlike("camera", file, "K", K, record.K, EXACT),
+        *unlike("camera", file, "width and height", (camera.width, camera.height), (record.width, record.height)),
+        *unlike("camera", file, "world_T_camera", camera.world_T_camera, pose, EXACT),
+        *unlike("camera", file, "baseline", camera.baseline, record.baseline, EXACT),
+        *unlike("camera", file, "world_T_right", right, record.world_T_right, EXACT),
+        *unlike("camera", file, "exposure", camera.exposure, record.exposure, EXACT * camera.exposure),
+        *rigid_faults("camera", file, "world_T_camera", pose),
+    ]
+
+
+def rigid_faults(check: str, file: str, where: str, pose: np.ndarray) -> list[Fault]:
+    """Check that a pose is a rotation and a shift."""
+    turn = np.asarray(pose)[:3, :3]
+    off = max(np.abs(turn @ turn.T - np.eye(3)).max(), abs(np.linalg.det(turn) - 1.0))
+    straight = np.array_equal(np.asarray(pose)[3], [0, 0, 0, 1])
+    if off < 1e-9 and straight:
+        return []
+    return [Fault(check, file, where, "a rigid pose", f"one that is off by {off:.2g}")]
+
+
+def object_faults(scene: Scene, objects: ObjectsFile, file: str) -> list[Fault]:
+    """Compare ``objects.json`` with the description and the meshes."""
+    expected, found = [item.id for item in scene.objects], [record.id for record in objects.objects]
+    if expected != found:
+        return unlike("objects", file, "ids", str(expected), str(found))
+    faults: list[Fault] = []
+    for item, record in zip(scene.objects, objects.objects, strict=True):
+        where = f"object {item.id}"
+        faults += unlike("objects", file, f"{where} name", item.name, record.name)
+        faults += unlike("objects", file, f"{where} category", item.category, record.category)
+        faults += unlike("objects", file, f"{where} world_T_object", item.world_T_object, record.world_T_object, EXACT)
+        faults += rigid_faults("objects", file, f"{where} world_T_object", record.world_T_object)
+        faults += unlike("objects", file, f"{where} size", _extent(item), record.size, ON_SURFACE)
+        faults += _surface_points(item, record, file)
+        faults += _symmetries(item, record, file)
+        faults += _contents(item, record, file)
+    return faults
+
+
+def media_faults(scene: Scene, objects: ObjectsFile, file: str) -> list[Fault]:
+    """Compare media with the description's, and their constants with the ranges of real ones."""
+    faults: list[Fault] = []
+    media = [
+        (f"object {record.id} material", record.material.medium)
+        for record in objects.objects
+        if isinstance(record.material, GlassMaterial)
+    ]
+    media += [(f"object {record.id} liquid", record.liquid.medium) for record in objects.objects if record.liquid]
+    media += [
+        (f"materials {number}", material.medium)
+        for number, material in enumerate(objects.materials)
+        if isinstance(material, MediumRecord)
+    ]
+    known = [_text(medium) for body in scene.vessels for part in body.interfaces for medium in (part.front, part.back)]
+    for where, medium in media:
+        if _text(medium) not in known and medium.name != "air":
+            faults.append(Fault("media", file, where, "a medium of the scene's description", medium.name))
+        faults += _constants(medium, where, file)
+    return faults
+
+
+def _constants(medium: Medium, where: str, file: str) -> list[Fault]:
+    faults: list[Fault] = []
+    for name, (low, high) in RANGES.items():
+        value = getattr(medium, name)
+        if value is not None and not low <= value <= high:
+            faults.append(Fault("media", file, f"{where} {name}", f"{low:g} to {high:g}", f"{value:g}"))
+    if min(medium.sigma_a) < 0.0:
+        faults.append(Fault("media", file, f"{where} sigma_a", "none below 0", str(medium.sigma_a)))
+    return faults
+
+
+def _surface_points(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
+    """Check that keypoints are on the surface, and that lines of liquids and mouths are on the vessel."""
+    where = f"object {item.id}"
+    solid = _joined(_meshes(item))
+    faults = _distances(solid, np.array(record.keypoints).reshape(-1, 3), f"{where} keypoints", file)
+    for name in ("fill_lines", "openings"):
+        for number, line in enumerate(getattr(record, name)):
+            faults += _distances(solid, np.array(line), f"{where} {name} {number}", file)
+    if isinstance(item, Prop):
+        return faults
+    expected = len({part.part for part in item.interfaces} & {"liquid_surface"})
+    return faults + unlike("objects", file, f"{where} fill_lines", expected, min(len(record.fill_lines), 1))
+
+
+def _distances(solid: trimesh.Trimesh, points: np.ndarray, where: str, file: str) -> list[Fault]:
+    if not len(points):
+        return []
+    # Only faces near the points are looked at: exact distances to all of them take seconds.
+    reach = 2.0 * float(np.linalg.norm(np.ptp(solid.triangles, axis=1), axis=1).max()) + ON_SURFACE
+    tree = cKDTree(points)
+    near = tree.query(solid.triangles_center, distance_upper_bound=reach)[0] <= reach
+    if not near.any():
+        return [Fault("objects", file, where, "points on the surface", "others")]
+    triangles = solid.triangles[near]
+    worst = max(_distance(triangles, point) for point in points)
+    if worst <= _CHORD * float(np.linalg.norm(solid.extents)) if "openings" in where else worst <= ON_SURFACE:
+        return []
+    return [Fault("objects", file, where, "points on the surface", f"one {1e3 * worst:.3f} mm off")]
+
+
+#: A mouth is a true circle, and its mesh a polygon inside it [of the diagonal].
+_CHORD = 2e-3
+
+
+def _distance(triangles: np.ndarray, point: np.ndarray) -> float:
+    closest = trimesh.triangles.closest_point(triangles, np.broadcast_to(point, (len(triangles), 3)))
+    return float(np.linalg.norm(closest - point, axis=1).min())
+
+
+def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
+    """Check that every symmetry maps the surface onto itself."""
+    points = np.unique(np.concatenate([mesh.vertices for mesh in _meshes(item)]), axis=0).astype(np.float64)
+    motions = [np.asarray(motion) for motion in record.symmetries_discrete]
+    for axis in record.symmetries_continuous:
+        turn = np.eye(4)
+        turn[:3, :3] = trimesh.transformations.rotation_matrix(2.0 * np.pi / 7.0, axis.axis)[:3, :3]
+        motions.append(turn)
+    if not motions:
+        return []
+    solid, reach = as_trimesh(_joined_mesh(_meshes(item))), SYMMETRIC * float(np.linalg.norm(item.size))
+    some = points[:: max(1, len(points) // 50)]
+    faults: list[Fault] = []
+    for motion in motions:
+        moved = some @ motion[:3, :3].T + motion[:3, 3]
+        worst = max(_distance(solid.triangles, point) for point in moved[:8])
+        if worst > reach:
+            text = f"one that moves it by {1e3 * worst:.2f} mm"
+            faults.append(Fault("objects", file, f"object {item.id} symmetries", "motions onto itself", text))
+    return faults
+
+
+def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
+    """Compare liquid and volumes with the description and with the volumes of the meshes."""
+    where = f"object {item.id}"
+    if isinstance(item, Prop):
+        return unlike("objects", file, f"{where} liquid", None, record.liquid and record.liquid.medium.name)
+    liquid = None if item.liquid is None else item.liquid.model_dump_json()
+    faults = unlike("objects", file, f"{where} liquid", liquid, record.liquid and record.liquid.model_dump_json())
+    if record.volumes is None:
+        return faults  # as in data sets of earlier versions
+    parts = {part.part: part.mesh for part in item.interfaces}
+    glass = _volume([mesh for name, mesh in parts.items() if name != "liquid_surface"])
+    faults += _near(glass, record.volumes.glass, VOLUME, f"{where} volumes.glass", file)
+    if item.liquid is None or "wet_wall" not in parts:
+        return faults + unlike("objects", file, f"{where} volumes.liquid", 0.0, record.volumes.liquid)
+    body = _volume([parts["liquid_surface"]]) - _volume([parts["wet_wall"]])
+    faults += _near(body, record.volumes.liquid, VOLUME, f"{where} volumes.liquid", file)
+    faults += _near(item.liquid.volume, record.volumes.liquid, FACETS, f"{where} volumes.liquid", file)
+    brimful = item.liquid.volume / item.liquid.fill
+    return faults + _near(brimful, record.volumes.brimful or 0.0, FACETS, f"{where} volumes.brimful", file)
+
+
+def _near(expected: float, found: float, relative: float, where: str, file: str) -> list[Fault]:
+    close = abs(found - expected) <= relative * abs(expected)
+    return [] if close else [Fault("objects", file, where, f"{expected:.6g} m^3", f"{found:.6g} m^3")]
+
+
+def _volume(meshes: list[Mesh]) -> float:
+    """Return the signed volume below faces [m^3]: of prisms from each face down to z = 0, which closed surfaces sum."""
+    total = 0.0
+    for mesh in meshes:
+        a, b, c = np.moveaxis(mesh.vertices.astype(np.float64)[mesh.faces], 1, 0)
+        area = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+        total += float((area * (a + b + c)[:, 2] / 3.0).sum())
+    return total
+
+
+def _extent(item: SceneObject) -> np.ndarray:
+    return np.ptp(np.concatenate([mesh.vertices for mesh in _meshes(item)]).astype(np.float64), axis=0)
+
+
+def _meshes(item: SceneObject) -> list[Mesh]:
+    return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
+
+
+def _joined(meshes: list[Mesh]) -> trimesh.Trimesh:
+    return as_trimesh(_joined_mesh(meshes))
+
+
+def _joined_mesh(meshes: list[Mesh]) -> Mesh:
+    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
+    return Mesh("joined", np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+
+
+def _text(medium: Medium) -> str:
+    return medium.model_dump_json()

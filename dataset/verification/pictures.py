@@ -1,0 +1,56 @@
+"""Pictures: of the right size, not black, not blown out, not the same from both eyes, and those of their radiance."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..stored_view import StoredView
+from .fault import Fault, at_pixels
+from .pinhole import Pinhole
+
+#: Largest mean of a picture that shows anything but black, and smallest one of one that is not all white [of 255].
+BLACK, WHITE = 2.0, 253.0
+#: Rounding of 8 bits, and of float32 radiance before the curve.
+STEP = 1
+
+
+def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
+    """Check both pictures of a view."""
+    width, height = camera.size
+    pictures, found = {}, []
+    for eye in ("left", "right"):
+        file, picture = f"{eye}.png", view.picture(eye)
+        if picture.shape != (height, width, 3):
+            found.append(Fault("pictures", file, "size", f"{width} x {height} px", str(picture.shape)))
+            continue
+        pictures[eye] = picture
+        mean = float(picture.mean())
+        if not BLACK < mean < WHITE:
+            expected = f"a mean between {BLACK:g} and {WHITE:g}: neither black nor blown out"
+            found.append(Fault("pictures", file, "all pixels", expected, f"{mean:.1f}"))
+    if len(pictures) == 2 and not found and np.array_equal(pictures["left"], pictures["right"]):
+        found.append(Fault("pictures", "right.png", "all pixels", "another picture than the left one", "the same"))
+    return found
+
+
+def radiance_faults(view: StoredView, exposure: float, developed: bool) -> list[Fault]:
+    """Check radiance: finite, not negative, and that of the picture where no other camera took it."""
+    found: list[Fault] = []
+    for eye in ("left", "right"):
+        path = Path(view.folder, f"{eye}.exr")
+        if not path.is_file():
+            continue
+        light = view.radiance(eye)
+        wrong = ~np.all(np.isfinite(light) & (light >= 0.0), axis=-1)
+        found += at_pixels("radiance", path.name, wrong, "finite light", light)
+        if wrong.any() or developed:
+            continue
+        value = np.clip(light.astype(np.float64) * exposure, 0.0, 1.0)
+        # The sRGB curve, IEC 61966-2-1:1999.
+        curve = np.where(value > 0.0031308, 1.055 * np.power(value, 1.0 / 2.4) - 0.055, 12.92 * value)
+        expected = np.round(255.0 * curve)
+        apart = np.abs(expected - view.picture(eye)).max(axis=-1)
+        found += at_pixels("radiance", path.name, apart > STEP, "the light of the picture", light)
+    return found

@@ -1,0 +1,73 @@
+"""The triangles of a scene, in the world, from its description and the meshes stored beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.mesh import Mesh
+from ...procedural.description.scene import TABLE_ID, Prop, Scene
+from ...procedural.description.surroundings import AreaLight
+
+#: Kinds of surfaces, in the order of the codes of ``layers.exr``; lamps, which labels leave out, come last.
+OPAQUE, OUTSIDE, WET_WALL, LIQUID_SURFACE, LAMP = range(5)
+_KINDS = {"outside": OUTSIDE, "wet_wall": WET_WALL, "liquid_surface": LIQUID_SURFACE}
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """n triangles."""
+
+    corners: np.ndarray  #: (n, 3, 3) float64, world [m]; counter-clockwise seen from the front
+    normals: np.ndarray  #: (n, 3, 3) float64, unit shading normals at the corners, world
+    id: np.ndarray  #: (n,) int, instance id; 0 for lamps
+    kind: np.ndarray  #: (n,) int, `OPAQUE` to `LAMP`
+    medium: np.ndarray  #: (n, 2) int, in front and behind: numbers in `media`, -1 for an opaque solid
+    media: tuple  #: media of the scene, air first
+
+
+def triangles_of(scene: Scene) -> Triangles:
+    """Return every surface that straight and refracted rays can meet."""
+    media: list = []
+    rows = [_row(scene.table.mesh, np.eye(4), TABLE_ID, OPAQUE, (-1, -1))]
+    for item in scene.objects:
+        pose = np.asarray(item.world_T_object)
+        if isinstance(item, Prop):
+            rows.append(_row(item.mesh, pose, item.id, OPAQUE, (-1, -1)))
+            continue
+        for part in item.interfaces:
+            sides = tuple(_number(media, medium) for medium in (part.front, part.back))
+            rows.append(_row(part.mesh, pose, item.id, _KINDS[part.part], sides))
+    rows += [_lamp(light) for light in scene.lights]
+    columns = [np.concatenate(column) for column in zip(*rows, strict=True)]
+    return Triangles(*columns, media=tuple(media))
+
+
+def _number(media: list, medium: object) -> int:
+    if medium not in media:
+        media.append(medium)
+    return media.index(medium)
+
+
+def _row(mesh: Mesh, pose: np.ndarray, number: int, kind: int, sides: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+    # The renderer places float32 positions in the world and rounds them there: so do these.
+    turn, shift = pose[:3, :3], pose[:3, 3]
+    places = (mesh.vertices.astype(np.float64) @ turn.T + shift).astype(np.float32).astype(np.float64)
+    corners = places[mesh.faces]
+    if mesh.normals is None:
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = np.repeat(flat[:, None], 3, axis=1)
+    else:
+        normals = (mesh.normals.astype(np.float64) @ turn.T)[mesh.faces]
+    length = np.linalg.norm(normals, axis=-1, keepdims=True)
+    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0.0)
+    n = len(corners)
+    return corners, normals, np.full(n, number), np.full(n, kind), np.tile(sides, (n, 1))
+
+
+def _lamp(light: AreaLight) -> tuple[np.ndarray, ...]:
+    x, y = 0.5 * light.size[0], 0.5 * light.size[1]
+    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+    mesh = Mesh("lamp", corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    return _row(mesh, np.asarray(light.world_T_light), 0, LAMP, (-1, -1))

@@ -1,0 +1,1 @@
+"""Patterns of surfaces at a scale in metres: colour, roughness and relief of wood, stone, cloth, metal and print."""

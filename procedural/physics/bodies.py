@@ -1,0 +1,108 @@
+"""What the objects of a scene are to mechanics: mass, centre of gravity, inertia, friction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydantic import Field
+
+from ...core.mesh import Mesh
+from ...core.model import Model
+from ..description.bodies import GlassBody, Prop, SceneObject, glass_solid, liquid_solid
+from .mass import MassProperties, combined, moved_mass, shell_mass, solid_mass
+from .substances import (
+    LIQUID_DENSITY,
+    WHOLE_DENSITIES,
+    Substance,
+    glass_substance,
+    substance_of,
+)
+
+#: A surface whose volume is less than this part of its hull's is open, or a sheet: it gets a wall [1].
+_LEAST_VOLUME = 1e-3
+
+
+class Mechanics(Model):
+    """Mechanical properties of an object as it is in the scene."""
+
+    whole: MassProperties = Field(description="With its liquid")
+    empty: MassProperties | None = Field(
+        default=None, exclude_if=lambda empty: empty is None, description="Of a filled vessel, the vessel alone"
+    )
+    density: float = Field(gt=0.0, description="Of what the body is made of, or of the whole where it is full [kg/m^3]")
+    wall: float | None = Field(default=None, description="Wall of a hollow body [m]; null where it is solid")
+    friction: float = Field(ge=0.0, description="Coefficient of static friction [1]; a pair has the larger of both")
+    source: str = Field(description="Where density and friction come from")
+
+
+def mechanics_of(item: SceneObject) -> Mechanics:
+    """Return the mechanical properties of an object.
+
+    Glass has the volume of its mesh, and so have the walls of cups and other open shapes. Closed props of plastic,
+    ceramic, metal, terracotta and cardboard are hollow; those of wood, stone, rubber, cloth and paper are solid. Tins
+    are full, and books are paper.
+    """
+    if isinstance(item, GlassBody):
+        return _of_glass(item)
+    substance = substance_of(item.material)
+    if item.category in WHOLE_DENSITIES:
+        density, source = WHOLE_DENSITIES[item.category]
+        whole = Substance(density, substance.friction, None, f"{source}; friction: {substance.source}")
+        return _record(solid_mass(item.mesh, density), whole)
+    return _of_prop(item, substance)
+
+
+def with_attached(mechanics: Mechanics, attached: Sequence[SceneObject]) -> Mechanics:
+    """Return the mechanical properties of a body together with its parts, whose poses are in its frame."""
+    if not attached:
+        return mechanics
+    others = [moved_mass(mechanics_of(part).whole, part.world_T_object) for part in attached]
+    return mechanics.model_copy(update={"whole": combined([mechanics.whole, *others])})
+
+
+def _of_glass(item: GlassBody) -> Mechanics:
+    substance = glass_substance(item.glass)
+    glass = solid_mass(glass_solid(item), substance.density)
+    if item.liquid is None:
+        return _record(glass, substance)
+    liquid = solid_mass(liquid_solid(item), item.liquid.medium.density or LIQUID_DENSITY)
+    return _record(combined([glass, liquid]), substance, glass)
+
+
+def _of_prop(item: Prop, substance: Substance) -> Mechanics:
+    hollow = substance.wall is not None or not _encloses(item.mesh)
+    if not hollow:
+        return _record(solid_mass(item.mesh, substance.density), substance)
+    wall = substance.wall or _SHEET
+    shell = shell_mass(item.mesh, substance.density, wall)
+    if _encloses(item.mesh):
+        solid = solid_mass(item.mesh, substance.density)
+        if solid.mass <= shell.mass:  # the mesh itself is a wall, as that of a cup
+            return _record(solid, substance)
+    return _record(shell, Substance(substance.density, substance.friction, wall, substance.source))
+
+
+#: Wall of open surfaces of solid materials [m]: boards and thick paper; a file's surface has none of its own.
+_SHEET = 3e-3
+
+
+def _encloses(mesh: Mesh) -> bool:
+    """Return whether a surface encloses a volume that can be trusted: closed, or at least most of its hull's."""
+    corners = mesh.vertices.astype(np.float64)[mesh.faces] - mesh.bounds.mean(0)
+    volume = float(np.linalg.det(corners).sum()) / 6.0
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2.0
+    # Open surfaces have boundaries: the vector areas of their triangles do not cancel.
+    vector = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(0) / 2.0
+    return volume > _LEAST_VOLUME * area**1.5 and float(np.linalg.norm(vector)) < 1e-3 * area
+
+
+def _record(whole: MassProperties, substance: Substance, empty: MassProperties | None = None) -> Mechanics:
+    return Mechanics(
+        whole=whole,
+        empty=empty,
+        density=substance.density,
+        wall=substance.wall if empty is None else None,
+        friction=substance.friction,
+        source=substance.source,
+    )

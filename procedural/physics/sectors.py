@@ -1,0 +1,74 @@
+"""Walls of any shape as convex bodies: sectors around the vertical axis, cut by levels until every piece is convex.
+
+Vessels with handles, spouts, flutes or corners are no solids of revolution, but their walls still run around an axis.
+Cuts by planes are exact, and the hull of a piece contains it, so bodies that keep apart from the hulls keep apart from
+the vessel.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...core.mesh import Mesh
+from .wedges import ConvexPart
+
+#: Sectors of a full turn, a power of two [1]: at a radius of 4 cm a chord lies 0.2 mm inside the circle.
+SECTORS = 32
+#: How far the surface may move so that it has fewer triangles [m].
+SIMPLIFICATION = 1e-4
+#: Mean depth of the dents of a piece that is convex enough, and the height of the lowest piece [m].
+MEAN_DENT, LEAST_HEIGHT = 2e-4, 3e-3
+
+
+def sector_parts(mesh: Mesh) -> tuple[np.ndarray, list[ConvexPart]]:
+    """Return the corners of the hull (n, 3), and convex bodies that together contain a closed mesh around the z axis.
+
+    Both are empty where the mesh is not closed.
+    """
+    from manifold3d import Error, Manifold, Mesh64
+
+    points, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    faces = index.reshape(-1)[mesh.faces].astype(np.uint64)
+    solid = Manifold(Mesh64(points.astype(np.float64), faces))
+    if solid.status() != Error.NoError or solid.volume() <= 0.0:
+        return np.empty((0, 3)), []
+    solid = solid.simplify(SIMPLIFICATION)
+    halves = solid.split_by_plane((0.0, 1.0, 0.0), 0.0)
+    pieces = [
+        piece
+        for number, half in enumerate(halves)
+        for sector in _sectors(half, np.pi * number, np.pi * (number + 1), SECTORS // 2)
+        for piece in _levels(sector)
+    ]
+    return _corners(solid.hull()), [ConvexPart(_corners(piece)) for piece in pieces]
+
+
+def _corners(solid: Any) -> np.ndarray:
+    return np.array(solid.to_mesh64().vert_properties, dtype=np.float64)[:, :3]
+
+
+def _sectors(solid: Any, start: float, end: float, count: int) -> list[Any]:
+    """Return a number of equal sectors between two angles [rad], which the solid lies between."""
+    if count == 1 or solid.is_empty():
+        return [solid]
+    middle = 0.5 * (start + end)
+    after, before = solid.split_by_plane((-np.sin(middle), np.cos(middle), 0.0), 0.0)
+    return [*_sectors(before, start, middle, count // 2), *_sectors(after, middle, end, count // 2)]
+
+
+def _levels(sector: Any) -> list[Any]:
+    """Return hulls of the pieces of a sector between levels, each convex enough or low."""
+    found, waiting = [], list(sector.decompose())
+    while waiting:
+        piece = waiting.pop()
+        hull = piece.hull()
+        low, high = piece.bounding_box()[2], piece.bounding_box()[5]
+        if hull.volume() - piece.volume() <= 0.5 * MEAN_DENT * hull.surface_area() or high - low < LEAST_HEIGHT:
+            if hull.volume() > 0.0:
+                found.append(hull)
+            continue
+        for part in piece.split_by_plane((0.0, 0.0, 1.0), 0.5 * (low + high)):
+            waiting += part.decompose()
+    return found

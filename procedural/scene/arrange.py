@@ -1,0 +1,106 @@
+"""Where the objects of a scene are: standing apart from each other, or in a pile."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...core.mesh import Mesh
+from ...core.randomness import stream
+from ..description.rest import Rest
+from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, SceneObject, Vessel
+from ..description.surroundings import Table
+from ..physics.bodies import mechanics_of
+from ..physics.piles import pile_up, placed_parts
+from ..placement.placement import CONTACT_GAP, draw_positions, footprint
+from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
+from ..surroundings.table import outline
+from ..things.draw import prop_pose
+from .draw_vessels import Parts, group_mesh, lies
+from .settings import SceneSettings
+
+#: Least angle between the axis of a vessel that lies and the vertical [rad]: it lies on its side or on a corner of its
+#: foot and its rim, and neither stands nor is it turned over.
+LEAST_TILT = np.radians(30.0)
+
+
+def arranged(
+    objects: Sequence[SceneObject], parts: Parts, table: Table, settings: SceneSettings, seed: int, scene_id: int
+) -> tuple[list[SceneObject], Rest | None]:
+    """Return the objects in their places with their parts behind them, and how they came to rest where they fell.
+
+    Vessels stand upright, but empty ones lie with `physics.lying_probability`. Props stand apart in a stable pose, or
+    with `physics.piled_probability` all props of the scene and the vessels that lie fall onto the table.
+
+    Parameters
+    ----------
+    objects : sequence of SceneObject
+        Vessels and props, wherever they are, by ascending id.
+    parts : mapping
+        Parts by the names of the vessels that they move with, in their frames.
+    table : Table
+        The table.
+    settings : SceneSettings
+        The settings.
+    seed, scene_id : int
+        Of the scene.
+
+    Raises
+    ------
+    InputError
+        Where the objects do not fit on the table, or no pile comes to rest.
+    """
+    upright = [_stands(item, parts, settings, seed, scene_id) for item in objects]
+    piled = stream(seed, scene_id, "physics").random() < settings.physics.piled_probability
+    board, rest = outline(table), None
+    if piled and not all(upright):
+        poses, rest = pile_up(
+            objects, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, parts
+        )
+    else:
+        poses = _apart(objects, upright, board, settings, seed, scene_id, parts)
+    placed, behind = [], []
+    for item, pose in zip(objects, poses, strict=True):
+        placed.append(item.model_copy(update={"world_T_object": pose}))
+        behind += placed_parts(parts.get(item.name, ()), pose)
+    first = FIRST_OBJECT_ID + len(placed)
+    return placed + [part.model_copy(update={"id": first + number}) for number, part in enumerate(behind)], rest
+
+
+def _stands(item: SceneObject, parts: Parts, settings: SceneSettings, seed: int, scene_id: int) -> bool:
+    """Return whether an object stands upright: vessels, but for those that lie. A liquid needs a level surface."""
+    if not isinstance(item, Vessel | MeshVessel):
+        return isinstance(item, GlassBody) and item.liquid is not None
+    drawn = stream(seed, scene_id, f"lies/{item.name}").random() < settings.physics.lying_probability
+    return item.liquid is not None or not (drawn or lies(item, parts.get(item.name, ())))
+
+
+def _apart(
+    objects: Sequence[SceneObject],
+    upright: Sequence[bool],
+    board: np.ndarray,
+    settings: SceneSettings,
+    seed: int,
+    scene_id: int,
+    parts: Parts,
+) -> list[np.ndarray]:
+    meshes = [group_mesh(item, parts.get(item.name, ())) for item in objects]
+    streams = [stream(seed, scene_id, f"pose/{item.name}") for item in objects]
+    poses = [_pose(*given) for given in zip(objects, meshes, upright, streams, strict=True)]
+    outlines = [footprint(mesh, pose) for mesh, pose in zip(meshes, poses, strict=True)]
+    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
+    for pose, shift in zip(poses, shifts, strict=True):
+        pose[:3, 3] += [*shift, CONTACT_GAP]
+    return poses
+
+
+def _pose(item: SceneObject, mesh: Mesh, upright: bool, rng: np.random.Generator) -> np.ndarray:
+    if upright:
+        return lowered(turn_about_z(rng.uniform(0.0, 2.0 * np.pi)), mesh)
+    if isinstance(item, Prop):
+        return prop_pose(item, rng)
+    if isinstance(item, Vessel | MeshVessel):
+        centre = mechanics_of(item).whole.centre_of_mass
+        return lowered(resting_turn(mesh.vertices.astype(np.float64), rng, LEAST_TILT, centre), mesh)
+    return resting_pose(mesh, rng)

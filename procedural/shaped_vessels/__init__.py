@@ -1,0 +1,1 @@
+"""Vessels that are no solids of revolution: other cross-sections, handles, spouts, double walls."""

@@ -1,0 +1,1 @@
+"""Everyday things at their real sizes, drawn without files: each part closed, with a material of its own."""

@@ -1,0 +1,1 @@
+"""What goes with a vessel, as objects of their own: caps, corks, lids, stoppers, labels, print, stands."""
