@@ -10,7 +10,7 @@ from ...core.images import KNEE, Tone, balance_of
 from ..description.camera import Camera
 from ..description.material import VertexColours
 from ..description.surroundings import AreaLight, Environment, RoomEnvironment, Table
-from ..materials.textures import bake
+from ..patterns.bake import bake_material
 from .camera_settings import CameraSettings
 from .colour import luminance
 from .metering import exposure, form_factor, irradiance, polygon_form_factor
@@ -78,7 +78,7 @@ def _reflectance(table: Table) -> float:
     """Return the luminance of the reflectance that all but the brightest part of the table's top has."""
     if isinstance(table.material.base_colour, VertexColours):
         return 1.0
-    return float(np.quantile(luminance(bake(table.material.base_colour)), 1.0 - _BRIGHTEST))
+    return float(np.quantile(luminance(bake_material(table.material)[0]), 1.0 - _BRIGHTEST))
 
 
 def _places(table: Table) -> np.ndarray:
