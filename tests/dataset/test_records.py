@@ -36,8 +36,8 @@ def test_a_camera_record_says_its_conventions_and_both_poses(analytic):
 
 def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     scene = analytic.scene()
-    heights = {"level": 0.01, "centre": 0.009, "contact": 0.012, "contact_angle": 0.4}
-    tea = Liquid(medium=Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9)), fill=0.6, volume=2.5e-4, **heights)
+    medium = Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9))
+    tea = Liquid(medium=medium, fill=0.6, volume=2.5e-4, level=0.01, centre=0.009, contact=0.012, contact_angle=0.4)
     glass = scene.vessels[0].model_copy(update={"liquid": tea})
     scene = scene.model_copy(update={"vessels": (glass,)})
     points = scene_keypoints(scene)
