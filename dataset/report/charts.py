@@ -13,8 +13,8 @@ from .quantities import Quantity
 
 #: Width of a histogram, height of its bars, and of the ticks and the paper's range below them [px].
 WIDTH, HEIGHT, TICKS, RANGE = 320, 96, 18, 20
-#: Margin beside the bars, in which half of an outer tick's number fits [px].
-_MARGIN = 22
+#: Margins beside the bars: on the left the largest count fits, on the right half of a tick's number [px].
+_LEFT, _RIGHT = 40, 24
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class _Axis:
         low, high = self.low, self.high
         if self.log:
             low, high, value = math.log(low), math.log(high), math.log(value)
-        return _MARGIN + (WIDTH - 2 * _MARGIN) * (value - low) / (high - low)
+        return _LEFT + (WIDTH - _LEFT - _RIGHT) * (value - low) / (high - low)
 
 
 def svg_histogram(quantity: Quantity, values: np.ndarray) -> str:
@@ -62,7 +62,7 @@ def _axis(quantity: Quantity, shown: Histogram) -> _Axis:
     low, high = float(shown.edges[0]), float(shown.edges[-1])
     if quantity.paper is not None:  # its range is on the axis
         low, high = min(low, quantity.paper[0] - 0.5), max(high, quantity.paper[1] + 0.5)
-    return _Axis(low, high, quantity.axis == "log" and low > 0.0 and len(shown.edges) > 2)
+    return _Axis(low, high, quantity.axis == "log" and low > 0.0)
 
 
 def _bars(quantity: Quantity, shown: Histogram, axis: _Axis) -> list[str]:
@@ -86,23 +86,28 @@ def _bin_text(quantity: Quantity, shown: Histogram, number: int) -> str:
 
 
 def _below(quantity: Quantity, shown: Histogram, axis: _Axis) -> list[str]:
-    """Return the line below the bars, three ticks with numbers, and the paper's range."""
-    parts = [f'<line class="axis" x1="{_MARGIN}" x2="{WIDTH - _MARGIN}" y1="{HEIGHT}" y2="{HEIGHT}"/>']
-    whole = quantity.axis == "whole"
-    low, high = (axis.low + 0.5, axis.high - 0.5) if whole else (axis.low, axis.high)
-    middle = math.sqrt(low * high) if axis.log else 0.5 * (low + high)
-    ticks = [low, round(middle) if whole else middle, high] if high - low > (1.0 if whole else 0.0) else [low, high]
-    if len(shown.edges) == 2:  # one value
-        ticks = [0.5 * (low + high)]
-    for tick in dict.fromkeys(ticks):
-        text = f'<text x="{axis.place(tick):.1f}" y="{HEIGHT + 14}" text-anchor="middle">{number_text(tick)}</text>'
-        parts.append(text)
+    """Return the lines around the bars, the largest count, ticks with numbers, and the paper's range."""
+    base = f'<line class="axis" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{HEIGHT}" y2="{HEIGHT}"/>'
+    parts = [base, _text(_LEFT - 5, 10, f"{shown.counts.max():,}", "end")]
+    parts += [_text(axis.place(tick), HEIGHT + 14, number_text(tick, 3)) for tick in _ticks(quantity, axis)]
     if quantity.paper is not None:
         left, right = (axis.place(end) for end in quantity.paper)
         y = HEIGHT + TICKS + 5
         parts.append(f'<line class="paper" x1="{left:.1f}" x2="{right:.1f}" y1="{y}" y2="{y}"/>')
-        parts.append(f'<text x="{0.5 * (left + right):.1f}" y="{y + 13}" text-anchor="middle">Syn-TODD</text>')
+        parts.append(_text(0.5 * (left + right), y + 13, "Syn-TODD"))
     return parts
+
+
+def _ticks(quantity: Quantity, axis: _Axis) -> list[float]:
+    """Return the numbers at the ends and in the middle of the axis."""
+    if quantity.axis == "whole":
+        low, high = axis.low + 0.5, axis.high - 0.5
+        return sorted({low, round(0.5 * (low + high)), high})
+    return [axis.low, math.sqrt(axis.low * axis.high) if axis.log else 0.5 * (axis.low + axis.high), axis.high]
+
+
+def _text(x: float, y: float, text: str, anchor: str = "middle") -> str:
+    return f'<text x="{x:.1f}" y="{y}" text-anchor="{anchor}">{escape(text)}</text>'
 
 
 def _median(axis: _Axis, median: float) -> str:

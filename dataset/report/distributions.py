@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...core.html import html_table
+from ...core.user_text import counted
 from .charts import svg_histogram
 from .histograms import statistics
 from .quantities import QUANTITIES, TOPICS, Quantity
@@ -24,10 +25,10 @@ def distributions(summary: Summary, section: str) -> Iterator[str]:
 
 def counts(summary: Summary, section: str) -> Iterator[str]:
     """Yield a card for each topic of a section that something was counted in."""
-    for key, (where, title, counted) in TOPICS.items():
+    for key, (where, title, noun, more) in TOPICS.items():
         names = summary.names.get(key)
         if where == section and names:
-            note = f"{names.total():,} {counted}" if key not in ("liquids", "contents") else counted
+            note = f"{counted(names.total(), noun)}{more}" if noun else more
             yield card(key, title, counts_table(names), _turbid(summary) if key == "liquids" else "", note=note)
 
 
@@ -41,7 +42,7 @@ def _distribution(key: str, quantity: Quantity, values: np.ndarray) -> str:
     parts = [svg_histogram(quantity, values), f'<div class="statistics">{html_table(names, [texts])}</div>']
     if quantity.paper is not None:
         low, high = quantity.paper
-        inside = percent_text(np.count_nonzero((values >= low) & (values <= high)), values.size)
+        inside = percent_text(float(np.mean((values >= low) & (values <= high))), 1.0)
         limits = f"{low} to {high}" if low else f"up to {high}"
         parts.append(f'<p class="soft">Syn-TODD: {limits}; here {inside} of the scenes</p>')
     return card(key, quantity.title, *parts, note=quantity.note, unit=quantity.unit)

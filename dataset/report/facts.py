@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
@@ -13,6 +14,8 @@ from ...annotate.projection import inverse_pose
 from ...core.assets import Asset
 from ...core.errors import InputError
 from ...procedural.description.rest import Rest
+from ...procedural.optics.dyes import DYES
+from ...procedural.optics.medium import Medium
 from ..format import layout
 from ..format.checksums import read_checksums
 from ..format.objects_file import ObjectRecord, ObjectsFile
@@ -20,12 +23,15 @@ from ..format.scene_outline import SceneOutline
 from ..format.views_table import SceneViews, scene_views
 from ..reader import StoredScene
 
+#: How the catalogue begins the names of solutions.
+_AMOUNT = re.compile(r"^[0-9]+ % ")
+
 
 @dataclass(frozen=True)
 class SceneFacts:
     """The numbers and names of one scene."""
 
-    numbers: Mapping[str, list[float]]  #: by the keys of `QUANTITIES`, SI units
+    numbers: Mapping[str, Sequence[float]]  #: by the keys of `QUANTITIES`, SI units
     names: Mapping[str, list[str]]  #: by the keys of `TOPICS`
     sizes: Mapping[str, int]  #: bytes by kind of file, such as ``left.png`` or ``meshes``
     assets: tuple[Asset, ...]
@@ -72,6 +78,13 @@ def _is_vessel(item: ObjectRecord) -> bool:
 
 def _liquids(item: ObjectRecord) -> tuple:
     return () if item.liquid is None else (item.liquid, *item.layers)
+
+
+def liquid_kind(medium: Medium) -> str:
+    """Return what a liquid is without amounts, such as ``sugar solution, dyed``: each vessel has amounts of its own."""
+    solvent, _, dyes = medium.name.rpartition(" with ")
+    dyed = solvent and any(absorber.spectrum in DYES and absorber.spectrum in dyes for absorber in medium.absorbers)
+    return _AMOUNT.sub("", f"{solvent}, dyed" if dyed else medium.name)
 
 
 def _numbers(
@@ -150,7 +163,7 @@ def _names(objects: ObjectsFile, outline: SceneOutline) -> Iterator[tuple[str, s
         elif item.material.kind == "glass":
             yield "families", item.category
             yield "walls", item.material.medium.name
-            yield from (("liquids", name) for name in {liquid.medium.name for liquid in _liquids(item)})
+            yield from (("liquids", name) for name in {liquid_kind(liquid.medium) for liquid in _liquids(item)})
             yield from (("contents", kind) for kind in {content.kind for content in item.contents})
         else:
             yield "kinds", item.category

@@ -8,8 +8,8 @@ import numpy as np
 
 from .quantities import Axis
 
-#: Bins of a histogram, and of fractions: steps of 5 %. Most whole numbers that have a bar each [1].
-BINS, PERCENT_BINS, MOST_BARS = 24, 20, 40
+#: Fewest and most bins of a histogram, bins of fractions (steps of 5 %), most whole numbers that have a bar each [1].
+FEWEST_BINS, MOST_BINS, PERCENT_BINS, MOST_BARS = 5, 24, 20, 40
 #: Percentiles beside the extremes [%].
 PERCENTILES = (5.0, 50.0, 95.0)
 
@@ -23,35 +23,40 @@ class Histogram:
 
 
 def histogram(values: np.ndarray, axis: Axis) -> Histogram:
-    """Return the histogram of values: whole numbers with a bar each, fractions by 5 %, others in 24 equal steps.
+    """Return the histogram of values.
 
     Parameters
     ----------
     values : (n,) float
         At least one, in the unit that is shown.
     axis : {"linear", "log", "whole", "percent"}
-        ``log``: steps have equal ratios; with a value that is not positive they are linear after all.
+        ``whole``: a bin for each number from 0 on, while these are few. ``percent``: steps of 5 %. ``log``: bins of
+        equal ratios; with a value that is not positive they are of equal width after all.
     """
-    low, high = float(values.min()), float(values.max())
-    if axis == "percent":
-        edges = np.linspace(0.0, 100.0, PERCENT_BINS + 1)
-        values = np.clip(values, 0.0, 100.0)  # a brimful vessel, rounded
-    elif axis == "whole" and high - low < MOST_BARS:
-        edges = np.arange(low - 0.5, high + 1.0)
-    elif high - low <= 1e-6 * abs(high):  # one value, as float32 has it
-        half = max(0.05 * abs(high), 1e-6)
-        edges = np.array([low - half, high + half])
-    elif axis == "log" and low > 0.0:
-        edges = np.geomspace(low, high, BINS + 1)
-    else:
-        edges = np.linspace(low, high, BINS + 1)
+    edges = _edges(values, axis)
     inside = np.clip(values, edges[0], edges[-1])  # the outer edges are rounded
     return Histogram(edges, np.histogram(inside, edges)[0])
 
 
-def number_text(value: float) -> str:
-    """Return a number with four digits, and thousands apart: ``0.1235``, ``12,350``."""
-    rounded = float(f"{value:.4g}")
+def _edges(values: np.ndarray, axis: Axis) -> np.ndarray:
+    low, high = float(values.min()), float(values.max())
+    if axis == "percent":
+        return np.linspace(0.0, 100.0, PERCENT_BINS + 1)
+    if axis == "whole" and high < MOST_BARS:
+        return np.arange(-0.5, high + 1.0)
+    if high - low <= 1e-6 * abs(high):  # one value, as float32 has it: in the middle bin
+        if axis == "log" and low > 0.0:
+            return np.geomspace(low / 1.1, high * 1.1, FEWEST_BINS + 1)
+        reach = 0.1 * abs(high) or 1.0
+        return np.linspace(low - reach, high + reach, FEWEST_BINS + 1)
+    # Rice's rule: twice the cube root of the number of values (Lane et al., Online Statistics Education, 2.B).
+    bins = int(np.clip(np.ceil(2.0 * np.cbrt(values.size)), FEWEST_BINS, MOST_BINS))
+    return np.geomspace(low, high, bins + 1) if axis == "log" and low > 0.0 else np.linspace(low, high, bins + 1)
+
+
+def number_text(value: float, digits: int = 4) -> str:
+    """Return a number with so many digits, and thousands apart: ``0.1235``, ``12,350``."""
+    rounded = float(f"{value:.{digits}g}")
     return f"{rounded:,.0f}" if abs(rounded) >= 1000.0 else f"{rounded:g}"
 
 

@@ -21,6 +21,9 @@ from .work import drawn_again, work
 #: What a browser may load: nothing but what the page itself holds. Text of a user's files can do nothing either.
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 
+#: What is alike in all histograms.
+_LEGEND = '<p class="soft">In histograms, the number at the left is that of the tallest bar; dashed is the median.</p>'
+
 
 def page(summary: Summary) -> str:
     """Return the page of a data set; the same data set gives the same text."""
@@ -33,7 +36,7 @@ def page(summary: Summary) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{title}: what was drawn</title><style>{STYLE}</style></head><body>"
-        f"<header><h1>{title}</h1>{_lead(summary)}<nav>{links}</nav></header>{_faults(summary)}<main>{body}</main>"
+        f"<header><h1>{title}</h1>{_lead(summary)}<nav>{links}</nav></header>{_faults(summary)}{_LEGEND}<main>{body}</main>"
         "</body></html>\n"
     )
 
@@ -68,10 +71,9 @@ def _sections(summary: Summary) -> Iterator[tuple[str, tuple[str, str]]]:
     for anchor, title in SECTIONS.items():
         parts = [*distributions(summary, anchor), *counts(summary, anchor)]
         if anchor == "work":
-            parts += work(summary)
+            parts += [*work(summary), *drawn_again(summary)]
         if parts:
             yield anchor, (title, cards(parts))
-    yield "again", ("Drawn again", cards(drawn_again(summary)))
     yield "sources", ("Files, licences and splits", cards(sources(summary)))
 
 

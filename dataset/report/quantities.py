@@ -76,16 +76,16 @@ QUANTITIES: dict[str, Quantity] = {
     "bytes": Quantity("work", "Size of a scene", "MB", 1e-6, "log", note="all files of its folder"),
 }
 
-#: What is counted by name: section, title, and what is counted.
-TOPICS: dict[str, tuple[str, str, str]] = {
-    "families": ("vessels", "Families", "vessels"),
-    "walls": ("vessels", "Materials of the wall", "vessels"),
-    "liquids": ("vessels", "Liquids", "vessels that hold it"),
-    "contents": ("vessels", "Ice, beads and bubbles", "vessels that hold them"),
-    "kinds": ("props", "Kinds of props", "props"),
-    "surfaces": ("props", "Materials of props", "props, by the material of most of their area"),
-    "parts_by_kind": ("props", "Parts of vessels, and what leans in them", "objects"),
-    "surroundings": ("light", "Surroundings", "scenes"),
-    "lamps": ("light", "Lamps", "lamps"),
-    "tables": ("light", "Tables", "scenes"),
+#: What is counted by name: section, title, noun of what is counted ("" where one may count twice), and more about it.
+TOPICS: dict[str, tuple[str, str, str, str]] = {
+    "families": ("vessels", "Families", "vessel", ""),
+    "walls": ("vessels", "Materials of the wall", "vessel", ""),
+    "liquids": ("vessels", "Liquids", "", "vessels that hold it"),
+    "contents": ("vessels", "Ice, beads and bubbles", "", "vessels that hold them"),
+    "kinds": ("props", "Kinds of props", "prop", ""),
+    "surfaces": ("props", "Materials of props", "prop", ", by the material of most of their area"),
+    "parts_by_kind": ("props", "Parts of vessels, and what leans in them", "object", ""),
+    "surroundings": ("light", "Surroundings", "scene", ""),
+    "lamps": ("light", "Lamps", "lamp", ""),
+    "tables": ("light", "Tables", "scene", ""),
 }

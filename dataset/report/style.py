@@ -37,7 +37,9 @@ nav { display: flex; flex-wrap: wrap; gap: 4px 16px; margin-top: 12px }
 table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums }
 th { color: var(--soft); font-weight: normal; text-align: left; vertical-align: bottom }
 th, td { padding: 2px 14px 2px 0; vertical-align: top; overflow-wrap: anywhere }
-.numbers td:not(:first-child), .numbers th:not(:first-child), .statistics td, .statistics th { text-align: right }
+.numbers td:not(:first-child), .numbers th:not(:first-child), .statistics td, .statistics th {
+  text-align: right; white-space: nowrap }
 .statistics table { width: 100% }
-.statistics th, .statistics td { padding: 0 6px 0 0; white-space: nowrap }
+.statistics th, .statistics td { padding: 0 6px 0 0 }
+.numbers td:first-child { min-width: 6em }
 """

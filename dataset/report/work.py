@@ -11,8 +11,8 @@ from .histograms import number_text
 from .summary import Summary
 from .tables import card, facts_table, long_table, numbers_table, percent_text
 
-#: Seconds of an hour, and bytes of a megabyte.
-_HOUR, _MEGABYTE = 3600.0, 1e6
+#: Bytes of a megabyte.
+_MEGABYTE = 1e6
 
 
 def work(summary: Summary) -> Iterator[str]:
@@ -29,13 +29,13 @@ def work(summary: Summary) -> Iterator[str]:
 def _stages(record: BuildRecord) -> str:
     total = sum(record.stages.values())
     rows = [
-        (stage, number_text(seconds / record.made), number_text(seconds / _HOUR), percent_text(seconds, total))
+        (stage, number_text(seconds / record.made), number_text(seconds), percent_text(seconds, total))
         for stage, seconds in sorted(record.stages.items(), key=lambda item: -item[1])
     ]
     if rows:
-        rows.append(("all", number_text(total / record.made), number_text(total / _HOUR), percent_text(total, total)))
-    note = f"of {counted(record.made, 'scene')}, as the last attempt at each took; {record.hosts} machine(s)"
-    return card("stages", "Time by stage", numbers_table(("stage", "s a scene", "h", "of all"), rows), note=note)
+        rows.append(("all", number_text(total / record.made), number_text(total), percent_text(total, total)))
+    note = f"of {counted(record.made, 'scene')}, as the last attempt at each took; {counted(record.hosts, 'machine')}"
+    return card("stages", "Time by stage", numbers_table(("stage", "s a scene", "s in all", "of all"), rows), note=note)
 
 
 def _failures(record: BuildRecord) -> str:
