@@ -54,7 +54,11 @@ def vessel_parts(layers: Layers, object_id: int, mouths: Sequence[np.ndarray], c
     for mouth in mouths:
         opening |= polygon_mask(project(mouth, camera.K, camera.world_T_camera)[0], shape)
     return VesselParts(
-        glass=masks["outside"] | wet, wet_wall=wet, liquid_surface=top, content=wet | top, opening=opening
+        glass=masks["outside"] | wet,
+        wet_wall=wet,
+        liquid_surface=top,
+        content=wet | top | masks["liquid_interface"] | masks["content"],
+        opening=opening,
     )
 
 

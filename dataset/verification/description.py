@@ -158,8 +158,11 @@ def _distance(triangles: np.ndarray, point: np.ndarray) -> float:
 
 
 def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
-    """Check that every symmetry maps the surface onto itself."""
-    points = np.unique(np.concatenate([mesh.vertices for mesh in _meshes(item)]), axis=0).astype(np.float64)
+    """Check that every symmetry maps the surface onto itself: of a vessel that of its glass, whatever is in it."""
+    meshes = _meshes(item)
+    if not isinstance(item, Prop):
+        meshes = [part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")]
+    points = np.unique(np.concatenate([mesh.vertices for mesh in meshes]), axis=0).astype(np.float64)
     motions = [np.asarray(motion) for motion in record.symmetries_discrete]
     for axis in record.symmetries_continuous:
         turn = np.eye(4)
@@ -167,7 +170,7 @@ def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Faul
         motions.append(turn)
     if not motions:
         return []
-    solid, reach = as_trimesh(_joined_mesh(_meshes(item))), SYMMETRIC * float(np.linalg.norm(item.size))
+    solid, reach = as_trimesh(_joined_mesh(meshes)), SYMMETRIC * float(np.linalg.norm(item.size))
     some = points[:: max(1, len(points) // 50)]
     faults: list[Fault] = []
     for motion in motions:
@@ -189,8 +192,10 @@ def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]
     if record.volumes is None:
         return faults  # as in data sets of earlier versions
     parts = {part.part: part.mesh for part in item.interfaces}
-    glass = _volume([mesh for name, mesh in parts.items() if name != "liquid_surface"])
+    glass = _volume([part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")])
     faults += _near(glass, record.volumes.glass, VOLUME, f"{where} volumes.glass", file)
+    if len(parts) < len(item.interfaces) or "content" in parts or "liquid_interface" in parts:
+        return faults  # several liquids, films or contents: their bodies are not closed by these surfaces alone
     if item.liquid is None or "wet_wall" not in parts:
         return faults + unlike("objects", file, f"{where} volumes.liquid", 0.0, record.volumes.liquid)
     body = _volume([parts["liquid_surface"]]) - _volume([parts["wet_wall"]])

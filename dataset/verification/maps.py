@@ -28,7 +28,7 @@ HEAT = 1.5 / HEAT_STEPS
 #: Pixels of each map of ``pair.png`` whose rays are traced again.
 SAMPLED = 400
 #: Bits of ``vessel_parts.png`` that follow from layers, and the kinds of surfaces that set them.
-_BITS = {1: (1, 2), 2: (2,), 4: (3,), 8: (2, 3)}
+_BITS = {1: (1, 2), 2: (2,), 4: (3,), 8: (2, 3, 4, 5)}
 _OPENING = 16
 
 

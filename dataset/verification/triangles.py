@@ -11,8 +11,14 @@ from ...procedural.description.scene import TABLE_ID, Prop, Scene
 from ...procedural.description.surroundings import AreaLight
 
 #: Kinds of surfaces, in the order of the codes of ``layers.exr``; lamps, which labels leave out, come last.
-OPAQUE, OUTSIDE, WET_WALL, LIQUID_SURFACE, LAMP = range(5)
-_KINDS = {"outside": OUTSIDE, "wet_wall": WET_WALL, "liquid_surface": LIQUID_SURFACE}
+OPAQUE, OUTSIDE, WET_WALL, LIQUID_SURFACE, LIQUID_INTERFACE, CONTENT, LAMP = range(7)
+_KINDS = {
+    "outside": OUTSIDE,
+    "wet_wall": WET_WALL,
+    "liquid_surface": LIQUID_SURFACE,
+    "liquid_interface": LIQUID_INTERFACE,
+    "content": CONTENT,
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,6 +33,7 @@ from ..pictures.integrator import (
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
+from ..scene.emitters import Emitters, ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
@@ -237,8 +238,8 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     previous.p = ray.o
     # A direction that only glass or the camera can have, and another surface behind: the path comes through glass.
     through = delta & (depth > 1)
-    glints = _glints_of(tracing.glints, state.footprint)
-    found = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside, glints, through)
+    origin, glints = PathOrigin(previous, pdf, delta), _glints_of(tracing.glints, state.footprint)
+    found = emitter_hit(tracing.loaded.emitters, pi, si, ray, origin, outside, glints, through)
     glossy, through_glass, any_traced = (
         mi.Color3f(state.glossy),
         mi.Bool(state.through_glass),
@@ -248,7 +249,8 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         found *= dr.select(through_glass, glossy, 1.0)
     L = state.L + beta * found
 
-    if dr.hint(outside & si.is_valid(), exclude=[scene, sampler, tracing]):
+    shaded = outside & si.is_valid() & ~ends_paths(tracing.loaded.emitters, si, outside)
+    if dr.hint(shaded, exclude=[scene, sampler, tracing]):
         before = depth - 1  # the surface's own depth: the loop has counted it
         bounce, fraction = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
         L += beta * bounce.radiance
@@ -302,12 +304,12 @@ def _opaque_bounce(
     cached = shade(shader, si, barycentric, ray, offset, u)
     if shader.traced is None:  # the usual case has a kernel without the second kind
         return cached, mi.Color3f(1.0)
-    return _traced_bounce(tracing.loaded.mi_scene, si, barycentric, ray, offset, u, cached, shader.traced)
+    return _traced_bounce(tracing.loaded.emitters, si, barycentric, ray, offset, u, cached, shader.traced)
 
 
 @syntax
 def _traced_bounce(
-    scene: mi.Scene,
+    emitters: Emitters,
     si: mi.SurfaceInteraction3f,
     barycentric: mi.Point2f,
     ray: mi.Ray3f,
@@ -319,8 +321,8 @@ def _traced_bounce(
     """Replace the bounces of surfaces that are path traced."""
     bounce, glossy = cached, mi.Color3f(1.0)
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
-    if dr.hint(traced, exclude=[scene, surfaces]):
-        bounce = opaque_event(scene, si, ray, offset, u, surfaces.maps)
+    if dr.hint(traced, exclude=[emitters, surfaces]):
+        bounce = opaque_event(emitters, si, ray, offset, u, surfaces.maps)
         stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy

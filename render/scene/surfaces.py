@@ -15,21 +15,24 @@ from .surface_maps import SurfaceMaps, surface_maps
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
+#: `Surface.object` of a room's surfaces and lamps.
+ROOM_OBJECT = -3
 
 
 @dataclass(frozen=True)
 class Surface:
     """One shape as the ray loops see it; before an opaque surface is its `front`, such as the liquid around a straw."""
 
-    instance: int  #: instance id; 0 for lights
-    object: int  #: position in `Scene.objects`, or -1 for the table and the lights
+    instance: int  #: instance id; 0 for lights and for a room, which are surroundings
+    object: int  #: position in `Scene.objects`, -1 for the table and the lights, `ROOM_OBJECT`
     opaque: bool
     front: Medium  #: the medium that the geometric normal points into
     back: Medium
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
     polished: bool = False  #: whether it is a prop with clear mirror reflections
-    piece: int = 0  #: number of the part of a prop
+    piece: int = 0  #: number of the part of a prop, or of the material of a room's surface
+    label: int | None = None  #: id in labels, where it is not `instance`
 
 
 @dataclass(eq=False)  # not frozen: Dr.Jit assigns to the fields of loop state
@@ -57,6 +60,7 @@ class SurfaceTable:
     """
 
     instance: mi.UInt32
+    label: mi.UInt32  #: the id in labels: that of the instance, or of a part of the room
     object: mi.Int32
     opaque: mi.Bool
     front: mi.UInt32
@@ -107,6 +111,7 @@ def surface_table(
 
     return SurfaceTable(
         instance=column(mi.UInt32, [row.instance for row in rows]),
+        label=column(mi.UInt32, [row.instance if row.label is None else row.label for row in rows]),
         object=column(mi.Int32, [row.object for row in rows]),
         opaque=column(mi.Bool, [row.opaque for row in rows]),
         front=column(mi.UInt32, [media.index(row.front) for row in rows]),
