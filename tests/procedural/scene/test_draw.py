@@ -160,8 +160,8 @@ def test_the_probes_see_bodies_that_overlap(rng, media_rays):
     one, two = scene.vessels
     pose = two.world_T_object.copy()
     pose[:2, 3] = one.world_T_object[:2, 3] + [max(one.size[0], two.size[0]) / 4, 0.0]
+    moved = scene.model_copy(update={"vessels": (one, two.model_copy(update={"world_T_object": pose}))})
     with pytest.raises(AssertionError):
-        moved = scene.model_copy(update={"vessels": (one, two.model_copy(update={"world_T_object": pose}))})
         _check_apart(moved, rng, media_rays)
 
 
