@@ -68,7 +68,7 @@ def test_own_media_are_drawn_by_their_names(tmp_path):
         ({"dyes": ["tartrazin"]}, "found 'tartrazin' (is it tartrazine?)"),
         ({"dyes": ["tartrazine"], "liquids": ["olive oil"]}, "dyes: expected a liquid that dissolves them"),
         ({"dye_concentration": (0.1, 0.2)}, "dye_concentration: expected dyes with it, found none"),
-        ({"categories": {"wine glass": 2, "beker": 1}}, "'wine glass' (is it stem glass?), 'beker' (is it beaker?)"),
+        ({"categories": {"stm glass": 2, "beker": 1}}, "'stm glass' (is it stem glass?), 'beker' (is it beaker?)"),
         ({"liquids": "70 % sugar solution"}, "found '70 % sugar solution'"),
     ],
 )

@@ -77,6 +77,9 @@ def test_a_vessel_stands_on_a_flat_ring(many_vessels):
     for vessel in many_vessels:
         outer = np.array(vessel.outer)
         standing = outer[outer[:, 1] <= -0.5 * vessel.size[2] + 1e-12]
+        if vessel.category in ("test tube", "round flask"):  # round at the bottom: a stand holds them, or they lie
+            assert len(standing) == 1
+            continue
         assert len(standing) >= 2
         assert np.ptp(standing[:, 0]) > 1e-3
 
