@@ -87,7 +87,7 @@ class ViewChecks:
                 self.faults += found
 
     def _radiance(self) -> list[Fault]:
-        return pictures.radiance_faults(self.view, self._camera.exposure, self.developed)
+        return pictures.radiance_faults(self.view, self._camera, self.developed)
 
     def _has(self, name: str) -> bool:
         return (self.view.folder / name).is_file()
