@@ -104,7 +104,8 @@ def test_curves_are_read_back_from_the_meshes_of_every_family_of_revolution(cate
 
 
 @pytest.mark.parametrize(
-    "category", [pytest.param(name, marks=() if name in ("mug", "square glass") else pytest.mark.slow) for name in SHAPED]
+    "category",
+    [pytest.param(name, marks=() if name in ("mug", "square glass") else pytest.mark.slow) for name in SHAPED],
 )
 def test_a_vessel_of_any_shape_is_emptied_and_filled_again(category):
     scene = _drawn(5, {"fill_probability": 1.0, "liquids": ["water"], "categories": [category]})
