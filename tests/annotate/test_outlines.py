@@ -40,7 +40,9 @@ def test_the_edge_of_an_open_surface_is_found_and_a_closed_one_has_none(tumbler)
 
 
 def test_a_fill_line_is_the_contact_line():
-    vessels = draw(1, vessel_count=[2, 2], vessels={"fill_probability": 1.0}, physics={"piled_probability": 0.0}).vessels
+    vessels = draw(
+        1, vessel_count=[2, 2], vessels={"fill_probability": 1.0}, physics={"piled_probability": 0.0}
+    ).vessels
     for body in vessels:
         assert isinstance(body, Vessel)
         assert body.liquid is not None
