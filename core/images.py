@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import cv2
 import numpy as np
 
@@ -9,6 +12,9 @@ import numpy as np
 NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
 _TABLE_ID, _FIRST_OBJECT_ID = 1, 2
+#: First id of a room's surfaces (`procedural.description.surroundings`), and colours of these in turn: dim greys.
+_FIRST_ROOM_ID = 65248
+_ROOM_COLOURS = ((45, 45, 48), (58, 58, 60), (50, 46, 44), (40, 40, 44), (48, 54, 66), (74, 74, 66), (66, 58, 70))
 #: Fifteen colours far apart in hue and lightness, red, green, blue; further objects repeat them.
 _COLOURS = (
     (230, 80, 70),
@@ -29,10 +35,89 @@ _COLOURS = (
 )
 
 
-def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
+@dataclass(frozen=True)
+class Tone:
+    """How linear values become those that sRGB encodes: white balance and a shoulder for highlights."""
+
+    #: Factors on red, green and blue that keep the luminance of white; "grey-world" makes the picture's mean grey.
+    balance: tuple[float, float, float] | Literal["grey-world"] = (1.0, 1.0, 1.0)
+    #: Linear value that is encoded as white. Above 1, values from `KNEE` on are compressed, so that a window shows a
+    #: view; those below do not change.
+    white: float = 1.0
+
+
+#: Linear value at which the shoulder begins [1]: sRGB 217 of 255. A white wall in the light of the meter is below.
+KNEE = 0.7
+#: No colour is balanced by more than this factor between two channels: that of a light bulb against daylight (as for
+#: `dataset.cameras.colour`).
+_MOST_BALANCE = 4.0
+#: Luminance of linear Rec.709.
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LINEAR = Tone()
+
+
+def grey_world(linear: np.ndarray, exposure: float) -> tuple[float, float, float]:
+    """Return the factors on red, green and blue that make the mean of a picture grey (Buchsbaum 1980).
+
+    Values above white count as white: a window is no part of the room's colour. The luminance of white is kept.
+
+    Parameters
+    ----------
+    linear : (H, W, 3) float
+        Linear Rec.709 radiance.
+    exposure : float
+        Factor from radiance to linear values.
+    """
+    mean = np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0).reshape(-1, 3).mean(axis=0)
+    return balance_of(mean)
+
+
+def common_tone(tone: Tone, left: np.ndarray, exposure: float) -> Tone:
+    """Return the tone of both pictures of a pair: what follows from a picture's mean follows from the left one's."""
+    return Tone(grey_world(left, exposure), tone.white) if tone.balance == "grey-world" else tone
+
+
+def balance_of(light: np.ndarray) -> tuple[float, float, float]:
+    """Return the factors on red, green and blue that make a light, (3,) linear Rec.709, grey; they keep luminance."""
+    light = np.maximum(light, light.max() / _MOST_BALANCE)
+    if not light.max() > 0.0:
+        return 1.0, 1.0, 1.0
+    gains = 1.0 / light
+    red, green, blue = (gains / (_LUMINANCE @ gains)).tolist()
+    return red, green, blue
+
+
+def toned(linear: np.ndarray, exposure: float, tone: Tone = LINEAR) -> np.ndarray:
+    """Return the linear values in [0, 1] that sRGB encodes, (H, W, 3) float64.
+
+    Above the knee k the shoulder is k + (1 - k) log(1 + a t) / log(1 + a) with t from 0 to 1 between k and white; a
+    makes its slope 1 at the knee.
+    """
+    gains = grey_world(linear, exposure) if tone.balance == "grey-world" else tone.balance
+    # (A factor of 1 changes no bit.)
+    value = linear.astype(np.float64) * exposure * np.array(gains)
+    if tone.white <= 1.0:
+        return np.clip(value, 0.0, 1.0)
+    span = (tone.white - KNEE) / (1.0 - KNEE)
+    a = _shoulder(span)
+    t = np.clip((value - KNEE) / (tone.white - KNEE), 0.0, 1.0)
+    shoulder = KNEE + (1.0 - KNEE) * np.log1p(a * t) / np.log1p(a)
+    return np.where(value > KNEE, shoulder, np.maximum(value, 0.0))
+
+
+def _shoulder(span: float) -> float:
+    """Return a with a / log(1 + a) = span, by fixed-point iteration, which contracts for spans above 1."""
+    a = 2.0 * span
+    for _ in range(100):
+        a = span * np.log1p(a)
+    return float(a)
+
+
+def srgb8(linear: np.ndarray, exposure: float, tone: Tone = LINEAR) -> np.ndarray:
     """Return the 8-bit picture of a pinhole camera.
 
-    Radiance times exposure, clipped to [0, 1], through the sRGB curve (IEC 61966-2-1:1999), rounded to 255 steps.
+    Radiance times exposure, clipped to [0, 1] or as the tone says, through the sRGB curve (IEC 61966-2-1:1999), rounded
+    to 255 steps.
 
     Parameters
     ----------
@@ -40,13 +125,15 @@ def srgb8(linear: np.ndarray, exposure: float) -> np.ndarray:
         Linear Rec.709 radiance.
     exposure : float
         Factor from radiance to the linear value that sRGB encodes.
+    tone : Tone
+        White balance and highlights; by default none, and highlights are clipped.
 
     Returns
     -------
     (H, W, 3) uint8
         Red, green, blue.
     """
-    return np.rint(srgb_curve(np.clip(linear.astype(np.float64) * exposure, 0.0, 1.0)) * 255.0).astype(np.uint8)
+    return np.rint(srgb_curve(toned(linear, exposure, tone)) * 255.0).astype(np.uint8)
 
 
 def srgb_curve(value: np.ndarray) -> np.ndarray:
@@ -57,7 +144,8 @@ def srgb_curve(value: np.ndarray) -> np.ndarray:
 def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
     """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
     hit = np.isfinite(Z)
-    shown = hit & (ids >= _FIRST_OBJECT_ID) if (hit & (ids >= _FIRST_OBJECT_ID)).any() else hit
+    objects = hit & (ids >= _FIRST_OBJECT_ID) & (ids < _FIRST_ROOM_ID)
+    shown = objects if objects.any() else hit
     if not shown.any():
         return np.full((*Z.shape, 3), NOTHING, np.uint8), (0.0, 0.0)
     near, far = float(Z[shown].min()), float(Z[shown].max())
@@ -76,11 +164,14 @@ def normal_colours(normal: np.ndarray) -> np.ndarray:
 
 
 def id_colours(ids: np.ndarray) -> np.ndarray:
-    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey."""
-    table = np.array([NOTHING, TABLE_COLOUR, *(id_colour(i) for i in range(2, int(ids.max(initial=2)) + 1))], np.uint8)
-    return table[ids]
+    """Return instance ids as distinct colours, (H, W, 3) uint8; the table is grey, and a room is dim."""
+    known, index = np.unique(ids, return_inverse=True)
+    table = np.array([NOTHING if i == 0 else id_colour(int(i)) for i in known], np.uint8).reshape(-1, 3)
+    return table[index].reshape(*ids.shape, 3)
 
 
 def id_colour(object_id: int) -> tuple[int, int, int]:
     """Return the colour of an instance id: red, green, blue."""
+    if object_id >= _FIRST_ROOM_ID:
+        return _ROOM_COLOURS[(object_id - _FIRST_ROOM_ID) // 32 % len(_ROOM_COLOURS)]
     return _COLOURS[(object_id - _FIRST_OBJECT_ID) % len(_COLOURS)] if object_id > _TABLE_ID else TABLE_COLOUR

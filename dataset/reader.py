@@ -27,6 +27,7 @@ from .format import layout
 from .format.dataset_file import DatasetFile, read_head
 from .format.light_file import read_light
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
+from .format.scene_outline import SceneOutline, read_outline
 from .format.split_file import read_splits
 from .format.views_table import scene_views
 from .preview.gallery import gallery
@@ -46,6 +47,10 @@ class StoredScene:
     def scene(self) -> Scene:
         """Return the whole description."""
         return load_scene(self.folder / layout.SCENE)
+
+    def outline(self) -> SceneOutline:
+        """Return the small parts of the description: surroundings, lamps, cameras; no mesh is read."""
+        return read_outline(self.folder)
 
     def objects(self) -> ObjectsFile:
         """Return the properties of each object that all views share."""

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from ..core.html import html_images
-from ..core.images import depth_colours, id_colours, normal_colours, srgb8
+from ..core.images import LINEAR, Tone, common_tone, depth_colours, id_colours, normal_colours, srgb8
 from ..core.model import Model
 
 #: One eye of a stereo camera.
@@ -145,6 +145,7 @@ class Frame:
     layers: Layers | None = None  #: of the left camera; None if not requested
     refraction: Refraction | None = None  #: of the left camera; None if not requested
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
+    tone: Tone = LINEAR  #: white balance and highlights, for display
     scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand
 
     def __repr__(self) -> str:
@@ -157,12 +158,12 @@ class Frame:
 
     def _repr_html_(self) -> str:
         """Show both pictures, depth, normals and ids in a notebook."""
-        geometry = self.geometry
+        geometry, tone = self.geometry, common_tone(self.tone, self.left, self.exposure)
         depth, (near, far) = depth_colours(geometry.Z, geometry.id)
         return html_images(
             [
-                (f"view {self.view}, left", srgb8(self.left, self.exposure)),
-                ("right", srgb8(self.right, self.exposure)),
+                (f"view {self.view}, left", srgb8(self.left, self.exposure, tone)),
+                ("right", srgb8(self.right, self.exposure, tone)),
                 (f"depth Z, {near:.2f} to {far:.2f} m", depth),
                 ("normals", normal_colours(geometry.normal)),
                 ("instance ids", id_colours(geometry.id)),

@@ -229,6 +229,7 @@ class Renderer:
             layers=layers if picture.layers else None,
             refraction=refraction,
             exposure=camera.exposure,
+            tone=camera.tone,
             scene=scene,
         )
 

@@ -58,18 +58,20 @@ def read_log(root: Path) -> Iterator[dict]:
                 yield data
 
 
-def last_attempts(root: Path) -> dict[int, Attempt]:
-    """Return the last attempt at each scene in the log, by scene."""
-    found = {}
+def attempts(root: Path) -> Iterator[Attempt]:
+    """Yield the attempts at scenes in the log, in its order."""
     for data in read_log(root):
         if data.get("event") == "scene":
             facts = {name: value for name, value in data.items() if name in Attempt.model_fields}
             try:
-                attempt = Attempt.model_validate(facts)
+                yield Attempt.model_validate(facts)
             except ValidationError:  # written by a later version
                 continue
-            found[attempt.scene] = attempt
-    return found
+
+
+def last_attempts(root: Path) -> dict[int, Attempt]:
+    """Return the last attempt at each scene in the log, by scene."""
+    return {attempt.scene: attempt for attempt in attempts(root)}
 
 
 def _ends_with_newline(path: Path) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ...core.images import srgb8
+from ...core.images import LINEAR, Tone, common_tone, srgb8
 from ...core.randomness import stream
 from .colour import balance, encoded, from_sensor, to_sensor
 from .defocus import circle, defocused, focused_at, right_depth
@@ -33,6 +33,7 @@ class PairLight:
     optics: Lens  #: fx, fy, cx, cy of both cameras [px]
     baseline: float  #: [m]
     exposure: float  #: factor from radiance to the linear value that saturates at 1
+    tone: Tone = LINEAR  #: of the ideal camera; others have their own white balance and tone curve
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ def develop(
         Of the random streams: ``camera/<view>`` and ``camera/<view>/<eye>``.
     """
     if camera.ideal:
-        return srgb8(light.left, light.exposure), srgb8(light.right, light.exposure)
+        tone = common_tone(light.tone, light.left, light.exposure)
+        return srgb8(light.left, light.exposure, tone), srgb8(light.right, light.exposure, tone)
     rng = stream(seed, scene_id, f"camera/{view}")
     control = _control(camera, light, rng)
     signals = []

@@ -179,7 +179,7 @@ def _write_sheet(request: Assets, objects: Sequence[SceneObject], names: Sequenc
     with stages.display():
         stages.begin_views(len(objects))
         for view in range(len(objects)):
-            pictures.append(srgb8(renderer.frame(view).left, scene.cameras[view].exposure))
+            pictures.append(srgb8(renderer.frame(view).left, scene.cameras[view].exposure, scene.cameras[view].tone))
             stages.advance(view)
     sizes = (" x ".join(f"{1e3 * side:.0f}" for side in item.size) + " mm" for item in objects)
     captions = [(_end_of(name), size) for name, size in zip(names, sizes, strict=False)]

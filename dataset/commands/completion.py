@@ -19,6 +19,7 @@ from .build_request import BuildDataset
 from .develop import Develop
 from .export import Export
 from .merge import Merge
+from .report import Report
 from .scene_request import RenderScene
 from .show import Show
 from .verify import Verify
@@ -47,6 +48,7 @@ _REQUESTS: dict[str, type[Model]] = {
     "render": RenderScene,
     "build": BuildDataset,
     "show": Show,
+    "report": Report,
     "verify": Verify,
     "export": Export,
     "develop": Develop,

@@ -20,7 +20,7 @@ CONVENTIONS = {
     "world": "right-handed, z up, table top at z = 0",
     "pair": "rectified: the right camera has the same axes and K, and stands at +baseline along the left camera's x",
     "Z": "planar depth along the optical axis, metres; +inf where there is nothing",
-    "colour": "EXR linear Rec.709 radiance; PNG sRGB of radiance times exposure, clipped",
+    "colour": "EXR linear Rec.709 radiance; PNG sRGB of radiance times exposure and balance, up to white",
 }
 
 Row3 = tuple[float, float, float]
@@ -48,6 +48,16 @@ class CameraFile(Model):
         default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"
     )
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    balance: tuple[float, float, float] | Literal["grey-world"] = Field(
+        default=(1.0, 1.0, 1.0),
+        exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
+        description="White balance of the ideal camera's 8-bit pictures: factors on red, green and blue",
+    )
+    white: float = Field(
+        default=1.0,
+        exclude_if=lambda white: white == 1.0,
+        description="Linear value that the ideal camera's 8-bit pictures show as white",
+    )
     grid_index: int | None = Field(
         description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"
     )
@@ -65,6 +75,8 @@ def camera_file(camera: Camera) -> CameraFile:
         world_T_right=camera.world_T_right,
         baseline=camera.baseline,
         exposure=camera.exposure,
+        balance=camera.balance,
+        white=camera.white,
         grid_index=camera.grid_index,
         conventions=CONVENTIONS,
     )
@@ -82,5 +94,7 @@ def camera_of(record: CameraFile) -> Camera:
         world_T_camera=record.world_T_camera,
         baseline=record.baseline,
         exposure=record.exposure,
+        balance=record.balance,
+        white=record.white,
         grid_index=record.grid_index,
     )

@@ -47,7 +47,7 @@ def write_developed(
         Numbers of scene and view: those of the random streams.
     """
     optics = optics_of(camera)
-    light = PairLight(*pair, Z=Z, optics=optics, baseline=camera.baseline, exposure=camera.exposure)
+    light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone)
     left, right = develop(development.camera, light, development.seed, *place)
     write_png(folder / "left.png", left)
     write_png(folder / "right.png", right)

@@ -14,8 +14,8 @@ from ...core.silence import quiet
 
 #: Ids are stored as floats, which more programs read. Float32 represents every integer below 2^24 exactly.
 _LARGEST_WHOLE = 1 << 24
-#: Half represents every integer up to this exactly.
-_LARGEST_HALF = 2048
+#: Largest number of a half: it represents all whole numbers up to 2048, and multiples of 32 up to this.
+_LARGEST_HALF = 65504
 #: Errors of the system on writing.
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
@@ -86,10 +86,16 @@ def channel(channels: dict[str, np.ndarray], name: str, path: Path) -> np.ndarra
 
 
 def half_numbers(values: np.ndarray, field: str) -> np.ndarray:
-    """Return whole numbers as half floats, which hold all up to 2048 exactly; ValueError for larger ones."""
-    if values.size and int(values.max()) > _LARGEST_HALF:
-        raise ValueError(f"{field}: expected at most {_LARGEST_HALF}, got {values.max()}")
-    return values.astype(np.float16)
+    """Return whole numbers as half floats; ValueError for those that these do not hold exactly.
+
+    They hold all up to 2048, and the ids of a room's surfaces.
+    """
+    whole = values.astype(np.int64)
+    halves = np.minimum(whole, _LARGEST_HALF).astype(np.float16)
+    wrong = halves.astype(np.int64) != whole
+    if wrong.any():
+        raise ValueError(f"{field}: expected at most 2048, or a room's id, got {values[wrong].max()}")
+    return halves
 
 
 def _stored(values: np.ndarray) -> np.ndarray:

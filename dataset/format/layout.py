@@ -22,7 +22,7 @@ from pathlib import Path
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
-DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
+DATASET, VIEWS, PREVIEW, REPORT = "dataset.json", "views.parquet", "preview.png", "report.html"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
 #: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"

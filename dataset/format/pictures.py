@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.arguments import as_path, check_type, described, number
 from ...core.errors import InputError, cause_of
-from ...core.images import srgb8
+from ...core.images import LINEAR, srgb8
 from ...core.silence import quiet
 from ...render.frame import Frame
 
@@ -46,15 +46,15 @@ def save_png(path: Path | str, picture: Frame | np.ndarray, exposure: float = 1.
     InputError
         For anything else than a picture, an exposure that is not positive, or a file that cannot be written.
     """
-    path = as_path("save_png: path", path)
+    path, tone = as_path("save_png: path", path), LINEAR
     if isinstance(picture, Frame):
-        picture, exposure = picture.left, picture.exposure * exposure
+        picture, exposure, tone = picture.left, picture.exposure * exposure, picture.tone
     check_type("save_png: picture", picture, np.ndarray, "a Frame, or an array of shape (H, W, 3)")
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype.kind not in "fu" or picture.size == 0:
         raise InputError("save_png: picture", "radiance or 8-bit colours of shape (H, W, 3)", described(picture))
     if picture.dtype != np.uint8:
         number("save_png: exposure", exposure, np.finfo(float).tiny, np.finfo(float).max)
-        picture = srgb8(picture.astype(np.float32), exposure)
+        picture = srgb8(picture.astype(np.float32), exposure, tone)
     try:
         write_png(path, picture)
     except OSError as error:

@@ -18,6 +18,7 @@ from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
 from ...dataset.format.pictures import read_png
 from ...dataset.reader import StoredView
 from ...procedural.description.scene import TABLE_ID, Scene
+from ...procedural.description.surroundings import FIRST_ROOM_ID
 from ..targets.objects import ViewObject, canonical_pose
 from .views import check_rigid
 
@@ -73,6 +74,9 @@ def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, i
         if label.id not in records:
             where = view.folder.parent / layout.OBJECTS
             raise InputError(where, f"an object {label.id}, which {layout.LABELS} has", f"{sorted(records)}")
+    # A room is surroundings to a network, whether it is a map at infinity or has walls with a depth.
+    surroundings = instances >= FIRST_ROOM_ID
+    instances, Z = np.where(surroundings, _BACKGROUND_ID, instances), np.where(surroundings, np.inf, Z)
     found = tuple(_object(records[label.id], label, instances, view) for label in labels)
     known = {_BACKGROUND_ID, TABLE_ID, *(item.id for item in found)}
     unknown = sorted(set(np.unique(instances).tolist()) - known)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from pydantic import Field
 
+from ...core.images import Tone
 from ...core.model import Matrix4, Model
 
 #: Longest side of a picture [px], as `CameraSettings` allows it; the product of two is 2^28 pixels.
@@ -28,6 +31,18 @@ class Camera(Model):
     world_T_camera: Matrix4 = Field(description="Pose of the left camera")
     baseline: float = Field(gt=0.0, description="Distance between the two cameras [m]")
     exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    balance: tuple[float, float, float] | Literal["grey-world"] = Field(
+        default=(1.0, 1.0, 1.0),
+        exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
+        description="White balance of the 8-bit pictures: factors on red, green, blue, or by the left picture's mean",
+    )
+    white: float = Field(
+        default=1.0,
+        ge=1.0,
+        le=1e3,
+        exclude_if=lambda white: white == 1.0,
+        description="Linear value that is encoded as white in the 8-bit pictures; above 1 highlights are compressed",
+    )
     grid_index: int | None = Field(
         ge=0, le=56, description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; None off the grid"
     )
@@ -41,6 +56,11 @@ class Camera(Model):
     def fy(self) -> float:
         """Focal length along y [px]."""
         return self.focal if self.focal_y is None else self.focal_y
+
+    @property
+    def tone(self) -> Tone:
+        """White balance and highlights of the 8-bit pictures."""
+        return Tone(self.balance, self.white)
 
     @property
     def K(self) -> np.ndarray:

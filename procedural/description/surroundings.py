@@ -59,10 +59,53 @@ class Block(Model):
     colour: Reflectance = Field(description="Linear Rec.709 reflectance")
 
 
+#: What a surface of a room belongs to.
+RoomPart = Literal["wall", "floor", "ceiling", "window", "lamp", "picture", "furniture", "table-leg"]
+#: Ids of the surfaces of a room in labels, above those of all objects: multiples of 32, which halves hold exactly.
+ROOM_IDS: dict[RoomPart, int] = {
+    "wall": 65248,
+    "floor": 65280,
+    "ceiling": 65312,
+    "window": 65344,
+    "lamp": 65376,
+    "picture": 65408,
+    "furniture": 65440,
+    "table-leg": 65472,
+}
+#: Ids from here on are those of surroundings.
+FIRST_ROOM_ID = 65248
+#: What a room is used for.
+RoomUse = Literal["plain", "kitchen", "laboratory", "dining-room", "study"]
+
+
+class Detail(Model):
+    """A small opaque body in a room: a leg, a door of a cupboard, a book, the housing of a lamp."""
+
+    part: RoomPart
+    shape: Literal["box", "cylinder"] = Field(default="box", description="A cylinder's axis is its local z")
+    room_T_detail: Matrix4
+    size: Vector3 = Field(description="Extent along its own axes [m]; of a cylinder, both diameters and the length")
+    colour: Reflectance = Field(description="Linear Rec.709 reflectance")
+    finish: Literal["plain", "wood"] = Field(default="plain", description="One colour, or wood of that mean colour")
+
+
 class RoomEnvironment(Model):
-    """A box-shaped room with windows and lamps, seen from the table, as an environment map."""
+    """A box-shaped room with windows, lamps and furniture, around the table or as a map at infinity."""
 
     kind: Literal["room"] = "room"
+    at_infinity: bool = Field(
+        default=True,
+        exclude_if=lambda at_infinity: at_infinity,
+        description="Whether the room is seen from the table's centre, as a map without depth; else its walls and "
+        "furniture are surfaces in their places",
+    )
+    use: RoomUse = Field(default="plain", exclude_if=lambda use: use == "plain", description="What it is used for")
+    details: tuple[Detail, ...] = Field(
+        default=(), exclude_if=lambda details: details == (), description="Small bodies, only of rooms in their places"
+    )
+    floor_tile: float = Field(
+        default=0.0, ge=0.0, exclude_if=lambda side: side == 0.0, description="Side of the floor's tiles [m]; 0: none"
+    )
     size: Vector3 = Field(description="Inner extent along x, y, z [m]")
     eye: Vector3 = Field(description="Where the table's centre is in the room, from a corner [m]")
     wall_colours: tuple[Reflectance, ...] = Field(

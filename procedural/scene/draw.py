@@ -7,8 +7,9 @@ from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..props.draw import PropSettings
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
+from ..surroundings.furnished_rooms import room_in_place, with_loose_things
 from ..surroundings.lights import draw_lights
-from ..surroundings.metering import exposure, irradiance
+from ..surroundings.photographer import camera_exposure, toned_cameras
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
@@ -58,11 +59,15 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     environment = with_shipped_light(
         stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
     )
-    pixels = bake_environment(environment)
     far = reach(settings.cameras, space, files.poses)
+    rng = stream(seed, scene_id, "environment/room")
+    environment = room_in_place(rng, settings.environment, environment, table, far)
+    pixels = bake_environment(environment)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
-    exposed = exposure(irradiance(pixels, environment.strength, lights))
+    exposed, light = camera_exposure(table, environment, pixels, lights)
     cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, space, exposed, files.poses)
+    cameras = toned_cameras(settings.cameras, cameras, light)
+    environment = with_loose_things(rng, environment, table, lights, cameras, space)
     return Scene(
         seed=seed,
         scene_id=scene_id,

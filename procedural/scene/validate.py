@@ -22,6 +22,7 @@ from ..description.scene import (
     Vessel,
     glass_solid,
 )
+from ..description.surroundings import FIRST_ROOM_ID
 from ..placement.overlap import Solid, contains
 from .fields import check_fields
 from .solids import body_mesh
@@ -31,8 +32,8 @@ from .validate_light import check_lamp, check_sun
 #: Largest relative difference between a solid's volume and that of its surfaces when these are cut: rounding of single
 #: precision at the contact line.
 SOLID_TOLERANCE = 1e-4
-#: Largest instance id: `instances.png` holds 16 bits a pixel.
-LARGEST_ID = (1 << 16) - 1
+#: Largest instance id: `instances.png` holds 16 bits a pixel, and the last ones are those of a room's surfaces.
+LARGEST_ID = FIRST_ROOM_ID - 1
 #: Smallest and largest exposure. A map of halves holds radiances from 6e-8 to 65504, which meter as 2e7 and 2e-5; the
 #: rest is room for maps of floats in other units.
 EXPOSURES = (1e-12, 1e12)

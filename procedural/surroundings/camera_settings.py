@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -139,6 +139,16 @@ class CameraSettings(Model):
         ge=0.0,
         le=MOST_TILT,
         description="Largest angle between the looking direction and the point looked at [rad], 0 to 0.5",
+    )
+    white_balance: Literal["off", "grey-world", "light"] = Field(
+        default="light",
+        description="Colour of the 8-bit pictures: that of the light (off), or balanced as a camera does: by the mean "
+        "of the picture (grey-world) or by the light that falls on the table (light)",
+    )
+    highlights: Literal["clip", "soft"] = Field(
+        default="soft",
+        description="What is brighter than white in the 8-bit pictures: white (clip), or compressed from 0.7 on, as "
+        "film and cameras do, so that windows show a view (soft)",
     )
     roll: Angle = Field(default=0.0, ge=0.0, le=math.pi, description="Largest turn about the optical axis [rad]")
 

@@ -75,6 +75,8 @@ def bake_environment(environment: Environment, height: int = 512) -> np.ndarray:
         renderer both ask for it).
     """
     changes = {"strength": 1.0} | ({} if isinstance(environment, ConstantEnvironment) else {"rotation": 0.0})
+    if isinstance(environment, RoomEnvironment):  # small bodies are too small for the map, and do not change it
+        changes |= {"details": ()}
     plain = environment.model_copy(update=changes)
     return _baked(plain, height)  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
 

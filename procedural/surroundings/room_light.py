@@ -8,6 +8,7 @@ between a window and the walls follows from the room itself.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -18,12 +19,13 @@ from .room_geometry import (
     WALL_FACES,
     Boxes,
     blocked,
+    boxes_of,
     cast,
     face_coordinates,
     face_frames,
     face_points,
 )
-from .windows import Outside, coverage, shining_level
+from .windows import Outside, coverage, outside_of, shining_level
 
 #: Side of a cell [m], and the fewest and most cells along one side of a face. Indirect light changes over a metre; the
 #: shadows of furniture are soft over some decimetres, because windows and lamps are large.
@@ -72,6 +74,19 @@ def cells_of(boxes: Boxes) -> Cells:
     ]
     first = np.cumsum(counts) - counts
     return Cells(first, shape, np.repeat(np.arange(len(shape)), counts), np.concatenate(centres).astype(np.float32))
+
+
+def room_irradiance(room: RoomEnvironment) -> list[np.ndarray]:
+    """Return `solve` of a room, read-only: the last result is remembered, as map and surfaces both ask for it."""
+    return _solved(room.model_copy(update={"details": (), "rotation": 0.0, "strength": 1.0}))  # pyright: ignore[reportArgumentType]  # frozen models are hashable at run time
+
+
+@lru_cache(maxsize=1)
+def _solved(room: RoomEnvironment) -> list[np.ndarray]:
+    faces = solve(room, boxes_of(room), outside_of(room))
+    for face in faces:
+        face.setflags(write=False)
+    return faces
 
 
 def solve(room: RoomEnvironment, boxes: Boxes, outside: Outside) -> list[np.ndarray]:

@@ -16,7 +16,20 @@ def fits_in_room(room: RoomEnvironment, light: AreaLight, clearance: float = CLE
     if (corners < clearance).any() or (corners > np.array(room.size) - clearance).any():
         return False
     boxes = [(np.array(block.lower) - clearance, np.array(block.upper) + clearance) for block in room.blocks]
-    return not any(_meets_box(corners, lower, upper) for lower, upper in boxes)
+    if any(_meets_box(corners, lower, upper) for lower, upper in boxes):
+        return False
+    return not _meets_details(corners, room, clearance)
+
+
+def _meets_details(corners: np.ndarray, room: RoomEnvironment, clearance: float) -> bool:
+    """Return whether the bounds of a lamp meet those of a small body, other than the lamp's own housing."""
+    low, high = corners.min(axis=0) - clearance, corners.max(axis=0) + clearance
+    for detail in room.details:
+        reach = 0.5 * np.abs(np.asarray(detail.room_T_detail)[:3, :3]) @ np.array(detail.size)
+        middle = np.asarray(detail.room_T_detail)[:3, 3]
+        if detail.part != "lamp" and (middle - reach < high).all() and (middle + reach > low).all():
+            return True
+    return False
 
 
 def room_corners(room: RoomEnvironment, light: AreaLight) -> np.ndarray:

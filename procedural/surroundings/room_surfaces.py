@@ -14,7 +14,7 @@ import numpy as np
 from ..description.surroundings import Panel, RoomEnvironment, Window
 from ..materials.noise import fractal_value_noise, lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, face_frames, face_points, in_rectangle
-from .room_light import solve
+from .room_light import room_irradiance
 from .windows import BAR_REFLECTANCE, Outside, coverage, outside_of, window_radiance
 
 # Side of a texel [m] on faces with boards, doors or pictures, and on plain ones; most texels along a side. A texel of
@@ -82,7 +82,7 @@ class RoomSurfaces:
 def room_surfaces(room: RoomEnvironment) -> RoomSurfaces:
     """Return the surfaces of a room, lit by its windows and lamps, without ``rotation`` and ``strength``."""
     boxes, outside = boxes_of(room), outside_of(room)
-    irradiance = solve(room, boxes, outside)
+    irradiance = room_irradiance(room)
     size = face_frames(boxes)[1]
     texel = np.full(len(size), _PLAIN_TEXEL)
     texel[[WALL_FACES[panel.wall] for panel in room.panels]] = _FINE_TEXEL

@@ -73,13 +73,13 @@ def draw_room(rng: np.random.Generator) -> RoomEnvironment:
     """Draw a room with windows, lamps, wall panels and furniture; the table stands well inside."""
     size = (float(rng.uniform(*_ROOM_SIDE)), float(rng.uniform(*_ROOM_SIDE)), float(rng.uniform(*_ROOM_HEIGHT)))
     eye = (size[0] * float(rng.uniform(*_TABLE_PLACE)), size[1] * float(rng.uniform(*_TABLE_PLACE)), TABLE_HEIGHT)
-    windows = _draw_windows(rng, size)
+    windows = draw_windows(rng, size)
     return RoomEnvironment(
         size=size,
         eye=eye,
-        wall_colours=_draw_colours(rng),
+        wall_colours=draw_colours(rng),
         windows=windows,
-        panels=_draw_panels(rng, size, windows),
+        panels=draw_panels(rng, size, windows),
         blocks=_draw_blocks(rng, size, windows),
         board_width=float(rng.choice([0.0, rng.uniform(*_BOARD_WIDTH)])),
         seed=int(rng.integers(2**31)),
@@ -87,29 +87,29 @@ def draw_room(rng: np.random.Generator) -> RoomEnvironment:
     )
 
 
-def _draw_colours(rng: np.random.Generator) -> tuple[Reflectance, ...]:
+def draw_colours(rng: np.random.Generator) -> tuple[Reflectance, ...]:
     """Draw the reflectance of walls, ceiling and floor: light paint, in some rooms one wall of a strong colour."""
-    wall = _paint(rng, _WALL_PAINT, _WALL_CHROMA)
+    wall = paint(rng, _WALL_PAINT, _WALL_CHROMA)
     walls = [wall] * 4
     if rng.uniform() < _ACCENT_PROBABILITY:
-        walls[int(rng.integers(4))] = _paint(rng, _ACCENT_PAINT, _ACCENT_CHROMA)
-    return (*walls, _paint(rng, _CEILING_PAINT, _CEILING_CHROMA), _wood(rng))
+        walls[int(rng.integers(4))] = paint(rng, _ACCENT_PAINT, _ACCENT_CHROMA)
+    return (*walls, paint(rng, _CEILING_PAINT, _CEILING_CHROMA), wood(rng))
 
 
-def _paint(rng: np.random.Generator, level: tuple[float, float], chroma: float) -> Reflectance:
+def paint(rng: np.random.Generator, level: tuple[float, float], chroma: float) -> Reflectance:
     """Draw a paint: a grey level from a range, with each primary off by up to the fraction ``chroma``."""
     colour = rng.uniform(*level) * (1.0 + chroma * rng.uniform(-1.0, 1.0, size=3))
     red, green, blue = np.clip(colour, *_PAINT_LIMITS)
     return float(red), float(green), float(blue)
 
 
-def _wood(rng: np.random.Generator) -> Reflectance:
+def wood(rng: np.random.Generator) -> Reflectance:
     """Draw a brown from pale ash to dark walnut."""
     level, warmth = rng.uniform(*_WOOD_LEVEL), rng.uniform(*_WOOD_WARMTH)
     return float(level * (1.0 + _WOOD_RED * warmth)), float(level), float(level * (1.0 - _WOOD_BLUE * warmth))
 
 
-def _draw_windows(rng: np.random.Generator, size: tuple[float, float, float]) -> tuple[Window, ...]:
+def draw_windows(rng: np.random.Generator, size: tuple[float, float, float]) -> tuple[Window, ...]:
     """Draw windows on up to two walls, ceiling lamps and a soft box; at least one window or lamp."""
     lamps = _ceiling_lamps(rng, size) if rng.uniform() < _LAMP_PROBABILITY else []
     walls = rng.permutation(4)[: int(rng.integers(0 if lamps else 1, _MOST_WINDOW_WALLS + 1))]
@@ -174,7 +174,7 @@ def _radiance(
     return _triple(black_body(rng.uniform(*temperature)) * level)
 
 
-def _draw_panels(
+def draw_panels(
     rng: np.random.Generator, size: tuple[float, float, float], windows: tuple[Window, ...]
 ) -> tuple[Panel, ...]:
     """Draw a door and pictures on the walls that have no window."""
@@ -187,11 +187,11 @@ def _draw_panels(
         while x < length - _PANEL_ROOM:
             if rng.uniform() < _DOOR_PROBABILITY:
                 width, high, centre = _DOOR_WIDTH, _DOOR_HEIGHT, 0.5 * _DOOR_HEIGHT
-                colours = [_wood(rng)]
+                colours = [wood(rng)]
             else:
                 width, high = rng.uniform(*_PICTURE_WIDTH), rng.uniform(*_PICTURE_HEIGHT)
                 centre = rng.uniform(*_PICTURE_CENTRE)
-                colours = [_paint(rng, _FRAME_PAINT, _FRAME_CHROMA), _paint(rng, _PICTURE_PAINT, _PICTURE_CHROMA)]
+                colours = [paint(rng, _FRAME_PAINT, _FRAME_CHROMA), paint(rng, _PICTURE_PAINT, _PICTURE_CHROMA)]
             for layer, colour in enumerate(colours):
                 # The picture lies inside its frame.
                 inner = (width - 2 * _FRAME_WIDTH * layer, high - 2 * _FRAME_WIDTH * layer)
@@ -216,7 +216,7 @@ def _draw_blocks(
         lower, upper = [0.0, 0.0, 0.0], [0.0, 0.0, high]
         lower[axis], upper[axis] = (size[axis] - depth, size[axis]) if far else (0.0, depth)
         lower[1 - axis], upper[1 - axis] = start, start + width
-        colour = _wood(rng) if rng.uniform() < _BLOCK_WOOD_PROBABILITY else _paint(rng, _BLOCK_PAINT, _BLOCK_CHROMA)
+        colour = wood(rng) if rng.uniform() < _BLOCK_WOOD_PROBABILITY else paint(rng, _BLOCK_PAINT, _BLOCK_CHROMA)
         blocks.append(Block(lower=_triple(lower), upper=_triple(upper), colour=colour))
     return tuple(blocks)
 

@@ -21,6 +21,10 @@ ElevationRange = Annotated[tuple[_Elevation, _Elevation], Ordered]
 DrawnKind = Literal["bulb", "desk-lamp", "tube", "panel", "soft-box"]
 
 
+#: Uses of furnished rooms that are drawn.
+DrawnUse = Literal["kitchen", "laboratory", "dining-room", "study"]
+
+
 class EnvironmentSettings(Model):
     """The environment map: from a file of the user or of the package, a procedural room or a procedural sky."""
 
@@ -41,6 +45,16 @@ class EnvironmentSettings(Model):
     )
     room_share: Unit = Field(
         default=0.7, description="Probability that a procedural environment is a room; otherwise it is a sky"
+    )
+    room_depth: bool = Field(
+        default=False,
+        description="Whether a procedural room is furnished and has its walls in their places, with depth and "
+        "parallax, for twice the time of a picture; otherwise it is a map at infinity",
+    )
+    room_uses: tuple[DrawnUse, ...] = Field(
+        default=("kitchen", "laboratory", "dining-room", "study"),
+        min_length=1,
+        description="What such rooms are used for, each as often as it is named",
     )
     sun_radius: Angle = Field(
         default=SUN_RADIUS,

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..description.surroundings import RoomEnvironment, Window
 from ..materials.noise import fractal_value_noise
+from .colour import luminance
+from .outside_view import bake_outside
 from .room_geometry import in_rectangle
 
 #: Width of a mullion and of a window's frame [m], and reflectance of their paint.
@@ -49,7 +51,13 @@ class Outside:
 
 
 def outside_of(room: RoomEnvironment) -> Outside:
-    """Return the view outside: a sky that brightens to the horizon, a skyline, and land below."""
+    """Return the view outside: a sky that brightens to the horizon, a skyline, and land below.
+
+    Of a room in its place it is the luminance of `outside_view`.
+    """
+    if not room.at_infinity:
+        first = next((window.radiance for window in room.windows if window.kind == "window"), (1.0, 1.0, 1.0))
+        return Outside((luminance(bake_outside(room)) / luminance(np.array(first))).astype(np.float32))
     rows, columns = _OUTSIDE_ROWS, 2 * _OUTSIDE_ROWS
     elevation = (0.5 * np.pi - np.pi * (np.arange(rows) + 0.5) / rows)[:, None]
     azimuth = 2.0 * np.pi * (np.arange(columns) + 0.5) / columns

@@ -13,8 +13,9 @@ import numpy as np
 
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import PathOrigin, StoredCaustics, balance_heuristic, trace, visible
+from ..pictures.integrator import PathOrigin, StoredCaustics, balance_heuristic, trace
 from ..pictures.sampler import SobolSampler, sample_4d, sobol_sampler
+from ..scene.emitters import sample_emitter, unoccluded
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import draw_wavelengths
@@ -138,17 +139,17 @@ def _trace_pass(gather: _Gather, point: np.ndarray, index: np.ndarray) -> np.nda
 def _incident_moments(gather: _Gather, point: mi.UInt32, sampler: SobolSampler) -> list[mi.Float]:
     """Trace one path of each lane's point; return E, E weighted with f, and the directions of both by luminance."""
     loaded, origins = gather.loaded, gather.origins
-    scene, offset = loaded.mi_scene, dr.opaque(mi.Float, loaded.offset)
+    offset = dr.opaque(mi.Float, loaded.offset)
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(point))
     start = sample_points(origins, point, sampler)
     si.p, si.n, ns = start.p, start.n, start.ns
     si.wavelengths, weight = draw_wavelengths(mi.Float(0.5))
     a, b, c, d = sample_4d(sampler, mi.UInt32(1))
 
-    ds, emitted = scene.sample_emitter_direction(si, mi.Point2f(a, b), False)
+    ds, emitted = sample_emitter(loaded.emitters, si, mi.Point2f(a, b))
     cos = dr.dot(ns, ds.d)
     lit = start.valid & (ds.pdf > 0.0) & (cos > 0.0) & (dr.dot(si.n, ds.d) > 0.0) & dr.any(emitted > 0.0)
-    lit = visible(scene, si, ds, offset, lit)
+    emitted = unoccluded(loaded.emitters, si, (ds, emitted), offset, lit)
     mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, cos * dr.inv_pi))
     direct = dr.select(lit, mis_weight * cos * emitted, 0.0)
 

@@ -18,7 +18,8 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, PathDimensions, StoredCaustics, balance_heuristic, visible
+from ..pictures.integrator import Bounce, PathDimensions, StoredCaustics, balance_heuristic
+from ..scene.emitters import sample_emitter, unoccluded
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
 from ..scene.surfaces import SurfaceTable, registry_id
@@ -77,7 +78,7 @@ class MaterialColumns:
 class CachedShader:
     """The irradiance cache and the materials as Dr.Jit arrays, for shading."""
 
-    scene: mi.Scene
+    loaded: LoadedScene
     table: SurfaceTable
     lookup: Lookup
     moments: mi.Float
@@ -127,7 +128,7 @@ def cached_shader(
     table, lookup = loaded.surfaces, lookup_of(cache.points)
     moments = mi.Float(np.ascontiguousarray(cache.moments, np.float32).ravel())
     dr.make_opaque(moments)
-    return CachedShader(loaded.mi_scene, table, lookup, moments, material_columns(loaded), emission, traced)
+    return CachedShader(loaded, table, lookup, moments, material_columns(loaded), emission, traced)
 
 
 def material_columns(loaded: LoadedScene) -> MaterialColumns:
@@ -190,7 +191,7 @@ def shade(
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
     radiance = diffuse(material, point.wi, eye, moments_at(shader.moments, index, weight, point))
     level = dr.max(radiance)
-    radiance += _glossy_emitter(shader.scene, point, offset, u, _FAINT * level)
+    radiance += _glossy_emitter(shader.loaded, point, offset, u, _FAINT * level)
 
     wo = sample_glossy(material, point.wi, u.u_bsdf)
     value, pdf = eval_glossy(material, point.wi, wo)
@@ -258,19 +259,19 @@ def diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, momen
 
 
 def _glossy_emitter(
-    scene: mi.Scene, point: ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
+    loaded: LoadedScene, point: ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
 ) -> mi.Color3f:
     """Return the radiance of the glossy lobe by emitter sampling (next-event estimation), MIS-weighted.
 
     Below the radiance `faint`, Russian roulette decides whether a shadow ray is traced.
     """
-    ds, arriving = scene.sample_emitter_direction(point.si, u.u_emitter, False)
+    ds, arriving = sample_emitter(loaded.emitters, point.si, u.u_emitter)
     value, pdf = eval_glossy(point.material, point.wi, point.frame.to_local(ds.d))
     if point.tilt is not None:
         value = dr.select(point.tilt.above(point, ds.d), value, 0.0)
     mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
-    radiance = mis_weight * value * arriving
-    survival = dr.minimum(dr.max(radiance) / faint, 1.0)
+    weight = mis_weight * value
+    survival = dr.minimum(dr.max(weight * arriving) / faint, 1.0)
     lit = (ds.pdf > 0.0) & (u.u_rr < survival)
-    lit = visible(scene, point.si, ds, offset, lit)
-    return dr.select(lit, radiance / survival, 0.0)
+    arriving = unoccluded(loaded.emitters, point.si, (ds, arriving), offset, lit)
+    return dr.select(lit, weight * arriving / survival, 0.0)

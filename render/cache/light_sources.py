@@ -18,6 +18,8 @@ from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.environments import bake_environment
 from .._mitsuba import dr, mi, syntax
 from ..pictures.sampler import SobolSampler, sample_4d
+from ..scene.emitters import Emitters
+from ..scene.room_emitter import radiance_towards, shell_point
 
 #: Smallest probability of an emitter [1]: an estimate of its light that is far too low must not starve it.
 _MIN_PROBABILITY = 0.05
@@ -153,7 +155,7 @@ def _lamp_flux(lamp: AreaLight, targets: Targets) -> float:
     return float((intensity * cos * np.pi * (targets.radius / distance) ** 2).sum())
 
 
-def emit(sources: LightSources, mi_scene: mi.Scene, sampler: SobolSampler) -> Emission:
+def emit(sources: LightSources, emitters: Emitters, sampler: SobolSampler) -> Emission:
     """Sample an emitter, a target, and a photon from the one to the other."""
     u_emitter, u_sphere, u, v = sample_4d(sampler, mi.UInt32(_TARGET_SET))
     a, b, *_ = sample_4d(sampler, mi.UInt32(_EMITTER_SET))
@@ -162,7 +164,8 @@ def emit(sources: LightSources, mi_scene: mi.Scene, sampler: SobolSampler) -> Em
         mi.Vector4f, sources.sphere, _chosen(sources.sphere_cumulative, sources.spheres, u_sphere)
     )
     sphere = mi.Point3f(x, y, z), radius
-    sky = _from_environment(sources, mi_scene, sphere, (u, v), mi.Point2f(a, b))
+    from_surroundings = _from_environment if emitters.room is None else _from_room
+    sky = from_surroundings(sources, emitters, sphere, (u, v), mi.Point2f(a, b))
     lamp = _from_lamp(sources, emitter, sphere, (u, v), (a, b))
     is_sky = emitter == 0
     power = dr.select(is_sky, sky.power, lamp.power) / probability
@@ -189,7 +192,7 @@ def _chosen(cumulative: mi.Float, count: mi.UInt32, u: mi.Float) -> mi.UInt32:
 
 def _from_environment(
     sources: LightSources,
-    mi_scene: mi.Scene,
+    emitters: Emitters,
     sphere: tuple[mi.Point3f, mi.Float],
     disc: tuple[mi.Float, mi.Float],
     u_direction: mi.Point2f,
@@ -202,7 +205,7 @@ def _from_environment(
     centre, radius = sphere
     at = dr.zeros(mi.Interaction3f, dr.width(radius))
     at.p = centre
-    ds, arriving = mi_scene.environment().sample_direction(at, u_direction)
+    ds, arriving = emitters.scene.environment().sample_direction(at, u_direction)
     direction = -ds.d
     x, y = _disc_point(disc)
     frame = mi.Frame3f(direction)
@@ -210,6 +213,46 @@ def _from_environment(
     hits = _spheres_hit(sources, through, direction)[0]
     power = dr.select(ds.pdf > 0.0, mi.Color3f(arriving) * sources.disc_area / dr.maximum(hits, 1.0), 0.0)
     return Emission(mi.Ray3f(through - sources.reach * direction, direction), power)
+
+
+def _from_room(
+    sources: LightSources,
+    emitters: Emitters,
+    sphere: tuple[mi.Point3f, mi.Float],
+    cone: tuple[mi.Float, mi.Float],
+    u_direction: mi.Point2f,
+) -> Emission:
+    """Return photons from a point of the room's shell within the cone that a sphere fills.
+
+    The room's map chooses the point. What the line to the sphere meets last before it, a wall, a cupboard or the view
+    outside, sends the photon.
+    """
+    room = emitters.room
+    assert room is not None
+    centre, radius = sphere
+    ds, _ = emitters.scene.environment().sample_direction(dr.zeros(mi.Interaction3f, dr.width(radius)), u_direction)
+    origin, normal, area = shell_point(room, ds.d)
+    direction, pdf = _towards_sphere(sources, origin, sphere, cone)
+    near = origin + dr.maximum(dr.dot(centre - origin, direction) - radius, 0.0) * direction
+    radiance, distance = radiance_towards(room, near, -direction)
+    flux = radiance * dr.abs(dr.dot(normal, direction))
+    density = ds.pdf / area * pdf
+    back = dr.select(dr.isfinite(distance), distance, dr.norm(near - origin)) - _CLEARANCE
+    return Emission(mi.Ray3f(near - back * direction, direction), dr.select(density > 0.0, flux / density, 0.0))
+
+
+def _towards_sphere(
+    sources: LightSources, origin: mi.Point3f, sphere: tuple[mi.Point3f, mi.Float], cone: tuple[mi.Float, mi.Float]
+) -> tuple[mi.Vector3f, mi.Float]:
+    """Return a direction from a point within the cone that a sphere fills, and its density over all spheres."""
+    centre, radius = sphere
+    axis = centre - origin
+    distance = dr.norm(axis)
+    versine = _cone_versine(distance, radius) * cone[0]  # 1 - cos
+    sin, turn = dr.safe_sqrt(versine * (2.0 - versine)), dr.two_pi * cone[1]
+    frame = mi.Frame3f(dr.select(distance > 0.0, axis / distance, mi.Vector3f(0.0, 0.0, 1.0)))
+    direction = (1.0 - versine) * frame.n + sin * (dr.cos(turn) * frame.s + dr.sin(turn) * frame.t)
+    return direction, _spheres_hit(sources, origin, direction)[1]
 
 
 def _from_lamp(
@@ -225,16 +268,9 @@ def _from_lamp(
         for values in (sources.lamp_centre, sources.lamp_across, sources.lamp_up)
     )
     origin = mi.Point3f(lamp_centre + (2.0 * position[0] - 1.0) * across + (2.0 * position[1] - 1.0) * up)
-    centre, radius = sphere
-    axis = centre - origin
-    distance = dr.norm(axis)
-    versine = _cone_versine(distance, radius) * cone[0]  # 1 - cos
-    sin, turn = dr.safe_sqrt(versine * (2.0 - versine)), dr.two_pi * cone[1]
-    frame = mi.Frame3f(dr.select(distance > 0.0, axis / distance, mi.Vector3f(0.0, 0.0, 1.0)))
-    direction = (1.0 - versine) * frame.n + sin * (dr.cos(turn) * frame.s + dr.sin(turn) * frame.t)
+    direction, pdf = _towards_sphere(sources, origin, sphere, cone)
     area = dr.cross(2.0 * across, 2.0 * up)  # its length is the lamp's area
     radiance = dr.gather(mi.Color3f, sources.lamp_radiance, emitter)
-    pdf = _spheres_hit(sources, origin, direction)[1]
     flux = radiance * dr.maximum(dr.dot(area, direction), 0.0)
     start = origin + _CLEARANCE * direction  # not to hit the lamp itself
     return Emission(mi.Ray3f(start, direction), dr.select(pdf > 0.0, flux / pdf, 0.0))

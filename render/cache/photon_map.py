@@ -104,7 +104,7 @@ def _trace_pass(
     """Yield cache point, parity of the number and moments of the photons that land, (n,), (n,) and (12, n)."""
     index = dr.arange(mi.UInt32, numbers.stop - numbers.start) + dr.opaque(mi.UInt32, numbers.start)
     sampler = sobol_sampler(dr.zeros(mi.UInt32, dr.width(index)), index, photons, seed)
-    emission = emit(sources, loaded.mi_scene, sampler)
+    emission = emit(sources, loaded.emitters, sampler)
     state = _Photons(
         origin=emission.ray.o,
         direction=emission.ray.d,

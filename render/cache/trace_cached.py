@@ -33,10 +33,11 @@ from ..pictures.integrator import (
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
+from ..scene.emitters import Emitters, ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import broken_continuity, registry_id, surface_media
+from ..scene.surfaces import broken_continuity, medium_after_bounce, registry_id, surface_media
 from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
@@ -232,13 +233,14 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta, depth = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta), mi.UInt32(state.depth)
     pdf, delta, active, eta_scale = mi.Float(state.pdf), mi.Bool(state.delta), mi.Bool(state.active), state.eta_scale
+    medium = mi.UInt32(state.medium)
     si = pi.compute_surface_interaction(ray, mi.RayFlags.All, outside)
     previous = dr.zeros(mi.Interaction3f)
     previous.p = ray.o
     # A direction that only glass or the camera can have, and another surface behind: the path comes through glass.
     through = delta & (depth > 1)
-    glints = _glints_of(tracing.glints, state.footprint)
-    found = emitter_hit(scene, si, PathOrigin(previous, pdf, delta), outside, glints, through)
+    origin, glints = PathOrigin(previous, pdf, delta), _glints_of(tracing.glints, state.footprint)
+    found = emitter_hit(tracing.loaded.emitters, pi, si, ray, origin, outside, glints, through)
     glossy, through_glass, any_traced = (
         mi.Color3f(state.glossy),
         mi.Bool(state.through_glass),
@@ -248,7 +250,8 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         found *= dr.select(through_glass, glossy, 1.0)
     L = state.L + beta * found
 
-    if dr.hint(outside & si.is_valid(), exclude=[scene, sampler, tracing]):
+    shaded = outside & si.is_valid() & ~ends_paths(tracing.loaded.emitters, si, outside)
+    if dr.hint(shaded, exclude=[scene, sampler, tracing]):
         before = depth - 1  # the surface's own depth: the loop has counted it
         bounce, fraction = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
         L += beta * bounce.radiance
@@ -256,6 +259,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
             glossy, through_glass = fraction, mi.Bool(False)
         beta *= bounce.weight
         ray, pdf, delta = leave(si, bounce.direction, offset), bounce.pdf, bounce.delta
+        medium = medium_after_bounce(medium, si, bounce.direction)
         beta, active = _russian_roulette(beta, eta_scale, depth >= rr_depth, hashed_seed(sampler, before))
         active &= depth < max_depth
 
@@ -269,6 +273,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         delta=delta,
         glossy=glossy,
         through_glass=through_glass,
+        medium=medium,
         depth=depth,
         active=active,
     )
@@ -302,12 +307,12 @@ def _opaque_bounce(
     cached = shade(shader, si, barycentric, ray, offset, u)
     if shader.traced is None:  # the usual case has a kernel without the second kind
         return cached, mi.Color3f(1.0)
-    return _traced_bounce(tracing.loaded.mi_scene, si, barycentric, ray, offset, u, cached, shader.traced)
+    return _traced_bounce(tracing.loaded.emitters, si, barycentric, ray, offset, u, cached, shader.traced)
 
 
 @syntax
 def _traced_bounce(
-    scene: mi.Scene,
+    emitters: Emitters,
     si: mi.SurfaceInteraction3f,
     barycentric: mi.Point2f,
     ray: mi.Ray3f,
@@ -319,8 +324,8 @@ def _traced_bounce(
     """Replace the bounces of surfaces that are path traced."""
     bounce, glossy = cached, mi.Color3f(1.0)
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
-    if dr.hint(traced, exclude=[scene, surfaces]):
-        bounce = opaque_event(scene, si, ray, offset, u, surfaces.maps)
+    if dr.hint(traced, exclude=[emitters, surfaces]):
+        bounce = opaque_event(emitters, si, ray, offset, u, surfaces.maps)
         stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy

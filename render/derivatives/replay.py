@@ -26,6 +26,7 @@ from ..pictures.integrator import (
     survival_probability,
 )
 from ..pictures.sampler import SobolSampler, hashed_seed
+from ..scene.emitters import ends_paths
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.surfaces import SurfaceMedia, SurfaceTable, surface_media
@@ -139,7 +140,7 @@ def replay(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, picture: P
     RGB variants only. The loop is that of `trace` and must equal it to the last bit. The survival probabilities of
     Russian roulette count as constants: the derivative is unbiased, as the radiance is.
     """
-    scene, table = loaded.mi_scene, loaded.surfaces
+    scene, table, emitters = loaded.mi_scene, loaded.surfaces, loaded.emitters
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
@@ -148,27 +149,28 @@ def replay(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, picture: P
     previous = dr.zeros(mi.Interaction3f)
     pdf, delta, active = mi.Float(1.0), mi.Bool(True), mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, sampler, tape]):
-        si = scene.ray_intersect(ray, mi.RayFlags.All, depth == 0, active)
+    while dr.hint(active, exclude=[table, scene, emitters, sampler, tape]):
+        pi = scene.ray_intersect_preliminary(ray, depth == 0, active)
+        si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         beta *= table.transmittance(surface, si.wavelengths, active)
         add_absorption(tape, surface.before, surface.distance, L, hit)
 
-        emitted = beta * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active)
+        emitted = beta * emitter_hit(emitters, pi, si, ray, PathOrigin(previous, pdf, delta), active)
         L += emitted
         add_emitter(tape, si.emitter(scene, active), emitted, active)
-        active = mi.Bool(hit)
+        active = hit & ~ends_paths(emitters, si, hit)
         u = path_dimensions(sampler, depth)
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
 
-        if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, tape]):
-            bounce = opaque_event(scene, si, ray, offset, u, table.maps)
+        if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, tape]):
+            bounce = opaque_event(emitters, si, ray, offset, u, table.maps)
             direction, weight, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
             L += beta * bounce.radiance
             add_sampled_emitter(tape, scene.sample_emitter(u.u_emitter.x)[0], beta * bounce.radiance)
 
-        if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, tape]):
+        if dr.hint(active & ~surface.opaque, exclude=[table, scene, emitters, sampler, tape]):
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
             event = scatter(interface)
             direction, weight = event.direction, mi.Color3f(event.weight)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...procedural.description.camera import Camera
+from ...procedural.description.surroundings import ROOM_IDS
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight
 from ..scene.loaded_scene import LoadedScene
@@ -23,6 +24,8 @@ MAX_OBJECTS = 63
 MAX_SURFACES = 4096
 #: Smallest ratio of cosines of the path length [1]: rays that graze a face within 0.06 degrees have no exact angle.
 _MIN_COSINE = 1e-3
+#: Ids of the outer surfaces of a room, next to each other.
+_SHELL = tuple(ROOM_IDS[part] for part in ("wall", "floor", "ceiling"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +130,8 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     normal, transmittance = mi.Normal3f(0.0), mi.Color3f(1.0)
     start_normal = mi.Normal3f(-direction)  # of the surface that the segment starts from
     crossed, reached = mi.UInt64(0), mi.UInt64(0)
-    blocker = mi.Int32(-2)  # the first opaque object: -2 none yet, -1 the table
+    blocker = mi.Int32(-2)  # the first opaque object: -2 none yet, -1 the table, `ROOM_OBJECT` the room
+    first_shell, last_shell = dr.opaque(mi.UInt32, min(_SHELL)), dr.opaque(mi.UInt32, max(_SHELL))
     surfaces, count = mi.UInt32(0), mi.UInt32(0)
     active = mi.Bool(True)
 
@@ -135,10 +139,10 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         si = scene.ray_intersect(ray, mi.RayFlags.All, surfaces == 0, active)
         si = without_crack(si, robust, ray, offset, active)
         row = registry_id(si.shape)
-        # An area light is part of the surroundings, as the sky behind it.
-        active &= si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, si.is_valid()) > 0)
+        # Without a room in its place an area light is part of the surroundings, as the sky behind it.
+        active &= si.is_valid() & (dr.gather(mi.UInt32, table.label, row, si.is_valid()) > 0)
         surface = surface_media(table, si, ray, active)
-        instance = dr.gather(mi.UInt32, table.instance, row, active)
+        instance = dr.gather(mi.UInt32, table.label, row, active)
         item = dr.gather(mi.Int32, table.object, row, active)
         # Along the whole ray: a sum over its segments would miss their offsets from the surfaces.
         distance = dr.dot(si.p - origin, direction)
@@ -166,7 +170,8 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
 
         ray = leave(si, ray.d, clearance(si, ray, offset))
         surfaces += 1
-        active &= surfaces < MAX_SURFACES
+        # Behind a wall of the room there is nothing.
+        active &= (surfaces < MAX_SURFACES) & ~((instance >= first_shell) & (instance <= last_shell))
 
     return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 

@@ -11,7 +11,7 @@ from .._mitsuba import dr, mi
 from ..frame import Layers
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
-from ..scene.surfaces import SurfaceTable, registry_id
+from ..scene.surfaces import ROOM_OBJECT, SurfaceTable, registry_id
 
 # A layer's small integers share one 32-bit word: 16 bits of id, 3 of part, 1 of entering, 12 of material.
 _PART_SHIFT, _ENTERING_SHIFT, _MATERIAL_SHIFT = 16, 19, 20
@@ -77,7 +77,7 @@ def write_layer(
     row = registry_id(si.shape)
     entering = dr.dot(si.n, ray.d) < 0.0
     front, back = dr.gather(mi.UInt32, recorder.front, row, active), dr.gather(mi.UInt32, recorder.back, row, active)
-    word = dr.gather(mi.UInt32, table.instance, row, active)
+    word = dr.gather(mi.UInt32, table.label, row, active)
     word |= dr.gather(mi.UInt32, table.part, row, active) << _PART_SHIFT
     word |= dr.select(entering, mi.UInt32(1 << _ENTERING_SHIFT), mi.UInt32(0))
     word |= dr.select(entering, back, front) << _MATERIAL_SHIFT
@@ -115,7 +115,8 @@ def _materials_by_row(loaded: LoadedScene) -> tuple[mi.UInt32, mi.UInt32]:
     scene, table = loaded.description, loaded.surfaces
     materials = materials_of(scene)
     media = np.array([materials.index(medium) for medium in table.media], np.uint32)
-    solids = {-1: [materials.index(scene.table.material)]}  # the table is object -1
+    # The table is object -1; the room has no material among those of the scene and counts as air.
+    solids = {-1: [materials.index(scene.table.material)], ROOM_OBJECT: [0]}
     for number, item in enumerate(scene.objects):
         solids[number] = [materials.index(piece.material) for piece in item.pieces] if isinstance(item, Prop) else [0]
     rows = zip(np.array(table.object).tolist(), np.array(table.piece).tolist(), strict=True)

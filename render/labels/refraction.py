@@ -111,7 +111,7 @@ def _refracted(
         si = without_crack(si, robust, ray, offset, active)
         row = registry_id(si.shape)
         # An area light is part of the surroundings, as the sky behind it.
-        hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.instance, row, active) > 0)
+        hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.label, row, active) > 0)
         surface = surface_media(table, si, ray, hit)
         length += surface.distance
         transmittance *= transmittance_rgb(sigma_a, surface, hit)
@@ -119,7 +119,7 @@ def _refracted(
         ends = active & (~hit | surface.opaque)
         state = dr.select(ends, dr.select(hit, mi.UInt32(HIT), mi.UInt32(SURROUNDINGS)), state)
         point = dr.select(ends & hit, si.p, point)
-        instance = dr.select(ends & hit, dr.gather(mi.UInt32, table.instance, row, hit), instance)
+        instance = dr.select(ends & hit, dr.gather(mi.UInt32, table.label, row, hit), instance)
 
         active &= ~ends & (bounces < limit)
         ratio = relative_index_d(eta, surface, active)

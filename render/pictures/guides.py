@@ -20,6 +20,7 @@ from ...procedural.description.camera import Camera
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye
 from ..interfaces.dielectric import transmission
+from ..scene.emitters import emitted, ends_paths
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import to_guide
@@ -164,14 +165,15 @@ def _pixel_guides(
 
 def _shaded(loaded: LoadedScene, end: _GuideRays, exposure: mi.Float, active: bool | mi.Bool) -> _GuideSample:
     """Return the guides of rays at the surfaces where they end."""
-    scene, table, ray, weight = loaded.mi_scene, loaded.surfaces, end.ray, end.weight
+    table, ray, weight = loaded.surfaces, end.ray, end.weight
     # Shading happens here, once for all rays: the loop handles glass alone.
     si = end.pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
     hit = active & si.is_valid()
     surface = surface_media(table, si, ray, hit)
     rough = surface.opaque | (dr.gather(mi.Float, table.alpha, surface.row, hit) > 0.0)
-    emitter = si.emitter(scene, active)
-    light = exposure * to_guide(emitter.eval(si, active))
+    light = exposure * to_guide(emitted(loaded.emitters, end.pi, si, ray, active))
+    hit &= ~ends_paths(loaded.emitters, si, hit)  # a room's light is as free of noise as the sky's
+    rough &= hit
     colour = dr.select(surface.opaque, to_guide(si.bsdf().eval_diffuse_reflectance(si, hit & surface.opaque)), 1.0)
     albedo = dr.select(active, weight * dr.minimum(light, 1.0), 0.0) + dr.select(hit & rough, weight * colour, 0.0)
     ns = surface.ns

@@ -16,16 +16,23 @@ from ...procedural.description.picture import Picture
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import InterfaceHit, Scattered, scatter
 from ..interfaces.polarised import analyser_of, mueller_to_world, scatter_polarised
+from ..scene.emitters import Emitters, emitted, emitter_pdf, ends_paths, sample_emitter, unoccluded
 from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
-from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, broken_continuity, registry_id, surface_media
+from ..scene.surfaces import (
+    AIR_INDEX,
+    SurfaceMedia,
+    SurfaceTable,
+    broken_continuity,
+    medium_after_bounce,
+    registry_id,
+    surface_media,
+)
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
-#: Shadow rays end before the emitter by this fraction of the distance, to not hit it.
-_SHADOW_EPSILON = 1e-4
 #: Maximum survival probability of Russian roulette [1]; below 1, so that paths in lossless glass end.
 MAX_SURVIVAL = 0.99
 
@@ -104,7 +111,7 @@ def trace(
     are consumed here (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted too.
     With `caustics`, light that reaches a diffuse lobe through glass is read, not found; the origin counts as diffuse.
     """
-    scene, table, carried = loaded.mi_scene, loaded.surfaces, mi.UnpolarizedSpectrum(weight)
+    scene, table, emitters, carried = loaded.mi_scene, loaded.surfaces, loaded.emitters, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
     rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
 
@@ -117,7 +124,7 @@ def trace(
     coherent, through_glass, glossy = mi.Bool(origin is None), mi.Bool(False), mi.Color3f(float(origin is None))
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
-    while dr.hint(active, exclude=[table, scene, sampler, carried]):
+    while dr.hint(active, exclude=[table, scene, emitters, sampler, carried]):
         # (Camera rays alone are coherent: Embree takes three times as long for others that are said to be.)
         pi = scene.ray_intersect_preliminary(ray, coherent & (depth == 0), active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
@@ -129,19 +136,21 @@ def trace(
         medium = mi.UInt32(surface.before)
 
         found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
-        L += beta * found * emitter_hit(scene, si, PathOrigin(previous, pdf, delta), active, glints, through_glass)
-        active = mi.Bool(hit)
+        last = PathOrigin(previous, pdf, delta)
+        L += beta * found * emitter_hit(emitters, pi, si, ray, last, active, glints, through_glass)
+        active = hit & ~ends_paths(emitters, si, hit)
         u = path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
-        if dr.hint(active & surface.opaque, exclude=[table, scene, sampler, carried]):
-            bounce = opaque_event(scene, si, ray, offset, u, table.maps)
+        if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
+            bounce = opaque_event(emitters, si, ray, offset, u, table.maps)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            medium = medium_after_bounce(surface.before, si, direction)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)
                 L += beta * stored
                 through_glass = mi.Bool(False)
-        if dr.hint(active & ~surface.opaque, exclude=[table, scene, sampler, carried]):
+        if dr.hint(active & ~surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
             if picture.dispersion:  # from the first interface on the path follows its hero wavelength
                 beta, is_hero = dr.select(is_hero, beta, hero_wavelength(beta)), mi.Bool(True)
@@ -201,8 +210,10 @@ def balance_heuristic(pdf: mi.Float, other: mi.Float) -> mi.Float:
 
 
 def emitter_hit(
-    scene: mi.Scene,
+    emitters: Emitters,
+    pi: mi.PreliminaryIntersection3f,
     si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
     origin: PathOrigin,
     active: mi.Bool,
     glints: SunGlints | None = None,
@@ -212,11 +223,9 @@ def emitter_hit(
 
     With `glints`, paths that come `through_glass` find the wide sun (`sun_glints`).
     """
-    emitter = si.emitter(scene, active)
-    ds = mi.DirectionSample3f(scene, si, origin.previous)
-    emitter_pdf = scene.pdf_emitter_direction(origin.previous, ds, ~origin.delta & active)
-    mis_weight = dr.select(origin.delta, 1.0, balance_heuristic(origin.pdf, emitter_pdf))
-    radiance = emitter.eval(si, active)
+    pdf = emitter_pdf(emitters, origin.previous, si, ray, ~origin.delta & active)
+    mis_weight = dr.select(origin.delta, 1.0, balance_heuristic(origin.pdf, pdf))
+    radiance = emitted(emitters, pi, si, ray, active)
     if glints is not None:
         radiance = dr.select(through_glass & ~si.is_valid(), glints(radiance, -si.wi), radiance)
     return dr.select(active, mi.Spectrum(mis_weight) * radiance, 0.0)
@@ -234,15 +243,6 @@ def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteract
     return flipped
 
 
-def visible(
-    scene: mi.Scene, si: mi.SurfaceInteraction3f, ds: mi.DirectionSample3f, offset: mi.Float, active: mi.Bool
-) -> mi.Bool:
-    """Return where a sampled emitter is visible from a point (shadow test); False where not `active`."""
-    shadow = leave(si, ds.d, offset)
-    shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
-    return active & ~scene.ray_test(shadow, False, active)
-
-
 def _mapped(si: mi.SurfaceInteraction3f, values: MappedValues, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
     """Return a point of `_two_sided` with the shading frame of the maps."""
     frame = mi.Frame3f(mapped_normal(values, si, si.sh_frame.n, -ray.d))
@@ -252,7 +252,7 @@ def _mapped(si: mi.SurfaceInteraction3f, values: MappedValues, ray: mi.Ray3f) ->
 
 
 def opaque_event(
-    scene: mi.Scene,
+    emitters: Emitters,
     si: mi.SurfaceInteraction3f,
     ray: mi.Ray3f,
     offset: mi.Float,
@@ -264,15 +264,15 @@ def opaque_event(
     values = None if maps is None else values_at(maps, si, registry_id(si.shape))
     if values is not None:
         si = _mapped(si, values, ray)
-    ds, arriving = scene.sample_emitter_direction(si, u.u_emitter, False)
+    ds, arriving = sample_emitter(emitters, si, u.u_emitter)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
-    lit = visible(scene, si, ds, offset, lit)
+    arriving = unoccluded(emitters, si, (ds, arriving), offset, lit)
     mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
     if values is not None:
-        lit &= above_surface(values, si, -ray.d, ds.d)
+        arriving = dr.select(above_surface(values, si, -ray.d, ds.d), arriving, 0.0)
         weight = dr.select(above_surface(values, si, -ray.d, direction), weight, 0.0)
     if mi.is_polarized:
         value = mueller_to_world(value, si, si.to_local(ds.d), ds.d, ray)

@@ -8,12 +8,14 @@ import numpy as np
 
 from ...core.mesh import as_trimesh
 from ...procedural.description.scene import Scene
-from ...procedural.optics.medium import AIR
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
+from .emitters import Emitters
 from .lighting import area_light, envmap, make_literals_opaque
+from .room import lamp_surface, lit_emitter, room_surfaces_of
+from .room_emitter import RoomEmitter
 from .spectrum import check_variant
-from .surfaces import Surface, SurfaceTable, registry_id, surface_table
+from .surfaces import SurfaceTable, registry_id, surface_table
 
 #: Offset of rays from the surface that they leave, along its geometric normal, over the scene's largest coordinate [1].
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
@@ -42,8 +44,14 @@ class LoadedScene:
     mi_scene: mi.Scene
     robust_scene: mi.Scene  #: the shapes as they were loaded, without cracks between triangles (`rays.without_crack`)
     surfaces: SurfaceTable
+    emitters: Emitters
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
+
+    @property
+    def room(self) -> RoomEmitter | None:
+        """The room, where it is in its place."""
+        return self.emitters.room
 
 
 def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False) -> LoadedScene:
@@ -69,6 +77,9 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     bodies = scene_bodies(scene, glass_for_mitsuba)
     if for_cache:
         bodies = [refined_for_cache(body) for body in bodies]
+    reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
+    room = room_surfaces_of(scene)
+    bodies += [surface.body for surface in room]
     shapes = {f"body{i}": mitsuba_mesh(body) for i, body in enumerate(bodies)}
     lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
     contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
@@ -76,14 +87,14 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     mi_scene = mi.load_dict(contents, optimize=False)
     make_literals_opaque(mi_scene)
     records = {f"body{i}": body.surface for i, body in enumerate(bodies)}
-    light = Surface(0, -1, True, AIR, AIR, 0.0)
+    light = lamp_surface(in_room=bool(room))
     by_id = {_registry_id(shape): records.get(shape.id(), light) for shape in mi_scene.shapes()}
-    reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
     opaque = _opaque_bodies(mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
     maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
     table = surface_table(by_id, scene.picture.dispersion, maps)
-    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, RAY_OFFSET * reach, opaque)
+    emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room))
+    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:
@@ -96,7 +107,11 @@ def _robust(mi_scene: mi.Scene) -> mi.Scene:
 
 def _opaque_bodies(mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:
     rows = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
-    return tuple(_opaque_body(rows[f"body{i}"], body) for i, body in enumerate(bodies) if body.surface.opaque)
+    return tuple(
+        _opaque_body(rows[f"body{i}"], body)
+        for i, body in enumerate(bodies)
+        if body.surface.opaque and body.surface.instance > 0
+    )
 
 
 def _opaque_body(row: int, body: Body) -> OpaqueBody:
