@@ -27,7 +27,7 @@ ROUNDING = 1.2e-7
 FACETS = 2e-2
 
 
-#: Nothing in the vessels but one clear liquid, no parts, nothing that lies: what is changed here is one thing at a time.
+#: Nothing in the vessels but one clear liquid, no parts, nothing that lies: one thing is changed at a time.
 PLAIN = {"layered": 0.0, "turbid": 0.0, "ice": 0.0, "beads": 0.0, "bubbles": 0.0, "standing": 0.0}
 BARE = {"closed_probability": 0.0, "label_probability": 0.0, "contents": PLAIN, "chord_error": 2e-4}
 
@@ -104,7 +104,8 @@ def test_curves_are_read_back_from_the_meshes_of_every_family_of_revolution(cate
 
 
 @pytest.mark.parametrize(
-    "category", [pytest.param(name, marks=() if name in ("mug", "square glass") else pytest.mark.slow) for name in SHAPED]
+    "category",
+    [pytest.param(name, marks=() if name in ("mug", "square glass") else pytest.mark.slow) for name in SHAPED],
 )
 def test_a_vessel_of_any_shape_is_emptied_and_filled_again(category):
     scene = _drawn(5, {"fill_probability": 1.0, "liquids": ["water"], "categories": [category]})
