@@ -22,7 +22,7 @@ class VesselParts:
     glass: np.ndarray  #: (H, W) bool, the wall, dry or wet
     wet_wall: np.ndarray  #: (H, W) bool, the wall where the liquid touches it
     liquid_surface: np.ndarray  #: (H, W) bool, the top of the liquid
-    content: np.ndarray  #: (H, W) bool, the liquid's body
+    content: np.ndarray  #: (H, W) bool, liquids, ice, beads and bubbles
     opening: np.ndarray  #: (H, W) bool, inside the edge of the mouth, whatever is in front of it
 
 
@@ -30,7 +30,9 @@ class VesselParts:
 PART_BITS = {"glass": 1, "wet_wall": 2, "liquid_surface": 4, "content": 8, "opening": 16}
 
 
-def vessel_parts(layers: Layers, object_id: int, mouths: Sequence[np.ndarray], camera: Camera) -> VesselParts:
+def vessel_parts(
+    layers: Layers, object_id: int, mouths: Sequence[np.ndarray], camera: Camera, turbid: Sequence[int] = ()
+) -> VesselParts:
     """Return the masks of a vessel's parts.
 
     Parameters
@@ -43,22 +45,22 @@ def vessel_parts(layers: Layers, object_id: int, mouths: Sequence[np.ndarray], c
         Its mouths as polygons, world frame [m].
     camera : Camera
         The camera; its left eye.
+    turbid : sequence of int
+        Materials whose surfaces are opaque (`turbid_materials`).
     """
-    opaque = (layers.part == PARTS.index("opaque")) & np.isfinite(layers.Z)
-    behind = np.cumsum(opaque, axis=0) > 0
+    opaque = (layers.part == PARTS.index("opaque")) | np.isin(layers.material, turbid)
+    opaque &= np.isfinite(layers.Z)
+    behind = np.cumsum(opaque, axis=0) - opaque > 0
     own = (layers.id == object_id) & np.isfinite(layers.Z) & ~behind
     masks = {part: (own & (layers.part == PARTS.index(part))).any(axis=0) for part in PARTS[1:]}
     wet, top = masks["wet_wall"], masks["liquid_surface"]
+    held = masks["liquid_interface"] | masks["content"]
     shape = (layers.count.shape[0], layers.count.shape[1])
     opening = np.zeros(shape, bool)
     for mouth in mouths:
         opening |= polygon_mask(project(mouth, camera.K, camera.world_T_camera)[0], shape)
     return VesselParts(
-        glass=masks["outside"] | wet,
-        wet_wall=wet,
-        liquid_surface=top,
-        content=wet | top | masks["liquid_interface"] | masks["content"],
-        opening=opening,
+        glass=masks["outside"] | wet, wet_wall=wet, liquid_surface=top, content=wet | top | held, opening=opening
     )
 
 

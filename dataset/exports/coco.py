@@ -28,6 +28,7 @@ from ...core.json_file import read_json
 from ...procedural.scene.splits import Split
 from ..format import layout
 from ..reader import StoredScene, StoredView
+from .category_ids import Supercategory, category_ids, category_name
 from .files import add_picture, compact_json
 from .job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
 from .polygons import polygons_of
@@ -68,7 +69,7 @@ def write(job: Job, scene: StoredScene) -> None:
         add_picture(job, view.folder / "left.png", folder / name)
         images.append({"file_name": f"{folder.name}/{name}", "width": camera.width, "height": camera.height})
         annotations += [
-            _annotations(job, label, view) | {"image": number, "vessel": label.id in vessels}
+            _annotations(job, label, view, "vessel" if label.id in vessels else "prop") | {"image": number}
             for label in chosen_labels(labels, ids, view)
         ]
     part = {"images": images, "annotations": annotations}
@@ -96,7 +97,7 @@ EXPORTER = Exporter(
 )
 
 
-def _annotations(job: Job, label: ObjectLabel, view: StoredView) -> dict[str, Any]:
+def _annotations(job: Job, label: ObjectLabel, view: StoredView, supercategory: Supercategory) -> dict[str, Any]:
     """Return the three annotations of an object in a view; None for a kind of which nothing is in the picture."""
     where = f"{view.folder / layout.LABELS}: object {label.id}"
     seen, whole = _masked(job, label.mask_seen, where), _masked(job, label.mask_amodal, where)
@@ -104,7 +105,8 @@ def _annotations(job: Job, label: ObjectLabel, view: StoredView) -> dict[str, An
     if label.fractions is not None:
         common |= {f"{name}_fraction": value for name, value in label.fractions.model_dump().items()}
     return {
-        "category": label.category,
+        "category": category_name(label.category, supercategory),
+        "supercategory": supercategory,
         "instances": seen and common | seen,
         "amodal": whole and common | whole,
         "keypoints": seen and common | seen | keypoints_of(label.keypoints),
@@ -144,23 +146,23 @@ def _parts(job: Job, scenes: Sequence[StoredScene]) -> Iterator[Numbered]:
 
 
 def _categories(job: Job, scenes: Sequence[StoredScene]) -> list[dict[str, Any]]:
-    """Return the categories of all scenes, by name; ids count from 1."""
+    """Return the categories of all scenes, by id."""
     counts: dict[str, int] = {}
-    glass: dict[str, bool] = {}
+    above: dict[str, Supercategory] = {}
     for part, _ in _parts(job, scenes):
         for entry in part["annotations"]:
             name, count = entry["category"], len((entry["keypoints"] or {}).get("keypoint_states", ()))
-            counts[name], glass[name] = max(count, counts.get(name, 0)), entry["vessel"]
+            counts[name], above[name] = max(count, counts.get(name, 0)), entry["supercategory"]
     return [
         {
             "id": number,
             "name": name,
-            "supercategory": "vessel" if glass[name] else "prop",
+            "supercategory": above[name],
             "keypoints": [f"p{index}" for index in range(counts[name])],
             "skeleton": [],
             "sigmas": [SIGMA] * counts[name],
         }
-        for number, name in enumerate(sorted(counts), start=1)
+        for name, number in category_ids(counts).items()
     ]
 
 

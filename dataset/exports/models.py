@@ -30,7 +30,9 @@ def model_mesh(item: SceneObject) -> Mesh:
     """Return the surface of an object in its frame, with normals [m]: of a vessel the glass, without the liquid."""
     if isinstance(item, Prop):
         return _with_normals(item.mesh)
-    return _with_normals(joined([part.mesh for part in item.interfaces if part.part != "liquid_surface"], item.name))
+    return _with_normals(
+        joined([part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")], item.name)
+    )
 
 
 def scaled_mesh(mesh: Mesh) -> Mesh:

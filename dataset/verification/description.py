@@ -158,10 +158,8 @@ def _distance(triangles: np.ndarray, point: np.ndarray) -> float:
 
 
 def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
-    """Check that every symmetry maps the surface onto itself: of a vessel that of its glass, whatever is in it."""
-    meshes = _meshes(item)
-    if not isinstance(item, Prop):
-        meshes = [part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")]
+    """Check that every symmetry maps the surface onto itself; that of a vessel is its glass."""
+    meshes = _solid_meshes(item)
     points = np.unique(np.concatenate([mesh.vertices for mesh in meshes]), axis=0).astype(np.float64)
     motions = [np.asarray(motion) for motion in record.symmetries_discrete]
     for axis in record.symmetries_continuous:
@@ -191,16 +189,17 @@ def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]
     faults = unlike("objects", file, f"{where} liquid", liquid, record.liquid and record.liquid.model_dump_json())
     if record.volumes is None:
         return faults  # as in data sets of earlier versions
-    parts = {part.part: part.mesh for part in item.interfaces}
-    glass = _volume([part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")])
+    glass = _volume(_solid_meshes(item))
     faults += _near(glass, record.volumes.glass, VOLUME, f"{where} volumes.glass", file)
-    if len(parts) < len(item.interfaces) or "content" in parts or "liquid_interface" in parts:
-        return faults  # several liquids, films or contents: their bodies are not closed by these surfaces alone
-    if item.liquid is None or "wet_wall" not in parts:
+    if item.liquid is None:
         return faults + unlike("objects", file, f"{where} volumes.liquid", 0.0, record.volumes.liquid)
-    body = _volume([parts["liquid_surface"]]) - _volume([parts["wet_wall"]])
-    faults += _near(body, record.volumes.liquid, VOLUME, f"{where} volumes.liquid", file)
-    faults += _near(item.liquid.volume, record.volumes.liquid, FACETS, f"{where} volumes.liquid", file)
+    # The surfaces of a liquid turn their backs to it, or their fronts, and together they close its body.
+    media = [one.medium for one in item.liquids]
+    body = _volume([part.mesh for part in item.interfaces if part.back in media])
+    body -= _volume([part.mesh for part in item.interfaces if part.front in media])
+    stated = sum(one.volume for one in item.liquids)
+    faults += _near(stated, record.volumes.liquid, EXACT, f"{where} volumes.liquid", file)
+    faults += _near(body, record.volumes.liquid, FACETS, f"{where} volumes.liquid", file)
     brimful = item.liquid.volume / item.liquid.fill
     return faults + _near(brimful, record.volumes.brimful or 0.0, FACETS, f"{where} volumes.brimful", file)
 
@@ -226,6 +225,13 @@ def _extent(item: SceneObject) -> np.ndarray:
 
 def _meshes(item: SceneObject) -> list[Mesh]:
     return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
+
+
+def _solid_meshes(item: SceneObject) -> list[Mesh]:
+    """Return what closes an object's solid: without the surfaces of liquids and of what is in them."""
+    if isinstance(item, Prop):
+        return [item.mesh]
+    return [part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")]
 
 
 def _joined(meshes: list[Mesh]) -> trimesh.Trimesh:

@@ -35,8 +35,8 @@ def geometry_faults(scene: Scene, camera: Camera, geometry: Geometry, eye: Eye =
         *surfaces.normal_faults(truth, triangles, geometry, eye),
         *surfaces.mask_faults(truth, triangles, scene, geometry, eye),
         *surfaces.id_contradictions(scene, geometry, eye),
-        *surfaces.background_contradictions(geometry, eye),
-        *surfaces.transmittance_faults(geometry, eye),
+        *surfaces.background_contradictions(scene, geometry, eye),
+        *surfaces.transmittance_faults(scene, geometry, eye),
         *surfaces.normal_contradictions(pinhole, geometry, eye),
         *surfaces.silhouette_contradictions(scene, geometry, eye),
     ]

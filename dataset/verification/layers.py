@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...procedural.description.scene import Scene, materials_of
+from ...procedural.description.scene import Scene, materials_of, turbid_materials
 from ...render.frame import Geometry, Layers
 from .fault import Fault, at_pixels
 from .surfaces import DEPTH, RELATIVE
-from .triangles import OPAQUE, Triangles
+from .triangles import OPAQUE, OUTSIDE, WET_WALL, Triangles
 from .truth import Truth, enters, facing_normals
 
 #: Half floats keep 11 bits of a normal's component. Rays that graze a curved wall meet it up to some 0.1 mm aside [1].
@@ -44,10 +44,14 @@ def alternation_faults(scene: Scene, layers: Layers, file: str) -> list[Fault]:
     The glass of a vessel is closed by its outside and its wet wall.
     """
     found: list[Fault] = []
-    whole = layers.count <= len(layers.Z)
+    whole, known = layers.count <= len(layers.Z), materials_of(scene)
+    turbid = turbid_materials(scene)
     for body in scene.vessels:
-        own = (layers.id == body.id) & np.isin(layers.part, (1, 2)) & np.isfinite(layers.Z)
-        steps = np.where(own, np.where(layers.entering, 1, -1), 0)
+        own = (layers.id == body.id) & np.isin(layers.part, (OUTSIDE, WET_WALL)) & np.isfinite(layers.Z)
+        # The wall that a turbid liquid wets faces the glass, not the liquid.
+        beside = np.where(layers.entering, np.isin(layers.material, turbid), layers.material == known.index(body.glass))
+        inwards = layers.entering ^ ((layers.part == WET_WALL) & beside)
+        steps = np.where(own, np.where(inwards, 1, -1), 0)
         inside = np.cumsum(steps, axis=0)
         broken = (inside < 0).any(axis=0) | (inside > 1).any(axis=0) | (whole & (steps.sum(axis=0) != 0))
         # A liquid's surface and the wall beside it may follow each other too closely for both to be recorded.

@@ -10,7 +10,7 @@ import numpy as np
 from ...annotate.labels import Labels
 from ...annotate.stereo import BOTH, HIDDEN, NOTHING, OUTSIDE, PairVisibility
 from ...procedural.description.camera import Camera
-from ...procedural.description.scene import Scene
+from ...procedural.description.scene import Scene, turbid_materials
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format.exr import channel, read_exr
 from ..format.map_files import HEAT_STEPS, PAIR_SHIFTS, read_ids
@@ -134,8 +134,9 @@ def part_faults(path: Path, scene: Scene, geometry: Geometry, layers: Layers, mo
     """Compare the bits of vessels' parts with the layers, and with the mouths, (H, W) bool and where that is unsure."""
     bits = read_ids(path)
     vessels = [body.id for body in scene.vessels]
-    opaque = np.cumsum((layers.part == 0) & np.isfinite(layers.Z), axis=0) > 0
-    counted = np.isfinite(layers.Z) & ~opaque & np.isin(layers.id, vessels)
+    solid = ((layers.part == 0) | np.isin(layers.material, turbid_materials(scene))) & np.isfinite(layers.Z)
+    behind = np.cumsum(solid, axis=0) - solid > 0
+    counted = np.isfinite(layers.Z) & ~behind & np.isin(layers.id, vessels)
     expected = np.zeros(bits.shape, int)
     for bit, kinds in _BITS.items():
         expected |= bit * (counted & np.isin(layers.part, kinds)).any(axis=0)

@@ -11,7 +11,7 @@ from ...render.frame import Geometry
 from .fault import Fault, unlike
 from .pinhole import Pinhole, image_of, in_picture, rays_of, seen_from
 from .raycast import EDGE, cast
-from .triangles import OPAQUE, Triangles
+from .triangles import Triangles
 from .truth import without_lamps
 
 #: Labels are float64 all through, with poses of a few metres [m].
@@ -198,10 +198,10 @@ def sight_states(triangles: Triangles, camera: Pinhole, pixels: np.ndarray, dept
     possible = np.zeros((len(pixels), 3), bool)
     for margin in (HIDES, CLEARS):
         before = (np.repeat(depth, tries)[hits.ray] - hits.Z) * stretch[hits.ray] > margin
-        kind = triangles.kind[hits.triangle]
+        opaque = triangles.opaque[hits.triangle]
         any_front, opaque_front = (np.zeros(len(rays), bool) for _ in range(2))
         any_front[hits.ray[before]] = True
-        opaque_front[hits.ray[before & (kind == OPAQUE)]] = True
+        opaque_front[hits.ray[before & opaque]] = True
         for column, state in enumerate((~any_front, any_front & ~opaque_front, opaque_front)):
             possible[:, column] |= state.reshape(-1, tries).any(axis=1)
     return possible

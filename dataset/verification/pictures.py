@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ...procedural.description.camera import Camera
 from ..stored_view import StoredView
 from .fault import Fault, at_pixels
 from .pinhole import Pinhole
+from .tone import encoded, gains_of
 
 #: Largest mean of a picture that shows anything but black, and smallest one of one that is not all white [of 255].
 BLACK, WHITE = 2.0, 253.0
@@ -35,9 +37,10 @@ def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
     return found
 
 
-def radiance_faults(view: StoredView, exposure: float, developed: bool) -> list[Fault]:
+def radiance_faults(view: StoredView, camera: Camera, developed: bool) -> list[Fault]:
     """Check radiance: finite, not negative, and that of the picture where no other camera took it."""
     found: list[Fault] = []
+    gains: np.ndarray | None = None
     for eye in ("left", "right"):
         path = Path(view.folder, f"{eye}.exr")
         if not path.is_file():
@@ -47,10 +50,8 @@ def radiance_faults(view: StoredView, exposure: float, developed: bool) -> list[
         found += at_pixels("radiance", path.name, wrong, "finite light", light)
         if wrong.any() or developed:
             continue
-        value = np.clip(light.astype(np.float64) * exposure, 0.0, 1.0)
-        # The sRGB curve, IEC 61966-2-1:1999.
-        curve = np.where(value > 0.0031308, 1.055 * np.power(value, 1.0 / 2.4) - 0.055, 12.92 * value)
-        expected = np.round(255.0 * curve)
+        gains = gains_of(view.radiance("left"), camera) if gains is None else gains
+        expected = np.round(encoded(light, camera, gains))
         apart = np.abs(expected - view.picture(eye)).max(axis=-1)
         found += at_pixels("radiance", path.name, apart > STEP, "the light of the picture", light)
     return found

@@ -11,7 +11,7 @@ import numpy as np
 from ...render.frame import HIT, LOST, SURROUNDINGS, Refraction
 from .fault import Fault, at_pixels
 from .pinhole import Pinhole, image_of, pixel_centres, rays_of, seen_from
-from .triangles import LAMP, OPAQUE, Triangles
+from .triangles import LAMP, Triangles
 
 #: Pixels on glass whose rays are traced again, and the most interfaces of a ray that is.
 SAMPLED, MOST = 48, 24
@@ -104,7 +104,7 @@ def trace(triangles: Triangles, origin: np.ndarray, directions: np.ndarray) -> t
         ids[lanes[gone]], active[lanes[gone]] = 0, False
         lanes, t, index, weights = lanes[~gone], t[~gone], index[~gone], weights[~gone]
         o[lanes] += t[:, None] * d[lanes]
-        solid = triangles.kind[index] == OPAQUE
+        solid = triangles.opaque[index]
         ids[lanes[solid]], active[lanes[solid]] = triangles.id[index[solid]], False
         lanes, index, weights = lanes[~solid], index[~solid], weights[~solid]
         sides = triangles.medium[index]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...procedural.description.scene import TABLE_ID, Scene
+from ...procedural.description.scene import Scene
 from ...render.frame import Geometry
 from .fault import Fault, at_pixels
 from .pinhole import Pinhole
-from .triangles import Triangles
+from .triangles import Triangles, opaque_ids, partly_opaque_ids
 from .truth import Truth, facing_normals, silhouettes
 
 #: Rounding of float32 depths, and of positions at some metres from the origin [m].
@@ -67,7 +67,7 @@ def mask_faults(truth: Truth, triangles: Triangles, scene: Scene, geometry: Geom
 
 def id_contradictions(scene: Scene, geometry: Geometry, file: str) -> list[Fault]:
     """Compare ids with the description and with depth."""
-    opaque = [TABLE_ID, *(prop.id for prop in scene.props)]
+    opaque = opaque_ids(scene)
     known = [0, *opaque, *(vessel.id for vessel in scene.vessels)]
     ids, behind = geometry.id, geometry.background_id
     return [
@@ -77,11 +77,11 @@ def id_contradictions(scene: Scene, geometry: Geometry, file: str) -> list[Fault
     ]
 
 
-def background_contradictions(geometry: Geometry, file: str) -> list[Fault]:
+def background_contradictions(scene: Scene, geometry: Geometry, file: str) -> list[Fault]:
     """Compare the background with the first surface: behind it, and the same where that is opaque."""
     first, behind = geometry.Z, geometry.background_Z
     hit, empty = np.isfinite(first), geometry.background_id == 0
-    opaque = hit & (geometry.id == geometry.background_id)
+    opaque = hit & (geometry.id == geometry.background_id) & ~np.isin(geometry.id, partly_opaque_ids(scene))
     with np.errstate(invalid="ignore"):
         apart = np.abs(np.where(opaque, behind, first) - first) > first * RELATIVE
     return [
@@ -91,11 +91,12 @@ def background_contradictions(geometry: Geometry, file: str) -> list[Fault]:
     ]
 
 
-def transmittance_faults(geometry: Geometry, file: str) -> list[Fault]:
+def transmittance_faults(scene: Scene, geometry: Geometry, file: str) -> list[Fault]:
     """Check that transmittance is a fraction, and 1 where nothing transparent is in front of the background."""
     values = geometry.transmittance
     inside = np.all((values >= 0.0) & (values <= 1.0), axis=-1)
     clear = (geometry.id == geometry.background_id) & (geometry.id > 0)
+    clear &= ~np.isin(geometry.id, partly_opaque_ids(scene))
     return [
         *at_pixels("transmittance", file, ~inside, "a fraction", values),
         *at_pixels("transmittance", file, clear & np.any(values != 1.0, axis=-1), "1 in front of all glass", values),

@@ -8,7 +8,7 @@ import numpy as np
 
 from .pinhole import Pinhole, pixel_centres
 from .raycast import Hits, cast
-from .triangles import LAMP, OPAQUE, Triangles
+from .triangles import LAMP, Triangles
 
 #: Surfaces that follow each other within this distance along the axis may be recorded as one [m]: rays leave a surface
 #: by some micrometres (docs/format.md, "Rays do not slip").
@@ -50,7 +50,7 @@ def truth_of(triangles: Triangles, camera: Pinhole) -> Truth:
     start = np.cumsum(count) - count
     place = np.arange(len(hits.ray)) - start[hits.ray]
     first = np.where(count > 0, start, -1)
-    opaque = np.flatnonzero(triangles.kind[hits.triangle] == OPAQUE)
+    opaque = np.flatnonzero(triangles.opaque[hits.triangle])
     background = np.full(rays, -1)
     background[hits.ray[opaque[::-1]]] = opaque[::-1]  # the nearest is written last
     close = np.zeros(rays, bool)

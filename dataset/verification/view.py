@@ -15,7 +15,7 @@ import numpy as np
 from ...core.json_file import read_record
 from ...core.randomness import stream
 from ...procedural.description.camera import Camera
-from ...procedural.description.scene import TABLE_ID, Prop, Scene
+from ...procedural.description.scene import Scene
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format import layout
 from ..format.camera_file import CAMERA_SCHEMA, CameraFile
@@ -27,7 +27,7 @@ from . import maps, objects, pictures, refraction, surfaces
 from .description import camera_faults
 from .fault import Fault
 from .pinhole import Pinhole, pinhole_of
-from .triangles import Triangles
+from .triangles import Triangles, opaque_ids
 from .truth import Truth, truth_of
 
 #: Files of one eye's labels: labels, geometry, ids.
@@ -87,7 +87,7 @@ class ViewChecks:
                 self.faults += found
 
     def _radiance(self) -> list[Fault]:
-        return pictures.radiance_faults(self.view, self._camera.exposure, self.developed)
+        return pictures.radiance_faults(self.view, self._camera, self.developed)
 
     def _has(self, name: str) -> bool:
         return (self.view.folder / name).is_file()
@@ -133,11 +133,11 @@ class ViewChecks:
             self._against_meshes(eye, geometry)
         checks = (
             (ids, (depth,), lambda: surfaces.id_contradictions(scene, geometry, ids_file)),
-            (background, (depth, ids), lambda: surfaces.background_contradictions(geometry, geometry_file)),
+            (background, (depth, ids), lambda: surfaces.background_contradictions(scene, geometry, geometry_file)),
             (
                 f"{name}transmittance",
                 (ids, background),
-                lambda: surfaces.transmittance_faults(geometry, geometry_file),
+                lambda: surfaces.transmittance_faults(scene, geometry, geometry_file),
             ),
             (normals, (depth,), lambda: surfaces.normal_contradictions(camera, geometry, geometry_file)),
             (masks, (ids,), lambda: surfaces.silhouette_contradictions(scene, geometry, file)),
@@ -190,7 +190,7 @@ class ViewChecks:
 
     def _refraction(self) -> None:
         rays, camera, triangles = self.view.refraction(), self._pinhole("left"), self.triangles
-        opaque = [TABLE_ID, *(item.id for item in self.scene.objects if isinstance(item, Prop))]
+        opaque = opaque_ids(self.scene)
         file = layout.REFRACTION
         self._check("refraction", (), lambda: refraction.refraction_contradictions(rays, camera, opaque, file))
         if triangles is not None:

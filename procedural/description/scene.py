@@ -375,6 +375,12 @@ def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
     return tuple(found)
 
 
+def turbid_materials(scene: Scene) -> tuple[int, ...]:
+    """Return the places of turbid liquids in the list of materials: their surfaces are opaque."""
+    media = [liquid.medium for body in scene.vessels for liquid in body.liquids if liquid.turbid]
+    return tuple(number for number, material in enumerate(materials_of(scene)) if material in media)
+
+
 def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
     if isinstance(item, Prop):
         return [piece.material for piece in item.pieces]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydantic import Field
@@ -10,6 +11,7 @@ from pydantic import Field
 from ...core.mesh import Mesh
 from ...core.model import Model
 from ..description.bodies import GlassBody, Prop, SceneObject, glass_solid, liquid_solid
+from ..description.material import OpaqueMaterial
 from .mass import MassProperties, combined, moved_mass, shell_mass, solid_mass
 from .substances import (
     LIQUID_DENSITY,
@@ -41,7 +43,8 @@ def mechanics_of(item: SceneObject) -> Mechanics:
 
     Glass has the volume of its mesh, and so have the walls of cups and other open shapes. Closed props of plastic,
     ceramic, metal, terracotta and cardboard are hollow; those of wood, stone, rubber, cloth and paper are solid. Tins
-    are full, and books are paper.
+    and cartons are full, and books are paper. A thing of closed parts has the mass of each; density and friction are
+    those of its first.
     """
     if isinstance(item, GlassBody):
         return _of_glass(item)
@@ -50,7 +53,21 @@ def mechanics_of(item: SceneObject) -> Mechanics:
         density, source = WHOLE_DENSITIES[item.category]
         whole = Substance(density, substance.friction, None, f"{source}; friction: {substance.source}")
         return _record(solid_mass(item.mesh, density), whole)
+    parts = [_only(item, part) for part in _parts_of(item)]
+    if len(parts) > 1 and all(_encloses(part.mesh) for part in parts):
+        first, *others = [_of_prop(part, substance_of(part.material)) for part in parts]
+        return first.model_copy(update={"whole": combined([part.whole for part in (first, *others)])})
     return _of_prop(item, substance)
+
+
+def _parts_of(item: Prop) -> list[tuple[OpaqueMaterial, np.ndarray]]:
+    """Return the materials of a prop, each with its faces."""
+    faces = np.split(item.mesh.faces, np.cumsum([piece.faces for piece in item.pieces])[:-1])
+    return [(piece.material, some) for piece, some in zip(item.pieces, faces, strict=True)]
+
+
+def _only(item: Prop, part: tuple[OpaqueMaterial, np.ndarray]) -> Prop:
+    return item.model_copy(update={"mesh": replace(item.mesh, faces=part[1]), "material": part[0], "parts": ()})
 
 
 def with_attached(mechanics: Mechanics, attached: Sequence[SceneObject]) -> Mechanics:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,11 +11,14 @@ from ...core.mesh import Mesh
 from ..description.bodies import MeshVessel, Prop, SceneObject, Vessel, glass_solid
 from .decomposition import convex_parts
 from .sectors import sector_parts
+from .thin import thickened
 from .wedges import ConvexPart, revolved_hull, revolved_parts
 
 #: Deepest dent of a body whose hull stands for it [m]. A hull touches a plane where the body does; something that rests
 #: in a dent floats by this much at most.
 HULL_DEPTH = 1e-3
+#: Parts that lie on the wall of their vessel.
+ON_THE_WALL = ("label", "print")
 #: Vertices, and middles of triangles, whose depth is looked at [1]: a dent that none of them is in is a detail.
 _SAMPLES = 300
 
@@ -37,12 +40,18 @@ class BodyParts:
 
 
 def body_parts(item: SceneObject) -> BodyParts:
-    """Return the convex parts of an object without its liquid.
+    """Return the convex parts of an object without its liquid, none thinner than `LEAST_THICKNESS`.
 
     Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes and
     drawn props are cut into sectors; what is convex but for `HULL_DEPTH` is its hull; everything else, which files
     have, is decomposed.
     """
+    found = _parts(item)
+    parts = tuple(replace(part, points=thickened(part.points)) for part in found.parts)
+    return BodyParts(thickened(found.hull), parts)
+
+
+def _parts(item: SceneObject) -> BodyParts:
     if isinstance(item, Vessel):
         return _of_revolution([_vessel_outline(item)])
     mesh = item.mesh if isinstance(item, Prop) else glass_solid(item)
@@ -52,6 +61,9 @@ def body_parts(item: SceneObject) -> BodyParts:
             return BodyParts(corners, tuple(sectors))
     points, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
     places, faces = points.astype(np.float64), index.reshape(-1)[mesh.faces]
+    thick = thickened(places)
+    if len(thick) > len(places):  # a sheet, which has no hull of its own
+        return BodyParts(thick, ())
     corners, depth = _hull(places, faces)
     if depth <= HULL_DEPTH:
         return BodyParts(corners, ())
@@ -66,9 +78,15 @@ def body_parts(item: SceneObject) -> BodyParts:
 
 
 def with_attached(body: BodyParts, attached: Sequence[SceneObject]) -> BodyParts:
-    """Return the shape of a body together with its parts, whose poses are in its frame: their hulls."""
+    """Return the shape of a body together with its parts, whose poses are in its frame: their hulls.
+
+    A label or a print adds nothing: it lies on the wall, thinner than the gap that bodies keep, and the hull of one that
+    goes around would fill the vessel.
+    """
     hulls = []
     for part in attached:
+        if part.category in ON_THE_WALL:
+            continue
         points = body_parts(part).hull
         hulls.append(points @ part.world_T_object[:3, :3].T + part.world_T_object[:3, 3])
     if not hulls:

@@ -35,27 +35,55 @@ def sector_parts(mesh: Mesh) -> tuple[np.ndarray, list[ConvexPart]]:
     if solid.status() != Error.NoError or solid.volume() <= 0.0:
         return np.empty((0, 3)), []
     solid = solid.simplify(SIMPLIFICATION)
-    halves = solid.split_by_plane((0.0, 1.0, 0.0), 0.0)
-    pieces = [
-        piece
-        for number, half in enumerate(halves)
-        for sector in _sectors(half, np.pi * number, np.pi * (number + 1), SECTORS // 2)
-        for piece in _levels(sector)
-    ]
+    components = solid.decompose()
+    if any(some.volume() <= 0.0 for some in components):  # the surface of a hollow within
+        components = [solid]
+    pieces = [piece for whole in components for piece in _pieces(whole)]
     return _corners(solid.hull()), [ConvexPart(_corners(piece)) for piece in pieces]
+
+
+def _pieces(whole: Any) -> list[Any]:
+    """Return hulls that together contain a connected solid."""
+    hull = _hull_of(whole)
+    if hull is not None:
+        return [hull]
+    halves = whole.split_by_plane((0.0, 1.0, 0.0), 0.0)
+    sectors = [
+        sector
+        for number, half in enumerate(halves)
+        for part in half.decompose()
+        for sector in _sectors(part, np.pi * number, np.pi * (number + 1), SECTORS // 2)
+    ]
+    return [piece for sector in sectors for piece in _levels(sector)]
 
 
 def _corners(solid: Any) -> np.ndarray:
     return np.array(solid.to_mesh64().vert_properties, dtype=np.float64)[:, :3]
 
 
+def _hull_of(piece: Any) -> Any:
+    """Return the hull of a piece that is convex enough, or None."""
+    hull = piece.hull()
+    return hull if hull.volume() - piece.volume() <= 0.5 * MEAN_DENT * hull.surface_area() else None
+
+
 def _sectors(solid: Any, start: float, end: float, count: int) -> list[Any]:
-    """Return a number of equal sectors between two angles [rad], which the solid lies between."""
-    if count == 1 or solid.is_empty():
+    """Return sectors between two angles [rad], which the solid lies between: a number of equal ones, or fewer.
+
+    What is convex enough is cut no further.
+    """
+    if solid.is_empty():
+        return []
+    if count == 1 or _hull_of(solid) is not None:
         return [solid]
     middle = 0.5 * (start + end)
     after, before = solid.split_by_plane((-np.sin(middle), np.cos(middle), 0.0), 0.0)
-    return [*_sectors(before, start, middle, count // 2), *_sectors(after, middle, end, count // 2)]
+    return [
+        sector
+        for some, low, high in ((before, start, middle), (after, middle, end))
+        for part in some.decompose()
+        for sector in _sectors(part, low, high, count // 2)
+    ]
 
 
 def _levels(sector: Any) -> list[Any]:
@@ -63,12 +91,11 @@ def _levels(sector: Any) -> list[Any]:
     found, waiting = [], list(sector.decompose())
     while waiting:
         piece = waiting.pop()
-        hull = piece.hull()
         low, high = piece.bounding_box()[2], piece.bounding_box()[5]
-        if hull.volume() - piece.volume() <= 0.5 * MEAN_DENT * hull.surface_area() or high - low < LEAST_HEIGHT:
-            if hull.volume() > 0.0:
-                found.append(hull)
-            continue
-        for part in piece.split_by_plane((0.0, 0.0, 1.0), 0.5 * (low + high)):
-            waiting += part.decompose()
+        hull = piece.hull() if high - low < LEAST_HEIGHT else _hull_of(piece)
+        if hull is None:
+            for part in piece.split_by_plane((0.0, 0.0, 1.0), 0.5 * (low + high)):
+                waiting += part.decompose()
+        elif hull.volume() > 0.0:
+            found.append(hull)
     return found

@@ -29,6 +29,9 @@ _CONTACT = (0.01, 1.0)
 _IMPEDANCE = (0.95, 0.99, 5e-4, 0.5, 2.0)
 #: Stiffness of friction over that of contacts [1]: what leans does not creep.
 _FRICTION_STIFFNESS = 100.0
+#: Directions in which a contact resists: with friction against sliding, and against turning and rolling as well. A pair
+#: has the larger of both. Parts of one body touch another in many places, which keep each other from turning.
+_SLIDING, _ROLLING = 3, 6
 #: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling in a second
 #: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
 _DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
@@ -188,12 +191,13 @@ def _add_body(spec: Any, number: int, body: RigidBody) -> None:
     # The table meets the hull alone, which touches a plane where the body does; bodies meet each other's parts.
     meets = _TABLE if body.parts.parts else _TABLE | _BODIES
     kind = 0 if body.parts.parts else _BODIES
-    _add_part(spec, frame, f"hull-{number}", ConvexPart(body.parts.hull), friction, (kind, meets))
+    _add_part(spec, frame, f"hull-{number}", ConvexPart(body.parts.hull), _contact(friction, (kind, meets)))
+    touch = _contact(friction, (_BODIES, _BODIES)) | {"condim": _SLIDING}
     for index, part in enumerate(body.parts.parts):
-        _add_part(spec, frame, f"part-{number}-{index}", part, friction, (_BODIES, _BODIES))
+        _add_part(spec, frame, f"part-{number}-{index}", part, touch)
 
 
-def _add_part(spec: Any, frame: Any, name: str, part: ConvexPart, friction: float, kinds: tuple[int, int]) -> None:
+def _add_part(spec: Any, frame: Any, name: str, part: ConvexPart, contact: dict[str, Any]) -> None:
     import mujoco
 
     mesh = spec.add_mesh(name=name, uservert=part.points.ravel())
@@ -204,7 +208,7 @@ def _add_part(spec: Any, frame: Any, name: str, part: ConvexPart, friction: floa
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
             quat=[np.cos(half), 0.0, 0.0, np.sin(half)],
-            **_contact(friction, kinds),
+            **contact,
         )
 
 
@@ -213,7 +217,7 @@ def _contact(friction: float, kinds: tuple[int, int]) -> dict[str, Any]:
     return {
         "contype": kinds[0],
         "conaffinity": kinds[1],
-        "condim": 6,
+        "condim": _ROLLING,
         "friction": [friction, TURNING_ARM, ROLLING_ARM],
         "margin": CONTACT_GAP,  # a pair keeps the sum of both
         "solref": _CONTACT,

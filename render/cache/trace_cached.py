@@ -37,7 +37,7 @@ from ..scene.emitters import Emitters, ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import broken_continuity, registry_id, surface_media
+from ..scene.surfaces import broken_continuity, medium_after_bounce, registry_id, surface_media
 from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
@@ -233,6 +233,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     rr_depth, max_depth = dr.opaque(mi.UInt32, picture.rr_depth), dr.opaque(mi.UInt32, picture.max_depth)
     ray, beta, depth = mi.Ray3f(state.origin, state.direction), mi.Color3f(state.beta), mi.UInt32(state.depth)
     pdf, delta, active, eta_scale = mi.Float(state.pdf), mi.Bool(state.delta), mi.Bool(state.active), state.eta_scale
+    medium = mi.UInt32(state.medium)
     si = pi.compute_surface_interaction(ray, mi.RayFlags.All, outside)
     previous = dr.zeros(mi.Interaction3f)
     previous.p = ray.o
@@ -258,6 +259,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
             glossy, through_glass = fraction, mi.Bool(False)
         beta *= bounce.weight
         ray, pdf, delta = leave(si, bounce.direction, offset), bounce.pdf, bounce.delta
+        medium = medium_after_bounce(medium, si, bounce.direction)
         beta, active = _russian_roulette(beta, eta_scale, depth >= rr_depth, hashed_seed(sampler, before))
         active &= depth < max_depth
 
@@ -271,6 +273,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         delta=delta,
         glossy=glossy,
         through_glass=through_glass,
+        medium=medium,
         depth=depth,
         active=active,
     )

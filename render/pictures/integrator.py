@@ -22,7 +22,15 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
-from ..scene.surfaces import AIR_INDEX, SurfaceMedia, SurfaceTable, broken_continuity, registry_id, surface_media
+from ..scene.surfaces import (
+    AIR_INDEX,
+    SurfaceMedia,
+    SurfaceTable,
+    broken_continuity,
+    medium_after_bounce,
+    registry_id,
+    surface_media,
+)
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
 #: Maximum survival probability of Russian roulette [1]; below 1, so that paths in lossless glass end.
@@ -136,6 +144,7 @@ def trace(
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
             bounce = opaque_event(emitters, si, ray, offset, u, table.maps)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            medium = medium_after_bounce(surface.before, si, direction)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)

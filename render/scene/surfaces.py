@@ -15,6 +15,8 @@ from .surface_maps import SurfaceMaps, surface_maps
 
 #: Index of air in every table of media.
 AIR_INDEX = 0
+#: In place of such an index, of segments that shading normals lead into an opaque body: no medium is there.
+BURIED = 0xFFFFFFFF
 #: `Surface.object` of a room's surfaces and lamps.
 ROOM_OBJECT = -3
 
@@ -46,8 +48,6 @@ class SurfaceMedia:
     n: mi.Normal3f  #: geometric normal on the ray's side
     ns: mi.Normal3f  #: shading normal, with the same sign as the geometric one
     distance: mi.Float  #: length of the segment [m]; 0 where nothing is hit
-    #: whether the ray comes from inside an opaque body, where shading normals may lead it; no medium is there
-    buried: mi.Bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,12 +148,21 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     behind = dr.select(from_front, back, front)
     sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
     n, ns, distance = sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0)
-    return SurfaceMedia(row, opaque, before, behind, n, ns, distance, opaque & ~from_front)
+    return SurfaceMedia(row, opaque, before, behind, n, ns, distance)
+
+
+def medium_after_bounce(front: mi.UInt32, si: mi.SurfaceInteraction3f, direction: mi.Vector3f) -> mi.UInt32:
+    """Return the medium of the segment that leaves an opaque surface, or `BURIED` where it leads into the body."""
+    return dr.select(dr.dot(si.n, direction) > 0.0, front, mi.UInt32(BURIED))
 
 
 def broken_continuity(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:
-    """Return 1 where the medium before a surface is not the one that the segment started in, else 0."""
-    return dr.select((surface.before != medium) & ~surface.buried, mi.UInt32(1), mi.UInt32(0))
+    """Return 1 where the medium before a surface is not the one that the segment started in, else 0.
+
+    Segments from inside an opaque body count for nothing: only shading normals and hairline cracks lead there. Those
+    that meet an opaque surface from behind without having entered it so do count: an interface is missing.
+    """
+    return dr.select((surface.before != medium) & (medium != BURIED), mi.UInt32(1), mi.UInt32(0))
 
 
 def transmittance_rgb(sigma_a: mi.Float, surface: SurfaceMedia, active: bool | mi.Bool) -> mi.Color3f:

@@ -7,7 +7,7 @@ import pytest
 
 from glassware.annotate.outlines import boundary, fill_lines, holes_at, openings
 from glassware.dataset.settings.draw import draw
-from glassware.procedural.description.scene import glass_solid
+from glassware.procedural.description.scene import Vessel, glass_solid
 from glassware.procedural.primitives.bodies import box_mesh
 
 
@@ -40,8 +40,9 @@ def test_the_edge_of_an_open_surface_is_found_and_a_closed_one_has_none(tumbler)
 
 
 def test_a_fill_line_is_the_contact_line():
-    vessels = draw(1, vessel_count=[2, 2], vessels={"fill_probability": 1.0}).vessels
+    vessels = draw(1, vessel_count=[2, 2], vessels={"fill_probability": 1.0}, physics={"piled_probability": 0.0}).vessels
     for body in vessels:
+        assert isinstance(body, Vessel)
         assert body.liquid is not None
         (line,) = fill_lines(body)
         np.testing.assert_allclose(line[:, 2], body.liquid.contact, atol=1e-6)

@@ -7,7 +7,6 @@ import numpy as np
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.dataset.format.camera_file import CameraFile, camera_file, camera_of
 from glassware.dataset.format.objects_file import ObjectsFile, objects_file
-from glassware.procedural.description.scene import Liquid
 from glassware.procedural.optics.medium import Medium
 
 
@@ -36,10 +35,10 @@ def test_a_camera_record_says_its_conventions_and_both_poses(analytic):
 
 def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     scene = analytic.scene()
-    heights = {"level": 0.01, "centre": 0.009, "contact": 0.012, "contact_angle": 0.4}
-    tea = Liquid(medium=Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9)), fill=0.6, volume=2.5e-4, **heights)
-    glass = scene.vessels[0].model_copy(update={"liquid": tea})
-    scene = scene.model_copy(update={"vessels": (glass,)})
+    glass = scene.vessels[0]
+    tea = Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9), density=998.0, surface_tension=0.0728, contact_angle=0.4)
+    scene = scene.with_liquid(glass.name, tea, fill=0.6)
+    liquid = scene.vessels[0].liquid
     points = scene_keypoints(scene)
     records = ObjectsFile.model_validate_json(objects_file(scene, points).model_dump_json()).objects
     assert [record.id for record in records] == [2, 3, 4]
@@ -47,8 +46,9 @@ def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     assert [(part.id, part.name) for part in vessel.parts] == [(1, "glass"), (2, "liquid")]
     assert vessel.material.kind == "glass"
     assert vessel.material.medium == glass.glass
+    assert vessel.liquid == liquid
     assert vessel.liquid is not None
-    assert vessel.liquid.model_dump() == tea.model_dump()
+    assert vessel.liquid.medium == tea
     assert ball.liquid is None
     assert ball.material.kind == "opaque"
     assert ball.material.name == "clay"

@@ -15,6 +15,14 @@ from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.scene.loaded_scene import load
 
+#: Vessels that let all light through: clear, open, with nothing on them and one clear liquid in them.
+ALL_CLEAR = {
+    "categories": ("tumbler", "beaker", "bowl", "bottle", "stem glass", "flask", "vase", "freeform"),
+    "contents": dict.fromkeys(("layered", "turbid", "ice", "beads", "bubbles", "standing"), 0.0),
+    "closed_probability": 0.0,
+    "label_probability": 0.0,
+}
+
 
 def write_exr_map(path: Path, pixels: np.ndarray) -> Path:
     """Write a panorama, (h, 2 * h, 3)."""
@@ -58,6 +66,7 @@ def drawn(sky_light) -> Callable[..., Scene]:
             "vessels": {"fill_probability": 1.0, "chord_error": 5e-5, "rough_probability": 0.0},
             "environment": {"hdri_dir": sky_light, "hdri_calibrated": True},
             "lights": {"max_count": 1},
+            "physics": {"piled_probability": 0.0},
             "cameras": {"views": 2, "width": 64, "height": 48},
             "picture": {"spp": 4},
         }
@@ -67,9 +76,16 @@ def drawn(sky_light) -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
+def all_clear() -> dict[str, Any]:
+    """Settings of vessels: `ALL_CLEAR`."""
+    return ALL_CLEAR
+
+
+@pytest.fixture(scope="session")
 def glasses(drawn) -> Scene:
     """Filled vessels of several families and a prop, smooth."""
-    return drawn(5, vessel_count=(4, 4), prop_count=(1, 1))
+    vessels = {"fill_probability": 1.0, "chord_error": 5e-5, "rough_probability": 0.0} | ALL_CLEAR
+    return drawn(5, vessel_count=(4, 4), prop_count=(1, 1), vessels=vessels)
 
 
 @pytest.fixture

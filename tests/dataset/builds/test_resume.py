@@ -101,7 +101,10 @@ def test_the_head_says_what_the_scenes_were_made_from(undisturbed):
         (("--scenes", "0:3", "--shard", "4/3"), "--shard: expected i/n with i from 1 to n, such as 1/3, found '4/3'"),
         (("--scenes", "0:3", "--workers", "0"), "workers: expected greater than or equal to 1, found 0"),
         (("--scenes", "0:3", "--address", "auto"), "address: expected --executor ray with it"),
-        (("--scenes", "0:3", "--hdri-dir", "nowhere"), "nowhere: expected a folder of"),
+        (
+            ("--scenes", "0:3", "--hdri-dir", "nowhere"),
+            "environment.hdri_dir: expected a folder of environment maps, found none at nowhere",
+        ),
     ],
 )
 def test_a_wrong_request_is_one_line_and_writes_nothing(capsys, tmp_path, arguments, says):

@@ -14,6 +14,7 @@ from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
 
 from glassware.annotate.masks import decode_mask
+from glassware.dataset.exports.category_ids import CATEGORY_IDS, FIRST_OTHER
 from glassware.dataset.exports.coco import KINDS
 from glassware.dataset.exports.polygons import polygons_of
 from glassware.dataset.exports.run import export
@@ -101,3 +102,13 @@ def test_scenes_go_to_the_files_of_their_splits(stored, tmp_path):
     export(stored, "coco", tmp_path / "out")
     names = sorted(path.name for path in (tmp_path / "out" / "annotations").iterdir())
     assert names == ["amodal_test.json", "instances_test.json", "keypoints_test.json"]
+
+
+def test_categories_have_the_ids_of_every_data_set(stored, tmp_path):
+    export(stored, "coco", tmp_path / "out")
+    categories = _loaded(tmp_path / "out", "instances").dataset["categories"]
+    assert [(category["id"], category["name"]) for category in categories] == [
+        (CATEGORY_IDS["tumbler"], "tumbler"),
+        (CATEGORY_IDS["box"], "box"),
+        (FIRST_OTHER, "sphere"),
+    ]

@@ -13,6 +13,7 @@ from glassware.dataset.commands.build_request import BuildDataset
 from glassware.dataset.commands.completion import script
 from glassware.dataset.commands.glassware import main
 from glassware.dataset.commands.scene_request import RenderScene
+from glassware.dataset.format.file_kinds import KINDS
 from glassware.dataset.settings.common_options import COMMON
 from glassware.dataset.settings.config import parse_request
 from glassware.dataset.settings.help_page import common_sections
@@ -106,7 +107,7 @@ def test_forms_say_what_a_value_looks_like(kind, form):
         (["--write", "radiance,noisy"], ("radiance", "noisy")),
         (["--write", "layers", "radiance"], ("radiance", "layers")),
         (["--write=refraction,layers"], ("layers", "refraction")),
-        (["--write", "all"], ("radiance", "noisy", "layers", "refraction")),
+        (["--write", "all"], KINDS),
         (["--write", "none"], ()),
         ([], ()),
     ],

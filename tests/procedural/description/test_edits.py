@@ -8,7 +8,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.core.mesh import volume_of
 from glassware.procedural.description.refill import refilled, section_of
-from glassware.procedural.description.scene import Vessel, liquid_solid
+from glassware.procedural.description.scene import MeshVessel, Vessel, liquid_solid
 from glassware.procedural.optics.catalogue import catalogue, water
 from glassware.procedural.optics.wetting import contact_angle
 from glassware.procedural.primitives.bodies import ball
@@ -18,7 +18,7 @@ from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene, scene_digest
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.scene.validate import check_scene
-from glassware.procedural.vessels.settings import CATEGORIES
+from glassware.procedural.vessels.settings import REVOLVED, SHAPED
 
 OIL = catalogue()["olive oil"]
 #: Meshes hold single precision: rounding of a normal, and of a coordinate below 1 m.
@@ -27,13 +27,42 @@ ROUNDING = 1.2e-7
 FACETS = 2e-2
 
 
+#: Nothing in the vessels but one clear liquid, no parts, nothing that lies: what is changed here is one thing at a time.
+PLAIN = {"layered": 0.0, "turbid": 0.0, "ice": 0.0, "beads": 0.0, "bubbles": 0.0, "standing": 0.0}
+BARE = {"closed_probability": 0.0, "label_probability": 0.0, "contents": PLAIN, "chord_error": 2e-4}
+
+
+def _drawn(seed, vessels, count=1, props=0):
+    settings = {
+        "vessel_count": (count, count),
+        "prop_count": (props, props),
+        "vessels": BARE | vessels,
+        "props": {"kinds": ["shape"]},
+        "physics": {"piled_probability": 0.0, "lying_probability": 0.0},
+        "environment": {"room_share": 0.0, "shipped_share": 0.0},
+    }
+    return draw_scene(SceneSettings.model_validate(settings), seed, 0)
+
+
 @pytest.fixture(scope="module")
 def scene():
-    vessels = {"fill_probability": 1.0, "liquids": ["water"], "categories": ["beaker", "bowl"], "chord_error": 2e-4}
-    settings = SceneSettings.model_validate(
-        {"vessel_count": (2, 2), "prop_count": (1, 1), "vessels": vessels, "environment": {"room_share": 0.0}}
-    )
-    return draw_scene(settings, 3, 0)
+    vessels = {"fill_probability": 1.0, "liquids": ["water"], "categories": ["beaker", "bowl"]}
+    return _drawn(3, vessels, count=2, props=1)
+
+
+@pytest.fixture(scope="module")
+def iced():
+    """A tumbler of water with ice and a straw."""
+    contents = PLAIN | {"ice": 1.0, "ice_count": (2, 2), "standing": 1.0, "standing_kinds": ["straw"]}
+    vessels = {"fill_probability": 1.0, "liquids": ["water"], "categories": ["tumbler"], "fill": (0.4, 0.5)}
+    return _drawn(3, vessels | {"contents": contents})
+
+
+@pytest.fixture(scope="module")
+def closed():
+    """An empty jar with a label and a lid."""
+    parts = {"closed_probability": 1.0, "label_probability": 1.0}
+    return _drawn(4, {"fill_probability": 0.0, "categories": ["jar"]} | parts, props=1)
 
 
 def test_another_liquid_brings_its_surface_its_meshes_and_its_media(scene):
@@ -54,14 +83,10 @@ def test_another_liquid_brings_its_surface_its_meshes_and_its_media(scene):
     np.testing.assert_array_equal(vessel.world_T_object, scene.vessels[0].world_T_object)
 
 
-@pytest.mark.parametrize("category", CATEGORIES)
+@pytest.mark.parametrize("category", REVOLVED)
 @pytest.mark.parametrize("filled", [0.0, 1.0])
-def test_curves_are_read_back_from_the_meshes_of_every_family(category, filled):
-    vessels = {"fill_probability": filled, "liquids": ["ethanol"], "categories": [category], "chord_error": 2e-4}
-    settings = SceneSettings.model_validate(
-        {"vessel_count": (1, 1), "prop_count": (0, 0), "vessels": vessels, "environment": {"room_share": 0.0}}
-    )
-    (vessel,) = draw_scene(settings, 5, 0).vessels
+def test_curves_are_read_back_from_the_meshes_of_every_family_of_revolution(category, filled):
+    vessel = _drawn(5, {"fill_probability": filled, "liquids": ["ethanol"], "categories": [category]}).vessels[0]
     assert isinstance(vessel, Vessel)
     outer, inner, _ = section_of(vessel)
     for curve in (outer, inner):
@@ -76,6 +101,76 @@ def test_curves_are_read_back_from_the_meshes_of_every_family(category, filled):
     full = refilled(empty, water(), 0.4).liquid
     assert full is not None
     assert full.fill == pytest.approx(0.4, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "category", [pytest.param(name, marks=() if name in ("mug", "square glass") else pytest.mark.slow) for name in SHAPED]
+)
+def test_a_vessel_of_any_shape_is_emptied_and_filled_again(category):
+    scene = _drawn(5, {"fill_probability": 1.0, "liquids": ["water"], "categories": [category]})
+    (vessel,) = scene.vessels
+    assert isinstance(vessel, MeshVessel)
+    empty = scene.with_liquid(vessel.name, None)
+    check_scene(empty)
+    assert [part.part for part in empty.vessels[0].interfaces] == ["outside"]
+    again = empty.with_liquid(vessel.name, "ethanol", 0.3)
+    check_scene(again)
+    assert again.vessels[0].liquid.fill == pytest.approx(0.3, rel=1e-4)
+
+
+def test_a_straw_goes_with_its_vessel_and_takes_no_pose_of_its_own(iced):
+    straw = next(item for item in iced.objects if item.within)
+    assert iced.without("vessel-00").objects == ()
+    pose = iced.vessels[0].world_T_object.copy()
+    pose[:3, 3] += (0.02, 0.01, 0.3)
+    moved = iced.with_pose("vessel-00", pose)
+    check_scene(moved)
+    there = next(item for item in moved.objects if item.name == straw.name)
+    np.testing.assert_allclose(there.world_T_object[:3, 3] - straw.world_T_object[:3, 3], (0.02, 0.01, 0.3), atol=1e-12)
+    with pytest.raises(InputError, match=rf"^{straw.name}: expected a pose of the vessel that it stands in"):
+        iced.with_pose(straw.name, pose)
+
+
+def test_without_its_straw_a_liquid_keeps_its_volume_and_falls(iced):
+    straw = next(item for item in iced.objects if item.within)
+    alone = iced.without(straw.name)
+    check_scene(alone)
+    before, after = iced.vessels[0].liquid, alone.vessels[0].liquid
+    assert after.volume == pytest.approx(before.volume, rel=1e-5)
+    assert after.level < before.level
+    assert [content.kind for content in alone.vessels[0].contents] == ["ice cube", "ice cube"]
+
+
+def test_ice_floats_and_a_straw_is_wetted_in_the_new_liquid(iced):
+    changed = iced.with_liquid("vessel-00", "fruit juice" if "fruit juice" in catalogue() else "glycerol")
+    check_scene(changed)
+    medium = changed.vessels[0].liquid.medium
+    ice = [part.front for part in changed.vessels[0].interfaces if part.part == "content"]
+    straw = next(item for item in changed.objects if item.within)
+    assert medium in ice
+    assert medium in [piece.surrounding for piece in straw.pieces]
+    assert iced.vessels[0].liquid.medium not in [*ice, *(piece.surrounding for piece in straw.pieces)]
+    # Ice of 917 kg/m^3 lies higher in a denser liquid.
+    higher = [new.centre[2] - changed.vessels[0].liquid.level for new in changed.vessels[0].contents]
+    lower = [old.centre[2] - iced.vessels[0].liquid.level for old in iced.vessels[0].contents]
+    assert sum(higher) > sum(lower)
+
+
+def test_parts_go_with_their_vessel(closed):
+    (jar,) = closed.vessels
+    parts = [item for item in closed.objects if item.part_of]
+    assert {item.part_of for item in parts} == {jar.name}
+    assert {item.category for item in parts} == {"lid", "label"}
+    alone = closed.without(jar.name)
+    assert [item.name for item in alone.objects] == ["prop-00"]
+    pose = jar.world_T_object.copy()
+    pose[2, 3] += 0.4
+    lifted = closed.with_pose(jar.name, pose)
+    check_scene(lifted)
+    for before, after in zip(closed.objects, lifted.objects, strict=True):
+        rise = after.world_T_object[2, 3] - before.world_T_object[2, 3]
+        assert rise == pytest.approx(0.0 if before.name == "prop-00" else 0.4, abs=1e-12)
+    check_scene(closed.without(parts[0].name))
 
 
 def test_a_liquid_keeps_its_volume_where_nobody_says_another(scene):

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 
 from glassware.core.json_file import json_text
 from glassware.core.mesh import Mesh, as_trimesh
-from glassware.procedural.description.scene import Scene, Vessel, glass_solid, liquid_solid
+from glassware.procedural.description.scene import MeshVessel, Prop, Scene, Vessel, glass_solid, liquid_solid
 from glassware.procedural.description.standing import standing_in
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
@@ -48,7 +48,7 @@ def _settings(assets: Path | None = None, environment: dict | None = None) -> Sc
 
 
 def _body(item) -> Mesh:
-    return glass_solid(item) if isinstance(item, Vessel) else item.mesh
+    return item.mesh if isinstance(item, Prop) else glass_solid(item)
 
 
 def _placed(item) -> np.ndarray:

@@ -69,6 +69,7 @@ def test_glass_and_liquid_are_closed(category):
 @pytest.mark.parametrize("category", QUICK)
 def test_the_thinnest_wall_is_the_one_asked_for(category):
     vessel, made = drawn(category)
+    assert vessel.wall is not None
     corners = made.mesh.vertices[made.mesh.faces].astype(np.float64)
     below = corners[..., 2].max(1) < made.cavity.brim - 2.0 * vessel.wall - 1e-3
     inner = made.cavity.inner

@@ -7,7 +7,7 @@ import pytest
 
 from glassware.core.mesh import check_closed
 from glassware.procedural.description.edits import check_pair, solid_of
-from glassware.procedural.description.scene import GlassBody
+from glassware.procedural.description.scene import GlassBody, MeshVessel, Prop
 from glassware.procedural.scene.asset_files import AssetFiles
 from glassware.procedural.scene.draw_vessels import draw_vessels, lies
 from glassware.procedural.scene.solids import body_mesh
@@ -67,6 +67,8 @@ def test_what_does_not_stand_lies_or_is_held():
 
 def test_graduations_lie_at_the_heights_of_their_volumes():
     body, (scale,) = _drawn("spouted beaker")
+    assert isinstance(body, MeshVessel)
+    assert isinstance(scale, Prop)
     bottoms = np.unique(np.round(scale.mesh.vertices[:, 2] + scale.world_T_object[2, 3], 6))
     cavity = body.cavities[0]
     assert cavity.floor < bottoms.min()

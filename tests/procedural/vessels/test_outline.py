@@ -40,14 +40,20 @@ def test_a_bulge_is_as_high_as_it_says_in_the_middle():
     assert middle == pytest.approx(0.03 + 0.005, abs=1e-15)
 
 
+#: Families of an outline over the height; the profiles of the others are drawn as curves (`laboratory`).
+OUTLINED = [category for category in FAMILIES if category not in ("test tube", "round flask")]
+
+
 def _drawn(category: Category, seed: int) -> tuple[Outline, Size]:
     rng, family = np.random.default_rng(seed), FAMILIES[category]
     height = rng.uniform(*family.height)
     size = Size(height, float(np.clip(height * rng.uniform(*family.slenderness), *family.radius)), 0.011)
-    return family.outline(rng, size), size
+    outline = family.outline(rng, size)
+    assert isinstance(outline, Outline)
+    return outline, size
 
 
-@pytest.mark.parametrize("category", FAMILIES)
+@pytest.mark.parametrize("category", OUTLINED)
 def test_outlines_are_continuous_with_continuous_slope(category):
     for seed in range(20):
         outline, _ = _drawn(category, seed)
@@ -61,7 +67,7 @@ def test_outlines_are_continuous_with_continuous_slope(category):
         assert np.abs(np.diff(slope)).max() < 0.25
 
 
-@pytest.mark.parametrize("category", FAMILIES)
+@pytest.mark.parametrize("category", OUTLINED)
 def test_outlines_stay_within_the_size_they_are_drawn_for(category):
     for seed in range(40):
         outline, size = _drawn(category, seed)

@@ -32,7 +32,7 @@ RIM = 0.003
 
 
 @pytest.fixture(scope="module")
-def furnace(backend, drawn, clear, even_light):
+def furnace(backend, drawn, clear, all_clear, even_light):
     """(fill probability, roughness probability) -> a loaded scene of clear vessels with next to no table."""
 
     def make(fill: float, rough: float = 0.0, picture: Picture | None = None):
@@ -41,7 +41,7 @@ def furnace(backend, drawn, clear, even_light):
                 21,
                 vessel_count=(4, 4),
                 prop_count=(0, 0),
-                vessels={"fill_probability": fill, "rough_probability": rough, "roughness": (0.2, 0.5)},
+                vessels=all_clear | {"fill_probability": fill, "rough_probability": rough, "roughness": (0.2, 0.5)},
                 environment={"hdri_dir": even_light, "hdri_calibrated": True},
                 lights={"max_count": 0},
                 cameras={"views": 15, "width": 128, "height": 96},
