@@ -22,7 +22,13 @@ from glassware.procedural.scene.validate import check_scene
 #: Small enough for a test.
 SMALL = {"cameras": {"views": 2, "width": 48, "height": 36}, "picture": {"spp": 2}}
 #: Few objects.
-FEW = {"vessel_count": (1, 1), "prop_count": (1, 1), "vessels": {"fill_probability": 1.0}}
+FEW = {
+    "vessel_count": (1, 1),
+    "prop_count": (1, 1),
+    "vessels": {"categories": ["tumbler", "beaker"], "fill_probability": 1.0, "contents": {"standing": 0.0}},
+    "props": {"kinds": ["shape"]},
+    "physics": {"piled_probability": 0.0},
+}
 #: Longest that a child process may take [s].
 PATIENCE = 120
 

@@ -10,7 +10,6 @@ import os
 import signal
 import sys
 from importlib import import_module
-from importlib.metadata import version
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -36,6 +35,8 @@ def _run(name: str) -> int:
         if signal.getsignal(number) != signal.SIG_IGN:  # ignored for background jobs of a script
             signal.signal(number, _exit)
     if "--version" in sys.argv[1:]:
+        from importlib.metadata import version  # here, as it loads so much that a signal may come before the handlers
+
         sys.stdout.write(f"glassware {version('glassware')}\n")
         return 0
     return import_module(f"{__package__}.{name}").main()

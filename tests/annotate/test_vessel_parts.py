@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -33,6 +35,20 @@ def test_each_part_counts_up_to_the_first_opaque_surface(analytic):
     assert not parts.opening.any()
     bits = part_bits([parts], (1, 6))
     assert bits[0, 1] == PART_BITS["glass"] | PART_BITS["wet_wall"] | PART_BITS["liquid_surface"] | PART_BITS["content"]
+
+
+def test_contents_count_and_the_surface_of_a_turbid_liquid_hides_what_is_behind_it(analytic):
+    milk, wall, wet, top, ice = 5, (2, 1), (2, 2), (2, 3), (2, 5)
+    layers = _layers([[ice, wall], [wall, wet, wet, wall], [top, wet, wall]])
+    layers = replace(layers, material=np.zeros_like(layers.id))
+    clear = vessel_parts(layers, 2, [], analytic.camera(0), turbid=[milk])
+    assert clear.content.tolist() == [[True, True, True]]
+    assert clear.wet_wall.tolist() == [[False, True, True]]
+    layers.material[0, 0, 2] = milk  # seen from above
+    turbid = vessel_parts(layers, 2, [], analytic.camera(0), turbid=[milk])
+    assert turbid.liquid_surface.tolist() == [[False, False, True]]
+    assert turbid.wet_wall.tolist() == [[False, True, False]]
+    assert turbid.glass.tolist() == [[True, True, False]]
 
 
 def test_the_inside_of_a_polygon_is_opencvs(rng):

@@ -21,7 +21,9 @@ SEED = 11
 SETTINGS = {
     "vessel_count": [2, 2],
     "prop_count": [2, 2],
-    "vessels": {"chord_error": 1e-4, "fill_probability": 1.0},
+    "vessels": {"categories": ["tumbler", "beaker"], "chord_error": 1e-4, "fill_probability": 1.0},
+    "props": {"kinds": ["shape"]},
+    "physics": {"piled_probability": 0.0},
     "cameras": {"width": 40, "height": 30, "views": 1},
     "picture": {"spp": 2, "denoise": False},
 }

@@ -8,6 +8,7 @@ from glassware.annotate.keypoints import scene_keypoints
 from glassware.dataset.format.camera_file import CameraFile, camera_file, camera_of
 from glassware.dataset.format.objects_file import ObjectsFile, objects_file
 from glassware.procedural.optics.medium import Medium
+from glassware.procedural.primitives import bodies
 
 
 def test_a_camera_comes_back_from_its_record_exactly(analytic):
@@ -35,10 +36,12 @@ def test_a_camera_record_says_its_conventions_and_both_poses(analytic):
 
 def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     scene = analytic.scene()
-    glass = scene.vessels[0]
+    # The vessel has normals and rings, as liquids need them.
+    silica = scene.vessels[0].glass
+    profile = [(analytic.RADIUS, 0.0), (analytic.RADIUS, analytic.HEIGHT)]
     tea = Medium(name="tea", eta=1.333, sigma_a=(1, 4, 9), density=998.0, surface_tension=0.0728, contact_angle=0.4)
-    scene = scene.with_liquid(glass.name, tea, fill=0.6)
-    liquid = scene.vessels[0].liquid
+    glass = bodies.vessel(profile, silica, liquid=tea, fill=0.6, name="glass", chord_error=2e-4)
+    scene = scene.model_copy(update={"vessels": (glass,)})
     points = scene_keypoints(scene)
     records = ObjectsFile.model_validate_json(objects_file(scene, points).model_dump_json()).objects
     assert [record.id for record in records] == [2, 3, 4]
@@ -46,8 +49,8 @@ def test_objects_have_materials_parts_symmetries_and_keypoints(analytic):
     assert [(part.id, part.name) for part in vessel.parts] == [(1, "glass"), (2, "liquid")]
     assert vessel.material.kind == "glass"
     assert vessel.material.medium == glass.glass
-    assert vessel.liquid == liquid
     assert vessel.liquid is not None
+    assert vessel.liquid == glass.liquid
     assert vessel.liquid.medium == tea
     assert ball.liquid is None
     assert ball.material.kind == "opaque"

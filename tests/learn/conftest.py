@@ -74,7 +74,11 @@ def _render(folder: Path) -> None:
     config.write_text(
         "vessel_count: [1, 2]\n"
         "prop_count: [1, 2]\n"
-        "vessels: {chord_error: 1.0e-4}\n"
+        "props: {kinds: [shape]}\n"
+        "physics: {piled_probability: 0}\n"
+        # A label has the middle of its vessel: fields have one peak for both.
+        "vessels: {categories: [tumbler, beaker, bowl], label_probability: 0, contents: {standing: 0},\n"
+        " chord_error: 1.0e-4}\n"
         f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 128, height: 96, views: 5}\n"
         "picture: {spp: 4, layers: 0, refraction: no, light: path}\n"

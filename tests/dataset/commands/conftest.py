@@ -34,7 +34,9 @@ def small(tmp_path_factory) -> Path:
     path.write_text(
         "vessel_count: [1, 1]\n"
         "prop_count: [1, 1]\n"
-        "vessels: {chord_error: 1.0e-4, fill_probability: 1.0}\n"
+        "vessels: {categories: [tumbler, beaker], chord_error: 1.0e-4, fill_probability: 1.0}\n"
+        "props: {kinds: [shape]}\n"
+        "physics: {piled_probability: 0}\n"
         f"environment: {{hdri_dir: {folder / 'hdri'}, hdri_share: 1.0}}\n"
         "cameras: {width: 32, height: 24, views: 2}\n"
         "picture: {spp: 2}\n"

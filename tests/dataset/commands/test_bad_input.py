@@ -56,7 +56,7 @@ def _everything(folder: Path) -> dict[str, bytes | None]:
         (("--seed", "-1"), ("seed", "greater than or equal to 0", "found -1")),
         (("--scene", "1000000"), ("scene", "less than or equal to 999999", "found 1000000")),
         (("--views", "many"), ("cameras.views", "many")),
-        (("--vessels.categories", "mug"), ("vessels.categories", "mug", "tumbler")),
+        (("--vessels.categories", "goblet"), ("vessels.categories", "goblet", "tumbler")),
         (("--colour", "blue"), ("known options", "--colour blue")),
         (("--cameras.veiws", "3"), ("known options", "is it --cameras.views?", "--cameras.veiws 3")),
         (("--preset", "huge"), ("--preset", "fast, keypose, standard, syn-todd", "huge")),
