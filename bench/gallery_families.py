@@ -45,7 +45,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("path")
     parser.add_argument("--rows", type=int, nargs="+", default=[0, 1, 2, 3])
-    parser.add_argument("--width", type=int, default=840, help="of the picture [px]")
+    parser.add_argument("--width", type=int, default=700, help="of the picture [px]")
     parser.add_argument("--spp", type=int, default=16, help="samples per pixel")
     parser.add_argument("--environment", default=MAP, help="map of the package")
     request = parser.parse_args()

@@ -19,6 +19,7 @@ from ..optics.catalogue import ice, olive_oil, soda_lime
 from ..optics.interfacial import kind_of
 from ..optics.medium import AIR, Medium
 from ..optics.turbid import is_turbid, turbid_medium
+from ..profiles.clearance import along_edges
 from .fits import bead_places, bubble_places, ice_places
 from .room import Room, room_of
 from .settings import ContentsSettings
@@ -93,11 +94,11 @@ def draw_contents(
         item, again = draw_standing(streams("standing"), settings, vessel, room)
         tries.count += again
     leaning = [] if item is None else [_in_vessel(item)]
-    bodies = _beads(streams("beads"), settings, room, leaning)
+    bodies = _beads(streams("beads"), settings, room, leaning, tries)
     bodies += _ice(streams("ice"), settings, vessel, room, pours, [*leaning, *(body.mesh for body in bodies)], tries)
     if pours == held(vessel) and not bodies and not leaning and settings.bubbles == 0.0:
-        return Drawn(vessel)
-    bubbles = _bubbles(streams("bubbles"), settings, vessel, room, pours, bodies, leaning)
+        return Drawn(_counted(vessel, tries))
+    bubbles = _bubbles(streams("bubbles"), settings, vessel, room, pours, bodies, leaning, tries)
     if pours == held(vessel) and not bodies and not leaning and not bubbles:
         return Drawn(_counted(vessel, tries))
     filled = fill_vessel(vessel, pours, [*bodies, *bubbles, *(Body(mesh) for mesh in leaning)])
@@ -166,16 +167,19 @@ def body_of(kind: str, mesh: Mesh, medium: Medium, count: int = 1) -> Body:
     return Body(mesh, record)
 
 
-def _beads(rng: np.random.Generator, settings: ContentsSettings, room: Room, leaning: list[Mesh]) -> list[Body]:
+def _beads(
+    rng: np.random.Generator, settings: ContentsSettings, room: Room, leaning: list[Mesh], tries: _Tries
+) -> list[Body]:
     wanted, radius = rng.random() < settings.beads, float(rng.uniform(*settings.bead_radius))
     count = int(rng.integers(settings.bead_count[0], settings.bead_count[1] + 1))
     if not wanted:
         return []
     neck = room.narrowest(room.floor + 2.0 * radius, room.brim)
-    if neck < radius + 1e-3:  # they could not have come in
-        return []
-    places = bead_places(rng, room, radius, count, [_dense(mesh) for mesh in leaning])
+    places = np.zeros((0, 3))
+    if neck >= radius + 1e-3:  # they could have come in
+        places = bead_places(rng, room, radius, count, [_dense(mesh) for mesh in leaning])
     if not len(places):
+        tries.count += 1
         return []
     mesh = balls(places, np.full(len(places), radius), "beads")
     return [body_of("beads", mesh, soda_lime(), len(places))]
@@ -260,6 +264,7 @@ def _bubbles(
     pours: tuple[Pour, ...],
     bodies: list[Body],
     leaning: list[Mesh],
+    tries: _Tries,
 ) -> list[Body]:
     wanted = rng.random() < settings.bubbles
     count = int(rng.integers(settings.bubble_count[0], settings.bubble_count[1] + 1))
@@ -272,13 +277,12 @@ def _bubbles(
     tops = [part.mesh for part in filled.interfaces if part.part in ("liquid_interface", "liquid_surface")]
     places = bubble_places(rng, room, radii, levels, [*meshes, *leaning, *tops])
     if not len(places):
+        tries.count += 1
         return []
     return [body_of("bubbles", balls(places[:, :3], places[:, 3], "bubbles", BUBBLE_STEPS), AIR, len(places))]
 
 
 def _dense(mesh: Mesh) -> np.ndarray:
-    """Return points on a body's surface at most 2 mm apart, (n, 3) [m]."""
-    import trimesh  # here, as it takes half a second to load
-
-    points, *_ = trimesh.remesh.subdivide_to_size(mesh.vertices.astype(np.float64), mesh.faces, 2e-3, max_iter=12)
-    return points
+    """Return points on a body's edges at most 2 mm apart, (n, 3) [m]; its triangles are small, or long and thin."""
+    ends = np.sort(np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]]), axis=1)
+    return along_edges(mesh.vertices.astype(np.float64)[np.unique(ends, axis=0)], 2e-3)

@@ -43,7 +43,8 @@ def ice_places(
     for edge in edges.tolist():
         low, high = max(level - 1.05 * edge, room.floor), min(level + 0.5 * edge, room.brim)
         reach = room.narrowest(low, high) - 0.5 * edge * np.sqrt(2.0) - APART
-        near = [points[(points[:, 2] > low - edge) & (points[:, 2] < high + edge), :2] for points in others]
+        beside = [points[(points[:, 2] > low - edge) & (points[:, 2] < high + edge), :2] for points in others]
+        near = [cKDTree(points) for points in beside if len(points)]
         for _ in range(_PLACES if reach > 0.0 else 0):
             radius, angle, turn = reach * np.sqrt(rng.random()), rng.uniform(0, 2 * np.pi), rng.uniform(0, np.pi / 2)
             x, y = radius * np.cos(angle), radius * np.sin(angle)
@@ -51,7 +52,7 @@ def ice_places(
             free = all(
                 _apart(square, _square(*other, 0.5 * e + 0.5 * APART)) for other, e in zip(placed, edges, strict=False)
             )
-            if free and not any(len(some) and _holds(square, some).any() for some in near):
+            if free and not any(_holds(square, some) for some in near):
                 placed.append((x, y, turn))
                 break
         else:
@@ -76,10 +77,14 @@ def _apart(a: np.ndarray, b: np.ndarray) -> bool:
     return False
 
 
-def _holds(square: np.ndarray, points: np.ndarray) -> np.ndarray:
-    along = np.roll(square, -1, axis=0) - square
-    inwards = np.stack([-along[:, 1], along[:, 0]], 1)
-    return (np.einsum("ki,kji->kj", inwards, points[None] - square[:, None]) > -APART * np.linalg.norm(along[0])).all(0)
+def _holds(square: np.ndarray, tree: cKDTree) -> bool:
+    """Return whether a point of a plane lies in a square or nearly so."""
+    along, middle = square[1] - square[0], square.mean(0)
+    side = float(np.hypot(*along))
+    away = tree.data[tree.query_ball_point(middle, np.sqrt(0.5) * side + 2.0 * APART)] - middle
+    half, (x, y) = 0.5 * side + APART, along / side
+    beside = np.abs(away[:, 0] * x + away[:, 1] * y) < half
+    return bool((beside & (np.abs(away[:, 1] * x - away[:, 0] * y) < half)).any())
 
 
 def bead_places(

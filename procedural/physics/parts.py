@@ -80,7 +80,7 @@ def _parts(item: SceneObject) -> BodyParts:
 def with_attached(body: BodyParts, attached: Sequence[SceneObject]) -> BodyParts:
     """Return the shape of a body together with its parts, whose poses are in its frame: their hulls.
 
-    A label or a print adds nothing: it lies on the wall, thinner than the gap that bodies keep, and the hull of one that
+    A label or a print adds nothing: it lies on the wall, as thin as the gap that bodies keep, and the hull of one that
     goes around would fill the vessel.
     """
     hulls = []

@@ -47,7 +47,7 @@ _SLOW, _HOLD_TIME = 0.05, 2.0
 #: Places tried for a prop before the disc grows, and its growth [1].
 _TRIES, _GROWTH = 30, 1.2
 #: How often each prop that leaves the table, or falls into a liquid, may fall again on average [1].
-_FALLS_AGAIN = 1
+_FALLS_AGAIN = 0.5
 #: Depth below the table's top at which an object has left it [m].
 _LOST = 0.05
 #: Tilt at which a filled vessel is upset [rad], whatever follows.

@@ -61,9 +61,9 @@ _CLOTH = Substance(300.0, 0.5, None, "estimate: stuffed cotton, which drapes ove
 _LAMINATE = Substance(1400.0, 0.33, None, "high-pressure laminate, at least 1350 kg/m^3 (EN 438-4); as plastic")
 _ENAMEL = Substance(2500.0, 0.4, None, "glass frit 2400 to 2600 kg/m^3; friction of glass")
 _CITRUS = Substance(950.0, 0.5, None, "estimate: oranges and lemons just float; friction an estimate")
-#: Densities of woods at 12 % moisture [kg/m^3]: 1.12 times the specific gravity of USDA Wood Handbook 2010, table 5-3a
-#: (white oak 0.68, black walnut 0.55, American beech 0.64, ponderosa pine 0.40, white ash 0.60, black cherry 0.50, sugar
-#: maple 0.63, incense cedar 0.37).
+#: Densities of woods at 12 % moisture [kg/m^3]: 1.12 times the specific gravity of USDA Wood Handbook 2010, table
+#: 5-3a (white oak 0.68, black walnut 0.55, American beech 0.64, ponderosa pine 0.40, white ash 0.60, black cherry 0.50,
+#: sugar maple 0.63, incense cedar 0.37).
 WOOD_DENSITIES = {
     "oak": 760.0,
     "walnut": 620.0,
@@ -120,7 +120,9 @@ SUBSTANCES: dict[str, Substance] = {
     "graphite": Substance(1800.0, 0.2, None, "pencil leads of graphite and clay, estimate; on steel 0.1 to 0.2 (ET)"),
     "cover glass": Substance(2450.0, 0.4, None, "aluminosilicate cover glass 2400 to 2480 kg/m^3; friction of glass"),
     **dict.fromkeys(("white enamel", "brown enamel", "black enamel"), _ENAMEL),
-    "apple skin": Substance(840.0, 0.4, None, "apples are a fifth air, 790 to 900 kg/m^3; friction an estimate, as wood"),
+    "apple skin": Substance(
+        840.0, 0.4, None, "apples are a fifth air, 790 to 900 kg/m^3; friction an estimate, as wood"
+    ),
     "citrus skin": _CITRUS,
     "banana skin": Substance(950.0, 0.5, None, "estimate: bananas just float; friction as citrus fruit"),
     "laminate": _LAMINATE,
@@ -128,7 +130,9 @@ SUBSTANCES: dict[str, Substance] = {
     "tiles": Substance(2300.0, 0.4, None, _CERAMIC.source),
     "glazed tiles": Substance(2300.0, 0.4, None, _CERAMIC.source),
     "concrete": Substance(2300.0, 0.6, None, "concrete 2300 kg/m^3; on wood 0.62 (ET)"),
-    "epoxy resin": Substance(1900.0, 0.4, None, "filled epoxy of laboratory tops 1800 to 2000 kg/m^3; as plastic on wood"),
+    "epoxy resin": Substance(
+        1900.0, 0.4, None, "filled epoxy of laboratory tops 1800 to 2000 kg/m^3; as plastic on wood"
+    ),
     "technical ceramic": Substance(2400.0, 0.4, None, "stoneware of laboratory tops 2300 to 2500 kg/m^3; as its glaze"),
     "table cloth": Substance(300.0, 0.5, None, "estimate, as cloth"),
     "checked cloth": Substance(300.0, 0.5, None, "estimate, as cloth"),

@@ -27,7 +27,7 @@ ROUNDING = 1.2e-7
 FACETS = 2e-2
 
 
-#: Nothing in the vessels but one clear liquid, no parts, nothing that lies: what is changed here is one thing at a time.
+#: Nothing in the vessels but one clear liquid, no parts, nothing that lies: one thing is changed at a time.
 PLAIN = {"layered": 0.0, "turbid": 0.0, "ice": 0.0, "beads": 0.0, "bubbles": 0.0, "standing": 0.0}
 BARE = {"closed_probability": 0.0, "label_probability": 0.0, "contents": PLAIN, "chord_error": 2e-4}
 

@@ -49,7 +49,9 @@ def test_two_halves_of_a_box_make_the_box():
 
 def test_vessels_and_their_liquids_weigh_what_their_volumes_do():
     vessels = {"categories": ["tumbler", "bowl", "vase"]}
-    given = {"vessel_count": (3, 3), "prop_count": (0, 0), "vessels": vessels}
+    nothing = dict.fromkeys(("layered", "turbid", "ice", "beads", "bubbles", "standing"), 0.0)
+    vessels |= {"contents": nothing, "closed_probability": 0.0, "label_probability": 0.0}
+    given = {"vessel_count": (3, 3), "prop_count": (0, 0), "vessels": vessels, "physics": {"piled_probability": 0.0}}
     scene = draw_scene(SceneSettings.model_validate(given), 3, 0)
     for vessel in scene.vessels:
         found, glass = mechanics_of(vessel), as_trimesh(vessel.interfaces[0].mesh)
@@ -78,3 +80,30 @@ def test_a_prop_of_plastic_is_hollow_and_one_of_wood_is_solid():
     assert wood.wall is None
     assert plastic.wall is not None
     assert plastic.whole.mass < 0.5 * wood.whole.mass
+
+
+def test_every_material_of_things_and_tables_has_a_density_of_its_own():
+    from glassware.procedural.patterns.draw import WOODS
+    from glassware.procedural.physics.substances import SUBSTANCES
+    from glassware.procedural.tables.kinds import TABLE_KINDS, draw_top
+    from glassware.procedural.things.kinds import KINDS
+
+    rngs = [np.random.default_rng(number) for number in range(2)]
+    names = {draw_top(rng, kind, (1.0, 0.7), 0.3).name for kind in TABLE_KINDS if kind != "plain" for rng in rngs}
+    names |= {part.material.name for kind in KINDS.values() for rng in rngs for part in kind.draw(rng, 0.3).parts}
+    names |= set(WOODS) | {f"{wood} laminate" for wood in WOODS}
+    assert not names - set(SUBSTANCES)
+    assert all(50.0 <= SUBSTANCES[name].density <= 9000.0 or "foam" in name for name in names)
+
+
+@pytest.mark.parametrize(
+    ("kind", "grams"),
+    [("apple", (60, 300)), ("spoon", (15, 90)), ("phone", (130, 260)), ("mug", (180, 500)), ("pen", (3, 25))],
+)
+def test_things_weigh_what_they_do_in_the_hand(kind, grams):
+    from glassware.procedural.things.kinds import KINDS
+    from glassware.procedural.things.parts import as_prop
+
+    for seed in range(3):
+        thing = as_prop(KINDS[kind].draw(np.random.default_rng(seed), 0.3), kind, id=2, name="thing")
+        assert grams[0] <= 1e3 * mechanics_of(thing).whole.mass <= grams[1]

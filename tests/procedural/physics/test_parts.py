@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from glassware.core.mesh import Mesh
+from glassware.procedural.description.bodies import Prop
+from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
+from glassware.procedural.physics.parts import body_parts, with_attached
 from glassware.procedural.physics.sections import area, coarser, convex_pieces, hull
+from glassware.procedural.physics.thin import LEAST_THICKNESS, thickened
 from glassware.procedural.physics.wedges import WEDGE_TOLERANCE, ConvexPart, revolved_hull, revolved_parts
 
 #: Half section of a thick cup [m]: 40 mm wide and 80 mm high inside walls of 3 mm.
@@ -82,3 +87,50 @@ def test_the_hull_of_a_solid_of_revolution_contains_it():
     rim = np.stack([0.043 * np.cos(angles), 0.043 * np.sin(angles), np.full(200, 0.083)], 1)
     assert (rim @ planes[:, :3].T + planes[:, 3]).max() <= ROUNDING
     assert np.hypot(*corners[:, :2].T).max() < 0.0432
+
+
+def _prop(name: str, points: np.ndarray, **more: object) -> Prop:
+    hull = ConvexHull(points, qhull_options="QJ")
+    mesh = Mesh(name, points.astype(np.float32), hull.simplices)
+    paper = OpaqueMaterial(name="paper", base_colour=UniformTexture(colour=(0.7, 0.7, 0.7)), roughness=0.6)
+    size = tuple(np.ptp(points, axis=0).tolist())
+    common = {"id": 2, "name": name, "category": "sheet", "mesh": mesh, "material": paper, "size": size}
+    return Prop.model_validate({**common, "symmetric": False, "world_T_object": np.eye(4), **more})
+
+
+def _box(*size: float) -> np.ndarray:
+    corners = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5], indexing="ij"), -1).reshape(-1, 3)
+    return corners * size
+
+
+@pytest.mark.parametrize("size", [(0.1, 0.2, 0.0), (0.1, 0.0, 0.0), (0.1, 0.2, 1e-6), (0.0, 0.0, 0.0)])
+def test_thin_parts_get_the_least_thickness_about_where_they_are(size):
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    points = _box(*size) @ turn.T + (0.02, -0.05, 0.1)
+    found = (thickened(points) - (0.02, -0.05, 0.1)) @ turn
+    extent = np.ptp(found, axis=0)
+    np.testing.assert_allclose(extent[np.array(size) > 1e-3], [side for side in size if side > 1e-3], atol=1e-8)
+    # A strip's section may be turned: its diagonal is then seen.
+    thin = extent[np.array(size) < LEAST_THICKNESS]
+    assert ((thin > LEAST_THICKNESS - ROUNDING) & (thin < np.sqrt(3.0) * LEAST_THICKNESS + ROUNDING)).all()
+    np.testing.assert_allclose(found.min(0), -found.max(0), atol=1e-8)
+    assert ConvexHull(thickened(points)).volume > 0.99 * LEAST_THICKNESS**3
+
+
+def test_thick_parts_stay_as_they_are():
+    points = _box(0.1, 0.2, 2.0 * LEAST_THICKNESS)
+    assert thickened(points) is points
+
+
+def test_a_flat_sheet_is_a_thin_box():
+    found = body_parts(_prop("napkin", _box(0.1, 0.2, 0.0)))
+    assert not found.parts
+    np.testing.assert_allclose(np.ptp(found.hull, axis=0), (0.1, 0.2, LEAST_THICKNESS), atol=1e-8)
+
+
+def test_a_label_adds_nothing_to_the_shape_of_a_body_and_a_cap_does():
+    body = body_parts(_prop("body", _box(0.05, 0.05, 0.2)))
+    label = _prop("label", _box(0.06, 0.06, 0.1), category="label", part_of="body")
+    cap = label.model_copy(update={"category": "cap"})
+    assert with_attached(body, [label]) is body
+    assert len(with_attached(body, [cap]).parts) == 2
