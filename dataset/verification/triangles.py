@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.mesh import Mesh, turned
 from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene
-from ...procedural.description.surroundings import AreaLight
+from ...procedural.description.surroundings import ROOM_IDS, AreaLight, RoomEnvironment
 
 #: Kinds of surfaces, in the order of the codes of ``layers.exr``; lamps, which labels leave out, come last.
 OPAQUE, OUTSIDE, WET_WALL, LIQUID_SURFACE, LIQUID_INTERFACE, CONTENT, LAMP = range(7)
@@ -54,9 +54,10 @@ def triangles_of(scene: Scene) -> Triangles:
 
 
 def opaque_ids(scene: Scene) -> list[int]:
-    """Return the ids of all that has an opaque surface."""
+    """Return the ids of all that has an opaque surface, with those of the parts of a room."""
     return [
         TABLE_ID,
+        *(ROOM_IDS.values() if isinstance(scene.environment, RoomEnvironment) else ()),
         *(item.id for item in scene.objects if isinstance(item, Prop) or any(map(_is_opaque, item.interfaces))),
     ]
 
