@@ -66,6 +66,7 @@ NOT_RUN = {
     "apt-get ": "needs root, and changes the machine",
     "make ": "sets up an environment; the commands behind its targets are run here and by .ci/run",
     "pip ": "downloads packages",
+    "chromium ": "needs a browser; tests/dataset/report/test_page.py runs it where there is one",
     "glassware completion ": "changes the files of a shell; its output is tested in test_help_page",
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",

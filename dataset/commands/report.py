@@ -55,7 +55,7 @@ def _report(arguments: Sequence[str]) -> None:
     if not (root / layout.DATASET).is_file():
         raise InputError(root, f"the folder of a data set, with {layout.DATASET}", "none")
     out = request.out or root / layout.REPORT
-    _check_out(out)
+    _check_out(out, root)
     dataset = Dataset.open(root)
     summary = summarise(dataset, request.pictures, lambda ids: tracked(ids, "reading scenes", len(ids), console))
     data = page(summary).encode()
@@ -70,7 +70,7 @@ def _report(arguments: Sequence[str]) -> None:
         raise WorkFailed("\n".join([f"{counted(len(lines), 'scene')} left out", *lines]))
 
 
-def _check_out(out: Path) -> None:
+def _check_out(out: Path, root: Path) -> None:
     """Refuse a page that could not be written after minutes of reading, or that would replace another kind of file."""
     if out.suffix.lower() not in _HTML:
         raise InputError("--out", f"a file that ends in {' or '.join(_HTML)}", out)
@@ -78,6 +78,8 @@ def _check_out(out: Path) -> None:
         raise InputError("--out", "a file", f"the folder {out}")
     if not out.parent.is_dir():
         raise InputError("--out", f"a file in a folder that is there, {out.parent}", "none")
+    if out.resolve().is_relative_to((root / layout.SCENES).resolve()):
+        raise InputError("--out", "a file outside the folders of scenes, which hold only their own files", out)
 
 
 if __name__ == "__main__":

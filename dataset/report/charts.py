@@ -12,7 +12,7 @@ from .histograms import Histogram, histogram, number_text
 from .quantities import Quantity
 
 #: Width of a histogram, height of its bars, and of the ticks and the paper's range below them [px].
-WIDTH, HEIGHT, TICKS, RANGE = 320, 96, 18, 20
+WIDTH, HEIGHT, TICKS, RANGE = 320, 96, 18, 23
 #: Margins beside the bars: on the left the largest count fits, on the right half of a tick's number [px].
 _LEFT, _RIGHT = 40, 24
 

@@ -43,7 +43,7 @@ def _edges(values: np.ndarray, axis: Axis) -> np.ndarray:
     if axis == "percent":
         return np.linspace(0.0, 100.0, PERCENT_BINS + 1)
     if axis == "whole" and high < MOST_BARS:
-        return np.arange(-0.5, high + 1.0)
+        return np.arange(-0.5, max(high, 1.0) + 1.0)
     if high - low <= 1e-6 * abs(high):  # one value, as float32 has it: in the middle bin
         if axis == "log" and low > 0.0:
             return np.geomspace(low / 1.1, high * 1.1, FEWEST_BINS + 1)

@@ -69,11 +69,10 @@ def _sections(summary: Summary) -> Iterator[tuple[str, tuple[str, str]]]:
     if summary.gallery:
         yield "gallery", ("Gallery", _gallery(summary))
     for anchor, title in SECTIONS.items():
-        parts = [*distributions(summary, anchor), *counts(summary, anchor)]
-        if anchor == "work":
-            parts += [*work(summary), *drawn_again(summary)]
-        if parts:
-            yield anchor, (title, cards(parts))
+        lists = [*work(summary), *drawn_again(summary)] if anchor == "work" else counts(summary, anchor)
+        content = cards(distributions(summary, anchor)) + cards(lists)
+        if content:
+            yield anchor, (title, content)
     yield "sources", ("Files, licences and splits", cards(sources(summary)))
 
 

@@ -21,6 +21,7 @@ nav { display: flex; flex-wrap: wrap; gap: 4px 16px; margin-top: 12px }
 .soft { font-size: 13px }
 .warning { margin: 16px 0; padding: 10px 14px; border-left: 4px solid var(--mark); background: var(--warn) }
 .cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(370px, 100%), 1fr)); gap: 14px }
+.cards + .cards { margin-top: 14px }
 .card { min-width: 0; margin: 0; padding: 12px 14px; border: 1px solid var(--line); border-radius: 6px;
   background: var(--card); overflow-x: auto }
 .wide { grid-column: 1 / -1 }

@@ -18,8 +18,9 @@ def section(anchor: str, title: str, *parts: str) -> str:
 
 
 def cards(parts: Iterable[str]) -> str:
-    """Return cards beside and below each other."""
-    return f'<div class="cards">{"".join(parts)}</div>'
+    """Return cards beside and below each other; nothing where there are none."""
+    found = "".join(parts)
+    return f'<div class="cards">{found}</div>' if found else ""
 
 
 def card(anchor: str, title: str, *parts: str, note: str = "", unit: str = "", wide: bool = False) -> str:

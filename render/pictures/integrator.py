@@ -138,8 +138,7 @@ def trace(
         found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
         last = PathOrigin(previous, pdf, delta)
         L += beta * found * emitter_hit(emitters, pi, si, ray, last, active, glints, through_glass)
-        active = hit & ~ends_paths(emitters, si, hit)
-        u = path_dimensions(sampler, depth)
+        active, u = hit & ~ends_paths(emitters, si, hit), path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
             bounce = opaque_event(emitters, si, ray, offset, u, table.maps)

@@ -50,6 +50,7 @@ def test_what_cannot_be_done_is_one_line(files, tmp_path, capsys):
         ([root, "--out", str(tmp_path / "none" / "a.html")], "expected a file in a folder that is there"),
         ([root, "--out", str(files.root / "dataset.json")], "--out: expected a file that ends in .html or .htm"),
         ([root, "--out", str(tmp_path / "folder.html")], "--out: expected a file, found the folder"),
+        ([root, "--out", str(files.scenes[0] / "a.html")], "--out: expected a file outside the folders of scenes"),
         ([root, "--out", "/proc/a.html"], "/proc/a.html: expected a file that can be written"),
         ([root, "--pictures", "-1"], "pictures: expected"),
     ):

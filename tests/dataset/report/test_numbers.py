@@ -60,7 +60,8 @@ def _from_scenes(files) -> Iterator[tuple[str, float]]:
             else:
                 yield "longest", 1e3 * max(item["size"])
             yield "vessel_mass" if item in vessels else "prop_mass", 1e3 * item["mechanics"]["whole"]["mass"]
-        yield "bytes", 1e-6 * sum(file.stat().st_size for file in folder.rglob("*") if file.name != "checksums.json")
+        written = [file for file in folder.rglob("*") if file.is_file() and file.name != "checksums.json"]
+        yield "bytes", 1e-6 * sum(file.stat().st_size for file in written)
 
 
 def _from_views(files) -> Iterator[tuple[str, float]]:

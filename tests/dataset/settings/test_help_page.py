@@ -132,7 +132,7 @@ ask glassware completion z
 
 
 def test_the_scripts_of_other_shells_name_every_command():
-    for name in ("render", "build", "show", "verify", "merge", "completion", "train", "evaluate", "predict"):
+    for name in ("render", "build", "show", "report", "verify", "merge", "completion", "train", "evaluate", "predict"):
         assert name in script("zsh")
         assert name in script("fish")
 

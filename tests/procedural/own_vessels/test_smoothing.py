@@ -50,5 +50,7 @@ def test_what_would_cross_itself_is_refused_with_the_place() -> None:
     # A block beside the middle of a side, which comes out by 1.2 mm when it is rounded.
     side = 0.035 * np.cos(np.pi / 12)
     block = trimesh.creation.box((0.01, 0.02, 0.03)).apply_translation([side + 0.0054, 0, 0])
+    both = trimesh.util.concatenate(cylinder, block)
+    assert isinstance(both, trimesh.Trimesh)
     with pytest.raises(InputError, match=r"when it is smoothed, found one that does, at \("):
-        smooth(trimesh.util.concatenate(cylinder, block))
+        smooth(both)
