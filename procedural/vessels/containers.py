@@ -36,6 +36,7 @@ def angular_bottle_outline(rng: np.random.Generator, size: Size) -> Outline:
     neck = min(max(size.room, rng.uniform(*_NECK)), 0.8 * size.radius)
     shoulder, collar = height * rng.uniform(*_SHOULDER), height * rng.uniform(*_COLLAR)
     start, mouth = lip(rng, height, neck)
+    mouth = min(mouth, size.radius)  # of a slim bottle
     return smoothed(
         (
             linear(0.0, shoulder, size.radius * rng.uniform(*_FOOT), size.radius),
