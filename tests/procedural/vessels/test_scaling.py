@@ -52,7 +52,7 @@ LARGEST = {"stem glass": "300ml", "cocktail glass": "200ml", "test tube": "30ml"
 
 @pytest.mark.parametrize("category", REVOLVED)
 @pytest.mark.parametrize("fill", ["60ml", "400ml"])
-def test_a_vessel_holds_the_volume_that_was_ordered_and_has_room_for_it(category, fill):
+def test_a_vessel_holds_the_volume_that_was_ordered_and_has_room_for_it(category: str, fill: str):
     fill = min(fill, LARGEST.get(category, fill), key=lambda text: float(text[:-2]))
     vessel, liquid = _vessel(4, categories=[category], fill=fill)
     assert liquid.volume == pytest.approx(float(fill[:-2]) * 1e-6, rel=LIQUID_TOLERANCE)
