@@ -114,7 +114,7 @@ class Seen:
         self.objects += len(solids)
         self.vessels += len(scene.vessels)
         self.tilted += sum(_tilt(item) > TILTED for item in scene.vessels)
-        if scene.rest is not None:
+        if scene.rest is not None and not scene.rest.given_up:
             self.rests.append(scene.rest)
             standing = {pair[1] for pair in scene.rest.contacts if pair[0] == 1}
             self.upon += sum(item.id not in standing for item in scene.objects)

@@ -94,8 +94,9 @@ def toned(linear: np.ndarray, exposure: float, tone: Tone = LINEAR) -> np.ndarra
     makes its slope 1 at the knee.
     """
     gains = grey_world(linear, exposure) if tone.balance == "grey-world" else tone.balance
-    # (A factor of 1 changes no bit.)
-    value = linear.astype(np.float64) * exposure * np.array(gains)
+    value = linear.astype(np.float64) * exposure
+    if gains != (1.0, 1.0, 1.0):
+        value *= np.array(gains)
     if tone.white <= 1.0:
         return np.clip(value, 0.0, 1.0)
     span = (tone.white - KNEE) / (1.0 - KNEE)

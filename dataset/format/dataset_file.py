@@ -51,6 +51,9 @@ class PileCounts(Model):
 
     scenes: int = Field(default=0, description="Scenes with a pile")
     drawn_again: int = Field(default=0, description="Piles that did not come to rest, and were drawn again")
+    given_up: int = Field(
+        default=0, description="Scenes in which no pile came to rest, so that all objects stand apart"
+    )
     fell_again: int = Field(default=0, description="Objects that left the table or fell into a liquid, and fell again")
 
 
@@ -59,8 +62,9 @@ def counted_in(counts: PileCounts, rest: Rest | None) -> PileCounts:
     if rest is None:
         return counts
     return PileCounts(
-        scenes=counts.scenes + 1,
+        scenes=counts.scenes + (not rest.given_up),
         drawn_again=counts.drawn_again + rest.attempt - 1,
+        given_up=counts.given_up + rest.given_up,
         fell_again=counts.fell_again + rest.fell_again,
     )
 

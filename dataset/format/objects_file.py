@@ -178,7 +178,7 @@ def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRe
         fill_lines=_lines(fill_lines(item)),
         volumes=_volumes(item),
         mechanics=mechanics_of(item),
-        touches=None if rest is None else touched(rest, item.id),
+        touches=None if rest is None or rest.given_up else touched(rest, item.id),
     )
 
 

@@ -13,7 +13,7 @@ from ...core.randomness import stream
 from ..description.bodies import TABLE_ID, GlassBody, SceneObject, liquid_solid
 from ..description.edits import in_world, solid_of
 from ..description.material import OpaqueMaterial
-from ..description.rest import Rest
+from ..description.rest import Rest, no_rest
 from ..placement.overlap import ALLOWANCE, Solid, overlap
 from ..placement.placement import CONTACT_GAP, PlacementSettings, apart, draw_positions, inside
 from ..placement.resting import resting_turn, turn_about_z
@@ -101,8 +101,8 @@ def pile_up(
     seed: int,
     scene_id: int,
     attached: Mapping[str, Sequence[SceneObject]] | None = None,
-) -> tuple[list[np.ndarray], Rest]:
-    """Return the poses of objects that came to rest after a fall.
+) -> tuple[list[np.ndarray] | None, Rest]:
+    """Return the poses of objects that came to rest after a fall, or None where no pile does.
 
     What stands is placed first, apart from each other, and held. The others fall one after another. Then everything is
     let go until it is at rest. A pile that does not come to rest, upsets a filled vessel, or loses an object again and
@@ -127,15 +127,16 @@ def pile_up(
 
     Returns
     -------
-    list of (4, 4) float64
-        ``world_T_object`` of each object.
+    list of (4, 4) float64 or None
+        ``world_T_object`` of each object. None where no attempt comes to rest and piles are left to chance
+        (`piled_probability` below 1).
     Rest
         How they came to rest.
 
     Raises
     ------
     InputError
-        Where no attempt comes to rest, or what stands does not fit on the table.
+        Where no attempt comes to rest and `piled_probability` is 1, or what stands does not fit on the table.
     """
     case = _case(objects, stands, board, table, settings, placement, attached or {})
     fault = ""
@@ -148,6 +149,8 @@ def pile_up(
             fault = _upset(case, found) or _overlapping(case, found)
         if not fault:
             return [*np.asarray(found)], _record(run, attempt)
+    if settings.piled_probability < 1.0:  # nobody asked for this pile
+        return None, no_rest(settings.attempts)
     expected = f"a pile that comes to rest in one of {settings.attempts} attempts"
     raise InputError("physics.attempts, physics.longest_time", expected, f"none; the last one {fault}")
 

@@ -31,7 +31,8 @@ def arranged(
     """Return the objects in their places with their parts behind them, and how they came to rest where they fell.
 
     Vessels stand upright, but empty ones lie with `physics.lying_probability`. Props stand apart in a stable pose, or
-    with `physics.piled_probability` all props of the scene and the vessels that lie fall onto the table.
+    with `physics.piled_probability` all props of the scene and the vessels that lie fall onto the table. Where no pile
+    comes to rest they stand apart after all, which the record says.
 
     Parameters
     ----------
@@ -49,16 +50,16 @@ def arranged(
     Raises
     ------
     InputError
-        Where the objects do not fit on the table, or no pile comes to rest.
+        Where the objects do not fit on the table, or no pile comes to rest and `physics.piled_probability` is 1.
     """
     upright = [_stands(item, parts, settings, seed, scene_id) for item in objects]
     piled = stream(seed, scene_id, "physics").random() < settings.physics.piled_probability
-    board, rest = outline(table), None
+    board, poses, rest = outline(table), None, None
     if piled and not all(upright):
         poses, rest = pile_up(
             objects, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, parts
         )
-    else:
+    if poses is None:
         poses = _apart(objects, upright, board, settings, seed, scene_id, parts)
     placed, behind = [], []
     for item, pose in zip(objects, poses, strict=True):

@@ -10,7 +10,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from glassware.annotate.keypoints import scene_keypoints
 from glassware.core.errors import InputError
+from glassware.dataset.format.dataset_file import PileCounts, counted_in
+from glassware.dataset.format.objects_file import objects_file
 from glassware.procedural.description.bodies import GlassBody
 from glassware.procedural.description.edits import solid_of
 from glassware.procedural.description.scene import Scene
@@ -18,6 +21,7 @@ from glassware.procedural.placement.overlap import ALLOWANCE, overlap
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.scene.validate import check_scene
 
 SKY = {"room_share": 0.0, "shipped_share": 0.0}
 PILE = {"physics": {"piled_probability": 1.0}, "environment": SKY, "cameras": {"views": 1}}
@@ -109,6 +113,24 @@ def test_a_pile_that_cannot_come_to_rest_is_refused_with_its_settings(monkeypatc
     )
     with pytest.raises(InputError, match=r"physics\.attempts, physics\.longest_time: expected a pile that comes"):
         draw_scene(settings, 1, 0)
+
+
+def test_a_pile_that_nobody_asked_for_and_cannot_come_to_rest_stands_apart_and_is_counted(monkeypatch):
+    from glassware.procedural.physics import rest
+
+    monkeypatch.setattr(rest, "STILL_DISTANCE", -1.0)  # nothing is that still
+    physics = {"piled_probability": 0.999, "attempts": 2, "longest_time": 2.0}
+    scene = draw_scene(_settings(vessel_count=(0, 0), prop_count=(3, 3), physics=physics), 1, 0)
+    assert scene.rest is not None
+    assert scene.rest.given_up
+    check_scene(scene)
+    standing = draw_scene(
+        _settings(vessel_count=(0, 0), prop_count=(3, 3), physics=physics | {"piled_probability": 0.0}), 1, 0
+    )
+    for prop, apart in zip(scene.props, standing.props, strict=True):
+        np.testing.assert_array_equal(prop.world_T_object, apart.world_T_object)
+    assert objects_file(scene, scene_keypoints(scene)).objects[0].touches is None
+    assert counted_in(PileCounts(), scene.rest) == PileCounts(drawn_again=1, given_up=1)
 
 
 @pytest.mark.parametrize(
