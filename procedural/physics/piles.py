@@ -118,9 +118,7 @@ def pile_up(
         Convex outline of the flat part of the table's top, counter-clockwise [m].
     table : OpaqueMaterial
         Its material.
-    settings, placement : PhysicsSettings, PlacementSettings
-        The settings.
-    seed, scene_id : int
+    settings, placement, seed, scene_id : PhysicsSettings, PlacementSettings, int, int
         Of the scene.
     attached : mapping, optional
         Parts by the names of the objects that they move with; their poses are in those objects' frames.
@@ -128,8 +126,7 @@ def pile_up(
     Returns
     -------
     list of (4, 4) float64 or None
-        ``world_T_object`` of each object. None where no attempt comes to rest and piles are left to chance
-        (`piled_probability` below 1).
+        ``world_T_object`` of each; None where no attempt rests and piles are left to chance (`piled_probability` < 1).
     Rest
         How they came to rest.
 
@@ -151,8 +148,8 @@ def pile_up(
             return [*np.asarray(found)], _record(run, attempt)
     if settings.piled_probability < 1.0:  # nobody asked for this pile
         return None, no_rest(settings.attempts)
-    expected = f"a pile that comes to rest in one of {settings.attempts} attempts"
-    raise InputError("physics.attempts, physics.longest_time", expected, f"none; the last one {fault}")
+    where, expected = "physics.attempts, physics.longest_time", "a pile that comes to rest in one of "
+    raise InputError(where, f"{expected}{settings.attempts} attempts", f"none; the last one {fault}")
 
 
 def _case(
