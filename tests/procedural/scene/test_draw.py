@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 
 from glassware.core.json_file import json_text
 from glassware.core.mesh import Mesh, as_trimesh
-from glassware.procedural.description.scene import Prop, Scene, SceneObject, glass_solid, liquid_solid
+from glassware.procedural.description.scene import GlassBody, Prop, Scene, SceneObject, glass_solid, liquid_solid
 from glassware.procedural.description.standing import standing_in
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.scene_file import load_scene, save_scene
@@ -133,8 +133,9 @@ def _check_in_view(scene: Scene) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_drawn_scene_is_sound(seed, rng, media_rays):
     scene = draw_scene(_settings(environment=SKY), seed, 0)
-    assert 1 <= len(scene.vessels) <= 7
-    assert 0 <= len(scene.props) <= 8
+    hosts = [host for host, *_ in _groups(scene)]
+    assert 1 <= sum(isinstance(host, GlassBody) for host in hosts) <= 7
+    assert 0 <= sum(isinstance(host, Prop) for host in hosts) <= 8
     assert [item.id for item in scene.objects] == list(range(2, 2 + len(scene.objects)))
     for check in (_check_bodies, _check_standing, _check_in_view):
         check(scene)
