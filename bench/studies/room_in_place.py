@@ -80,7 +80,8 @@ def main() -> None:
     out.print(f"{'seed':>4} {'room':>5} {'load [s]':>9} {'picture [s]':>12} {'relMSE noisy':>13} {'relMSE clean':>13}")
     for seed in request.seeds:
         cameras = CameraSettings(views=1, width=request.width, height=request.height)
-        settings = SceneSettings(cameras=cameras, environment=EnvironmentSettings(shipped_share=0.0, room_share=1.0))
+        rooms = EnvironmentSettings(shipped_share=0.0, room_share=1.0, room_depth=True)
+        settings = SceneSettings(cameras=cameras, environment=rooms)
         scene = draw_scene(settings, seed, 0)
         for name, described in {"map": at_infinity(scene), "room": scene}.items():
             loading, seconds, before, after = _row(described, request.spp, request.reference_spp)
