@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -33,6 +33,35 @@ class Place:
     #: Stated rotations and shifts that leave the object unchanged, in axes and unit of the file.
     symmetries: tuple[tuple[float, ...], ...] = ()
     turns: bool = False  #: whether it is stated to be a solid of revolution about z
+
+
+@dataclass(frozen=True)
+class PlacedFile:
+    """A mesh file in a user's folder, and what its place there says.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    root : Path
+        The user's folder; all files that the mesh file refers to must be inside.
+    place : Place
+        What its place in the folder says, such as its unit and its licence.
+    """
+
+    path: Path
+    root: Path
+    place: Place = field(default_factory=Place)
+
+    @property
+    def name(self) -> str:
+        """Its path below the root, with forward slashes."""
+        return self.path.relative_to(self.root).as_posix()
+
+    @property
+    def category(self) -> str:
+        """What it is called in labels: its category where its layout states one, else its name."""
+        return self.place.category or self.name
 
 
 @dataclass(frozen=True)

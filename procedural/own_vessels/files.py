@@ -2,42 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.folders import files_in
-from ..mesh_files.layouts import Place, listing, place_of
+from ..mesh_files.layouts import PlacedFile, listing, place_of
 from ..mesh_files.read import MESH_SUFFIXES
 from ..props.mesh_files import root_of
 
 
 @dataclass(frozen=True)
-class VesselFile:
-    """A file of a vessel.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    root : Path
-        The user's folder; no file outside is read.
-    place : Place
-        What its place in the folder says, such as its unit and its licence.
-    """
-
-    path: Path
-    root: Path
-    place: Place = field(default_factory=Place)
-
-    @property
-    def name(self) -> str:
-        """Its path below the root, with forward slashes."""
-        return self.path.relative_to(self.root).as_posix()
-
-    @property
-    def category(self) -> str:
-        """What it is called in labels: its category where its layout states one, else its name."""
-        return self.place.category or self.name
+class VesselFile(PlacedFile):
+    """A file of a vessel."""
 
 
 def vessel_files(folder: Path) -> tuple[VesselFile, ...]:

@@ -17,7 +17,7 @@ from ...core.passed_over import Finding, Progress, checked_files
 from ...core.remembered import Checked
 from ...core.user_text import counted
 from ..mesh_files.embedded import picture_folder
-from ..mesh_files.layouts import Listing, Place, listing, place_of
+from ..mesh_files.layouts import Listing, Place, PlacedFile, listing, place_of
 from ..mesh_files.model import FilePart, GlassLook, Look, Notes, Source
 from ..mesh_files.read import MESH_SUFFIXES, read_parts
 from .pieces import Piece, joined_pieces, sewn, without_ground
@@ -48,35 +48,16 @@ class MeshChoice:
 
 
 @dataclass(frozen=True)
-class MeshFile:
-    """A mesh file in the user's folder.
+class MeshFile(PlacedFile):
+    """A mesh file of a prop.
 
     Parameters
     ----------
-    path : Path
-        The file.
-    root : Path
-        The user's folder; all files that the mesh file refers to must be inside.
     pictures : Path
         Folder to which pictures inside the file are written.
-    place : Place
-        What its place in the folder says, such as its unit.
     """
 
-    path: Path
-    root: Path
-    pictures: Path
-    place: Place = field(default_factory=Place)
-
-    @property
-    def name(self) -> str:
-        """The path below the root, with forward slashes."""
-        return self.path.relative_to(self.root).as_posix()
-
-    @property
-    def category(self) -> str:
-        """What it is called in labels: its category where its layout states one, else its name."""
-        return self.place.category or self.name
+    pictures: Path = field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -149,7 +130,7 @@ def mesh_files(folder: Path, pictures: Path | None = None, choice: MeshChoice | 
     """
     used = mesh_listing(folder, choice).used  # first, as it refuses files of other kinds
     kept, root = pictures or picture_folder(), root_of(folder)
-    return tuple(MeshFile(path, root, kept, place) for path, place in used)
+    return tuple(MeshFile(path, root, place, pictures=kept) for path, place in used)
 
 
 def root_of(folder: Path) -> Path:
