@@ -22,19 +22,11 @@ def _is_none(value: object) -> bool:
     return value is None
 
 
-def _is_zero(value: int) -> bool:
-    return value == 0
-
-
 def _is_one(value: int) -> bool:
     return value == 1
 
 
-def _is_false(value: bool) -> bool:
-    return not value
-
-
-def _is_empty(value: tuple[object, ...]) -> bool:
+def _is_empty(value: object) -> bool:
     return not value
 
 
@@ -59,7 +51,7 @@ class Interface(Model):
         description="How the surface looks where no light passes: that of a turbid liquid, from the other medium",
     )
     seen_from_back: bool = Field(
-        default=False, exclude_if=_is_false, description="Whether the turbid liquid is in front, not behind"
+        default=False, exclude_if=_is_empty, description="Whether the turbid liquid is in front, not behind"
     )
 
 
@@ -80,7 +72,7 @@ class Liquid(Model):
     volume: float = Field(gt=0.0, description="Volume [m^3]")
     turbid: bool = Field(
         default=False,
-        exclude_if=_is_false,
+        exclude_if=_is_empty,
         description="Whether no light travels in it here: its surfaces are opaque, with the colour of the liquid",
     )
 
@@ -126,7 +118,7 @@ class GlassBody(Model):
     redrawn: int = Field(
         default=0,
         ge=0,
-        exclude_if=_is_zero,
+        exclude_if=_is_empty,
         description="How often contents were drawn for it that did not fit, and drawn again",
     )
     within: str | None = Field(
