@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from . import bop, coco, gltf, nerfstudio, ply, syn_todd, webdataset
+from .detection import coco
 from .job import Exporter
+from .poses import bop, syn_todd
+from .reconstruction import nerfstudio, ply
+from .scenes import gltf
+from .shards import webdataset
 
 FORMATS: dict[str, Exporter] = {
     "coco": coco.EXPORTER,

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...core.atomic_io import atomic_folder
-from ..format import layout
-from ..reader import StoredScene
-from .job import Exporter, Job, chosen_ids
+from ....core.atomic_io import atomic_folder
+from ...format import layout
+from ...reader import StoredScene
+from ..job import Exporter, Job, chosen_ids
 from .points import cloud_file, cloud_of, write_cloud
 
 

@@ -14,19 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from ...core.atomic_io import atomic_file
-from ...core.mesh import Mesh
-from ...procedural.description.camera import Camera
-from ...procedural.description.material import OpaqueMaterial
-from ...procedural.description.scene import Prop, Scene, SceneObject, glass_solid, liquid_solid
-from ...procedural.materials.surface_maps import mean_metallic, mean_roughness
-from ...procedural.optics.medium import Medium
-from ...procedural.patterns.bake import bake_material
-from ..format import layout
-from ..format.objects_file import ObjectRecord
-from ..reader import StoredScene
-from .files import compact_json
-from .job import Exporter, Job, chosen_ids
+from ....core.atomic_io import atomic_file
+from ....core.mesh import Mesh
+from ....procedural.description.camera import Camera
+from ....procedural.description.material import OpaqueMaterial
+from ....procedural.description.scene import Prop, Scene, SceneObject, glass_solid, liquid_solid
+from ....procedural.materials.surface_maps import mean_metallic, mean_roughness
+from ....procedural.optics.medium import Medium
+from ....procedural.patterns.bake import bake_material
+from ...format import layout
+from ...format.objects_file import ObjectRecord
+from ...reader import StoredScene
+from ..files import compact_json
+from ..job import Exporter, Job, chosen_ids
 
 #: glTF 2.0, binary: magic number, version, types of chunks.
 _MAGIC, _VERSION, _JSON, _BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942

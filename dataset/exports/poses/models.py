@@ -9,11 +9,11 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.distance import pdist
 
-from ...core.errors import InputError
-from ...core.mesh import Mesh, as_trimesh, joined
-from ...procedural.description.scene import Prop, SceneObject
-from ..format.objects_file import ObjectRecord
-from .depth import MM
+from ....core.errors import InputError
+from ....core.mesh import Mesh, as_trimesh, joined
+from ....procedural.description.scene import Prop, SceneObject
+from ...format.objects_file import ObjectRecord
+from ..depth import MM
 
 #: Models are numbered by scene and object: scene 12, object 3 is model 12003.
 OBJECTS_PER_SCENE = 1000

@@ -20,17 +20,17 @@ from typing import Any, NamedTuple
 
 from pycocotools import mask as coco
 
-from ...annotate.labels import Keypoint, ObjectLabel, Rle
-from ...annotate.masks import decode_mask
-from ...core.atomic_io import atomic_file, write_atomically
-from ...core.errors import InputError
-from ...core.json_file import read_json
-from ...procedural.scene.splits import Split
-from ..format import layout
-from ..reader import StoredScene, StoredView
+from ....annotate.labels import Keypoint, ObjectLabel, Rle
+from ....annotate.masks import decode_mask
+from ....core.atomic_io import atomic_file, write_atomically
+from ....core.errors import InputError
+from ....core.json_file import read_json
+from ....procedural.scene.splits import Split
+from ...format import layout
+from ...reader import StoredScene, StoredView
+from ..files import add_picture, compact_json
+from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
 from .category_ids import Supercategory, category_ids, category_name
-from .files import add_picture, compact_json
-from .job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
 from .polygons import polygons_of
 
 #: The files of annotations.

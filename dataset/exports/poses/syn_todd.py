@@ -21,20 +21,20 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...annotate.boxes import CORNER_SIGNS
-from ...annotate.labels import ObjectLabel
-from ...annotate.projection import project_camera, transformed
-from ...core.atomic_io import atomic_folder
-from ...core.json_file import json_text
-from ...core.mesh import Mesh
-from ...procedural.description.camera import Camera
-from ...render.frame import EYES, Geometry
-from ..format.exr import write_exr
-from ..format.pictures import write_png
-from ..reader import StoredScene, StoredView
-from .job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
+from ....annotate.boxes import CORNER_SIGNS
+from ....annotate.labels import ObjectLabel
+from ....annotate.projection import project_camera, transformed
+from ....core.atomic_io import atomic_folder
+from ....core.json_file import json_text
+from ....core.mesh import Mesh
+from ....procedural.description.camera import Camera
+from ....render.frame import EYES, Geometry
+from ...format.exr import write_exr
+from ...format.pictures import write_png
+from ...reader import StoredScene, StoredView
+from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
+from ..reconstruction.nerfstudio import CV_T_GL, HALF_PIXEL
 from .models import model_mesh
-from .nerfstudio import CV_T_GL, HALF_PIXEL
 
 #: Colours of the segmentation, red, green, blue: the object, what else is not the table, the table.
 OBJECT, OTHER, TABLE = (206, 206, 206), (177, 0, 7), (0, 0, 0)

@@ -6,7 +6,7 @@ import hashlib
 
 import pytest
 
-from glassware.dataset.exports.category_ids import (
+from glassware.dataset.exports.detection.category_ids import (
     CATEGORY_IDS,
     FIRST_OTHER,
     OPAQUE,

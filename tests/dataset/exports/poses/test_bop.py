@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 from glassware.dataset.exports.depth import depth_picture
+from glassware.dataset.exports.poses.silhouette import wide_silhouette
 from glassware.dataset.exports.run import export
-from glassware.dataset.exports.silhouette import wide_silhouette
 from glassware.dataset.reader import Dataset
 from glassware.procedural.description.camera import Camera
 

@@ -22,14 +22,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ...annotate.projection import inverse_pose
-from ...core.atomic_io import atomic_folder
-from ...core.json_file import json_text
-from ...procedural.description.camera import Camera
-from ..format import layout
-from ..reader import StoredScene, StoredView
-from .files import add_picture, write_grey_png
-from .job import Exporter, Job, chosen_ids
+from ....annotate.projection import inverse_pose
+from ....core.atomic_io import atomic_folder
+from ....core.json_file import json_text
+from ....procedural.description.camera import Camera
+from ...format import layout
+from ...reader import StoredScene, StoredView
+from ..files import add_picture, write_grey_png
+from ..job import Exporter, Job, chosen_ids
 from .points import Cloud, cloud_of, joined_clouds, thinned, write_cloud
 
 #: From the centre of the first pixel at 0 to 0.5.

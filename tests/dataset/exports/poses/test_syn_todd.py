@@ -11,8 +11,8 @@ import pytest
 import trimesh
 
 from glassware.core.mesh import Mesh
+from glassware.dataset.exports.poses.syn_todd import surface_covariance
 from glassware.dataset.exports.run import export
-from glassware.dataset.exports.syn_todd import surface_covariance
 from glassware.dataset.format.exr import read_exr
 from glassware.dataset.reader import Dataset
 from glassware.render.frame import EYES

@@ -19,18 +19,18 @@ from typing import Any
 
 import numpy as np
 
-from ...annotate.labels import ObjectLabel
-from ...annotate.projection import inverse_pose, transformed
-from ...core.atomic_io import atomic_file, atomic_folder, write_atomically
-from ...core.json_file import json_text, read_json
-from ...core.mesh import Mesh
-from ...core.mesh_file import write_mesh
-from ...procedural.description.camera import Camera
-from ..format import layout
-from ..reader import StoredScene, StoredView
-from .depth import DEPTH_SCALES, MM, depth_picture
-from .files import add_picture, write_grey_png
-from .job import Exporter, Job, chosen_ids, chosen_labels
+from ....annotate.labels import ObjectLabel
+from ....annotate.projection import inverse_pose, transformed
+from ....core.atomic_io import atomic_file, atomic_folder, write_atomically
+from ....core.json_file import json_text, read_json
+from ....core.mesh import Mesh
+from ....core.mesh_file import write_mesh
+from ....procedural.description.camera import Camera
+from ...format import layout
+from ...reader import StoredScene, StoredView
+from ..depth import DEPTH_SCALES, MM, depth_picture
+from ..files import add_picture, write_grey_png
+from ..job import Exporter, Job, chosen_ids, chosen_labels
 from .models import model_id, model_info, model_mesh, scaled_mesh
 from .silhouette import wide_silhouette
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...annotate.projection import project_camera
+from ....annotate.projection import project_camera
 
 #: Pixels of triangles' boxes that are tested at once: bounds the memory to some 100 MB.
 _AT_ONCE = 1 << 21

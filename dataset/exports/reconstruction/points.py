@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...annotate.projection import pixel_rays, transformed
-from ...core.errors import InputError
-from ..format import layout
-from ..reader import StoredView
+from ....annotate.projection import pixel_rays, transformed
+from ....core.errors import InputError
+from ...format import layout
+from ...reader import StoredView
 
 #: A vertex of our PLY files; MeshLab, CloudCompare, Open3D and trimesh know all of these names but `id` and `layer`,
 #: which they keep as scalar fields or ignore.

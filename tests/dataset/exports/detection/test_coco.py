@@ -14,9 +14,9 @@ from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
 
 from glassware.annotate.masks import decode_mask
-from glassware.dataset.exports.category_ids import CATEGORY_IDS, FIRST_OTHER
-from glassware.dataset.exports.coco import KINDS
-from glassware.dataset.exports.polygons import polygons_of
+from glassware.dataset.exports.detection.category_ids import CATEGORY_IDS, FIRST_OTHER
+from glassware.dataset.exports.detection.coco import KINDS
+from glassware.dataset.exports.detection.polygons import polygons_of
 from glassware.dataset.exports.run import export
 from glassware.dataset.reader import Dataset
 

@@ -10,7 +10,7 @@ import trimesh
 
 from glassware.annotate.projection import project
 from glassware.core.errors import InputError
-from glassware.dataset.exports.points import VERTEX
+from glassware.dataset.exports.reconstruction.points import VERTEX
 from glassware.dataset.exports.run import export
 from glassware.dataset.format.ray_files import write_layers
 from glassware.dataset.reader import Dataset

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from glassware.annotate.projection import project
-from glassware.dataset.exports.nerfstudio import HELD_OUT, Picture, transforms
+from glassware.dataset.exports.reconstruction.nerfstudio import HELD_OUT, Picture, transforms
 from glassware.dataset.exports.run import export
 from glassware.dataset.reader import Dataset
 

@@ -22,20 +22,20 @@ from typing import Any
 
 import yaml
 
-from ...annotate.labels import ObjectLabel
-from ...core.atomic_io import atomic_file, write_atomically
-from ...core.errors import InputError, cause_of
-from ...procedural.description.camera import Camera
-from ...procedural.scene.splits import Split
-from ..format import layout
-from ..format.exr import channel, read_exr
-from ..format.objects_file import ObjectRecord, ObjectsFile
-from ..format.pictures import read_png
-from ..reader import StoredScene, StoredView
-from .depth import depth_picture
+from ....annotate.labels import ObjectLabel
+from ....core.atomic_io import atomic_file, write_atomically
+from ....core.errors import InputError, cause_of
+from ....procedural.description.camera import Camera
+from ....procedural.scene.splits import Split
+from ...format import layout
+from ...format.exr import channel, read_exr
+from ...format.objects_file import ObjectRecord, ObjectsFile
+from ...format.pictures import read_png
+from ...reader import StoredScene, StoredView
+from ..depth import depth_picture
+from ..files import compact_json, grey_png
+from ..job import Exporter, Job, chosen_ids, chosen_labels
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
-from .files import compact_json, grey_png
-from .job import Exporter, Job, chosen_ids, chosen_labels
 
 #: Splits by the names that the Hub gives them.
 _HUB_SPLITS = {"train": "train", "val": "validation", "test": "test"}
