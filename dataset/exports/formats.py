@@ -6,15 +6,18 @@ from .detection import coco
 from .job import Exporter
 from .poses import bop, syn_todd
 from .reconstruction import nerfstudio, ply
-from .scenes import gltf
+from .scenes import gltf, mjcf, urdf, usd
 from .shards import webdataset
 
 FORMATS: dict[str, Exporter] = {
     "coco": coco.EXPORTER,
     "bop": bop.EXPORTER,
     "gltf": gltf.EXPORTER,
+    "mjcf": mjcf.EXPORTER,
     "nerfstudio": nerfstudio.EXPORTER,
     "ply": ply.EXPORTER,
     "syn-todd": syn_todd.EXPORTER,
+    "urdf": urdf.EXPORTER,
+    "usd": usd.EXPORTER,
     "webdataset": webdataset.EXPORTER,
 }

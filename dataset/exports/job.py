@@ -81,6 +81,10 @@ class Exporter:
     eyes: bool = False  #: whether the format can hold the right camera
 
 
+def write_nothing(job: Job, scenes: Sequence[StoredScene]) -> None:
+    """Write nothing at the end: each scene stands by itself."""
+
+
 def vessel_ids(objects: ObjectsFile) -> set[int]:
     """Return the ids of the transparent objects of a scene."""
     return {record.id for record in objects.objects if record.material.kind == "glass"}

@@ -13,7 +13,6 @@ Cameras have Blender's axes (x right, y up, z back), and pixels are counted from
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +31,7 @@ from ....render.frame import EYES, Geometry
 from ...format.exr import write_exr
 from ...format.pictures import write_png
 from ...reader import StoredScene, StoredView
-from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
+from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids, write_nothing
 from ..reconstruction.nerfstudio import CV_T_GL, HALF_PIXEL
 from .models import model_mesh
 
@@ -76,15 +75,11 @@ def write(job: Job, scene: StoredScene) -> None:
         (folder / "BoundingBox.json").write_text(json_text(boxes), "utf-8")
 
 
-def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
-    """Write nothing: each scene stands by itself."""
-
-
 EXPORTER = Exporter(
     purpose="the raw layout of Syn-TODD, for MVTrans' own code",
     place=place,
     write=write,
-    finish=finish,
+    finish=write_nothing,
 )
 
 

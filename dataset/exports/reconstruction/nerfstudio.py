@@ -29,7 +29,7 @@ from ....procedural.description.camera import Camera
 from ...format import layout
 from ...reader import StoredScene, StoredView
 from ..files import add_picture, write_grey_png
-from ..job import Exporter, Job, chosen_ids
+from ..job import Exporter, Job, chosen_ids, write_nothing
 from .points import Cloud, cloud_of, joined_clouds, thinned, write_cloud
 
 #: From the centre of the first pixel at 0 to 0.5.
@@ -84,15 +84,11 @@ def write(job: Job, scene: StoredScene) -> None:
             _write_text(folder / "sparse" / "0" / f"{name}.txt", "".join(f"{line}\n" for line in lines))
 
 
-def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
-    """Write nothing: each scene stands by itself."""
-
-
 EXPORTER = Exporter(
     purpose="transforms.json with depth and masks, and a COLMAP model, for nerfstudio and splats",
     place=place,
     write=write,
-    finish=finish,
+    finish=write_nothing,
     eyes=True,
 )
 

@@ -7,13 +7,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from ....core.atomic_io import atomic_folder
 from ...format import layout
 from ...reader import StoredScene
-from ..job import Exporter, Job, chosen_ids
+from ..job import Exporter, Job, chosen_ids, write_nothing
 from .points import cloud_file, cloud_of, write_cloud
 
 
@@ -32,13 +31,9 @@ def write(job: Job, scene: StoredScene) -> None:
             add(cloud)
 
 
-def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
-    """Write nothing: each scene stands by itself."""
-
-
 EXPORTER = Exporter(
     purpose="point clouds of views and scenes, for Open3D, MeshLab, CloudCompare",
     place=place,
     write=write,
-    finish=finish,
+    finish=write_nothing,
 )

@@ -19,14 +19,13 @@ from ....core.mesh import Mesh
 from ....procedural.description.camera import Camera
 from ....procedural.description.material import OpaqueMaterial
 from ....procedural.description.scene import Prop, Scene, SceneObject, glass_solid, liquid_solid
-from ....procedural.materials.surface_maps import mean_metallic, mean_roughness
 from ....procedural.optics.medium import Medium
-from ....procedural.patterns.bake import bake_material
 from ...format import layout
 from ...format.objects_file import ObjectRecord
 from ...reader import StoredScene
 from ..files import compact_json
-from ..job import Exporter, Job, chosen_ids
+from ..job import Exporter, Job, chosen_ids, write_nothing
+from .looks import opaque_look
 
 #: glTF 2.0, binary: magic number, version, types of chunks.
 _MAGIC, _VERSION, _JSON, _BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -97,10 +96,6 @@ def write(job: Job, scene: StoredScene) -> None:
     write_gltf(place(job, scene), scene.scene(), scene.objects().objects, chosen_ids(job, scene.objects()))
 
 
-def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
-    """Write nothing: each scene stands by itself."""
-
-
 def write_gltf(path: Path, scene: Scene, records: Sequence[ObjectRecord], ids: Sequence[int]) -> None:
     """Write a scene with some of its objects.
 
@@ -164,17 +159,13 @@ def _camera(file: _File, camera: Camera, number: int) -> int:
 
 
 def _opaque(file: _File, material: OpaqueMaterial, mesh: Mesh) -> int:
-    if material.base_colour.kind == "vertices" and mesh.colours is not None:
-        reflectance = mesh.colours[np.unique(mesh.faces)]
-    else:
-        reflectance = bake_material(material)[0].reshape(-1, 3)
-    colour = np.mean(reflectance, axis=0, dtype=np.float64).clip(0.0, 1.0)
+    look = opaque_look(material, mesh)
     factors = {
-        "baseColorFactor": [*colour.tolist(), 1.0],
-        "roughnessFactor": float(np.clip(mean_roughness(material), 0.0, 1.0)),
-        "metallicFactor": float(np.clip(mean_metallic(material), 0.0, 1.0)),
+        "baseColorFactor": [*look.colour, 1.0],
+        "roughnessFactor": look.roughness,
+        "metallicFactor": look.metallic,
     }
-    return file.add("materials", {"name": material.name, "pbrMetallicRoughness": factors, "doubleSided": True})
+    return file.add("materials", {"name": look.name, "pbrMetallicRoughness": factors, "doubleSided": True})
 
 
 def _medium(file: _File, medium: Medium, roughness: float) -> int:
@@ -197,5 +188,5 @@ EXPORTER = Exporter(
     purpose="scenes with poses, glass and cameras, for Blender, simulators and viewers",
     place=place,
     write=write,
-    finish=finish,
+    finish=write_nothing,
 )
