@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from ...core.atomic_io import atomic_file, link_or_copy
+from ...core.errors import InputError, cause_of
 from ..format.pictures import read_png
 from .job import Job
 
@@ -42,3 +43,17 @@ def grey_png(picture: np.ndarray) -> bytes:
 def compact_json(data: object) -> str:
     """Return JSON on one line; floats read back exactly, NaN and infinity are refused."""
     return json.dumps(data, ensure_ascii=False, allow_nan=False)
+
+
+def whole_png(path: Path) -> bytes:
+    """Return the bytes of a PNG file; InputError where it is damaged."""
+    read_png(path)
+    return read_bytes(path)
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the bytes of a file; InputError where it cannot be read."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(path, "a readable file", cause_of(error)) from error

@@ -28,6 +28,9 @@ class ExportOptions(Model):
     split: Split | None = Field(default=None, description="Only the scenes of this split; all by default")
     eye: Eyes = Field(default="left", description="Pictures of the left camera, the right one, or both")
     vessels_only: bool = Field(default=False, description="Leave out opaque props")
+    liquids: bool = Field(
+        default=False, description="Of bop and bop-webdataset: liquids as objects of their own beside the glass"
+    )
     polygons: bool = Field(default=False, description="Of coco: masks as polygons instead of run lengths")
     layers: bool = Field(default=False, description="Of ply: all surfaces along the rays; needs --write layers")
     copy_pictures: bool = Field(default=False, description="Copy pictures instead of making hard links")

@@ -23,6 +23,8 @@ from .job import Exporter, ExportOptions, Job
 
 #: Most threads: pictures are read and compressed in parallel, the rest is Python.
 _MOST_THREADS = 8
+#: Options that some formats alone have.
+_OF_FORMATS = {"liquids": ("bop", "bop-webdataset"), "polygons": ("coco",), "layers": ("ply",)}
 #: Passes on finished scenes one by one, and may show how many there are of a total.
 Track = Callable[[Iterable[object], int], Iterable[object]]
 
@@ -51,7 +53,7 @@ def export(
     track : callable, optional
         (finished scenes, their total) -> the same, to show progress.
     options
-        The fields of `ExportOptions`: split, eye, vessels_only, polygons, layers, copy_pictures.
+        The fields of `ExportOptions`: split, eye, vessels_only, liquids, polygons, layers, copy_pictures.
 
     Raises
     ------
@@ -97,9 +99,9 @@ def _checked(options: dict[str, Any]) -> ExportOptions:
 def _check_options(job: Job, name: str, exporter: Exporter) -> None:
     if job.options.eye != "left" and not exporter.eyes:
         raise InputError("--eye", f"left, because {name} holds labels, which are the left camera's", job.options.eye)
-    for option, format_name in (("polygons", "coco"), ("layers", "ply")):
-        if getattr(job.options, option) and name != format_name:
-            raise InputError(f"--{option}", f"the format {format_name}", name)
+    for option, formats in _OF_FORMATS.items():
+        if getattr(job.options, option) and name not in formats:
+            raise InputError(f"--{option}", f"the format {' or '.join(formats)}", name)
 
 
 def _begin(out: Path) -> None:

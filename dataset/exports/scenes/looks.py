@@ -58,6 +58,6 @@ def shown_colour(look: Look) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _colour(values: np.ndarray) -> tuple[float, float, float]:
-    red, green, blue = values.clip(0.0, 1.0).tolist()
+def _colour(values: np.ndarray | np.floating) -> tuple[float, float, float]:
+    red, green, blue = np.clip(values, 0.0, 1.0).tolist()
     return red, green, blue

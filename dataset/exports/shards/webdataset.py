@@ -13,8 +13,6 @@ A sample is a view; its key, such as ``000000_003``, is the same in the three co
 
 from __future__ import annotations
 
-import io
-import tarfile
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -23,18 +21,17 @@ from typing import Any
 import yaml
 
 from ....annotate.labels import ObjectLabel
-from ....core.atomic_io import atomic_file, write_atomically
-from ....core.errors import InputError, cause_of
+from ....core.atomic_io import write_atomically
 from ....procedural.description.camera import Camera
 from ....procedural.scene.splits import Split
 from ...format import layout
 from ...format.exr import channel, read_exr
 from ...format.objects_file import ObjectRecord, ObjectsFile
-from ...format.pictures import read_png
 from ...reader import StoredScene, StoredView
 from ..depth import depth_picture
-from ..files import compact_json, grey_png
+from ..files import compact_json, grey_png, read_bytes, whole_png
 from ..job import Exporter, Job, chosen_ids, chosen_labels
+from ..tar_files import write_tar
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
 
 #: Splits by the names that the Hub gives them.
@@ -59,13 +56,12 @@ def write(job: Job, scene: StoredScene) -> None:
     for config, members in writers.items():
         shard = _shard(job, scene, config)
         shard.parent.mkdir(exist_ok=True)
-        with atomic_file(shard) as path, tarfile.open(path, "w", format=tarfile.PAX_FORMAT) as tar:
-            for view in scene.views:
-                key = f"{layout.scene_name(scene.scene_id)}_{layout.view_name(view.number)}"
-                for ending, data in members(view):
-                    entry = tarfile.TarInfo(f"{key}.{ending}")
-                    entry.size = len(data)
-                    tar.addfile(entry, io.BytesIO(data))
+        write_tar(shard, ((key_of(scene, view), members(view)) for view in scene.views))
+
+
+def key_of(scene: StoredScene, view: StoredView) -> str:
+    """Return the key of a sample."""
+    return f"{layout.scene_name(scene.scene_id)}_{layout.view_name(view.number)}"
 
 
 def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
@@ -134,7 +130,7 @@ def _shard(job: Job, scene: StoredScene, config: str) -> Path:
 
 def _pictures(job: Job, scene: StoredScene, view: StoredView) -> Members:
     for eye in job.eyes():
-        yield f"{eye}.png", _whole_png(view.folder / f"{eye}.png")
+        yield f"{eye}.png", whole_png(view.folder / f"{eye}.png")
     yield "camera.json", compact_json(_camera(view.camera(), scene.scene_id, view.number)).encode()
 
 
@@ -142,8 +138,8 @@ def _geometry(view: StoredView) -> Members:
     path = view.folder / layout.GEOMETRY
     steps, scale = depth_picture(channel(read_exr(path), "Z", path))
     yield "depth.png", grey_png(steps)
-    yield "instances.png", _whole_png(view.folder / layout.INSTANCES)
-    yield "geometry.exr", _bytes(path)
+    yield "instances.png", whole_png(view.folder / layout.INSTANCES)
+    yield "geometry.exr", read_bytes(path)
     yield "geometry.json", compact_json({"depth_step_mm": scale}).encode()
 
 
@@ -184,16 +180,3 @@ def _object(label: ObjectLabel, record: ObjectRecord) -> dict[str, Any]:
 def _keypoint(pixel: tuple[float, float] | None, Z: float, state: str) -> dict[str, Any]:
     u, v = pixel if pixel is not None else (None, None)
     return {"u": u, "v": v, "Z": Z, "state": state}
-
-
-def _whole_png(path: Path) -> bytes:
-    """Return the bytes of a PNG file; InputError where it is damaged."""
-    read_png(path)
-    return _bytes(path)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(path, "a readable file", cause_of(error)) from error
