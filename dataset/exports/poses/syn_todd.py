@@ -16,7 +16,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -31,6 +30,7 @@ from ....render.frame import EYES, Geometry
 from ...format.exr import write_exr
 from ...format.pictures import write_png
 from ...reader import StoredScene, StoredView
+from ..files import write_jpeg
 from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids, write_nothing
 from ..reconstruction.nerfstudio import CV_T_GL, HALF_PIXEL
 from .models import model_mesh
@@ -43,8 +43,6 @@ _TABLE_ID = 1
 _LONGEST_NAME = 38
 #: Width of Blender's default sensor [mm].
 SENSOR_WIDTH = 36.0
-#: Little is lost, and nothing that a network could see; the released archive has 90.
-_JPEG_QUALITY = 95
 #: Blender's order of a box's corners (`Object.bound_box`), by the signs of x, y and z.
 BOX_ORDER = ((-1, -1, -1), (-1, -1, 1), (-1, 1, 1), (-1, 1, -1), (1, -1, -1), (1, -1, 1), (1, 1, 1), (1, 1, -1))
 _CORNERS = [CORNER_SIGNS.tolist().index(list(signs)) for signs in BOX_ORDER]
@@ -119,11 +117,7 @@ def _numbers(scene: StoredScene) -> list[int]:
 def _write_pictures(view: StoredView, geometry: Geometry, folder: Path, number: int) -> None:
     stem = f"Camera_{number}_EmptyVessel_Frame_0"
     for eye, letter in zip(EYES, "LR", strict=True):
-        colours = np.ascontiguousarray(view.picture(eye)[..., ::-1])
-        done, data = cv2.imencode(".jpg", colours, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])
-        if not done:
-            raise ValueError(f"{view.folder / eye}: the picture could not be encoded")
-        (folder / f"{stem}_RGB_{letter}.jpg").write_bytes(data.tobytes())
+        write_jpeg(folder / f"{stem}_RGB_{letter}.jpg", view.picture(eye))
     write_exr(folder / f"{stem}_Depth.exr", {"G": geometry.Z})
 
 
