@@ -33,6 +33,9 @@ class ExportOptions(Model):
     )
     polygons: bool = Field(default=False, description="Of coco: masks as polygons instead of run lengths")
     layers: bool = Field(default=False, description="Of ply: all surfaces along the rays; needs --write layers")
+    licence: str | None = Field(
+        default=None, description="Of webdataset: licence of your data set for its card, such as cc-by-4.0"
+    )
     copy_pictures: bool = Field(default=False, description="Copy pictures instead of making hard links")
 
 

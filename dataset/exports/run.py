@@ -24,7 +24,12 @@ from .job import Exporter, ExportOptions, Job
 #: Most threads: pictures are read and compressed in parallel, the rest is Python.
 _MOST_THREADS = 8
 #: Options that some formats alone have.
-_OF_FORMATS = {"liquids": ("bop", "bop-webdataset"), "polygons": ("coco",), "layers": ("ply",)}
+_OF_FORMATS = {
+    "liquids": ("bop", "bop-webdataset"),
+    "polygons": ("coco",),
+    "layers": ("ply",),
+    "licence": ("webdataset",),
+}
 #: Passes on finished scenes one by one, and may show how many there are of a total.
 Track = Callable[[Iterable[object], int], Iterable[object]]
 

@@ -2,7 +2,9 @@
 
 ::
 
-    README.md
+    README.md                    the card of a data set on the Hugging Face Hub
+    croissant.json               the same for programs, in MLCommons' Croissant 1.0
+    SHA256SUMS                   digests of all shards, for `sha256sum --check`
     pictures/train-000000.tar    a shard for each scene; val- and test- for scenes of these splits
     geometry/train-000000.tar
     labels/train-000000.tar
@@ -13,17 +15,16 @@ A sample is a view; its key, such as ``000000_003``, is the same in the three co
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from ....annotate.labels import ObjectLabel
 from ....core.atomic_io import write_atomically
+from ....core.json_file import json_text
 from ....procedural.description.camera import Camera
-from ....procedural.scene.splits import Split
 from ...format import layout
 from ...format.exr import channel, read_exr
 from ...format.objects_file import ObjectRecord, ObjectsFile
@@ -32,10 +33,9 @@ from ..depth import depth_picture
 from ..files import compact_json, grey_png, read_bytes, whole_png
 from ..job import Exporter, Job, chosen_ids, chosen_labels
 from ..tar_files import write_tar
-from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
+from .card import card, columns
+from .croissant import croissant
 
-#: Splits by the names that the Hub gives them.
-_HUB_SPLITS = {"train": "train", "val": "validation", "test": "test"}
 #: Members of a sample by their endings.
 Members = Iterator[tuple[str, bytes]]
 
@@ -65,8 +65,12 @@ def key_of(scene: StoredScene, view: StoredView) -> str:
 
 
 def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
-    """Write the card."""
-    write_atomically(job.out / "README.md", card(job, job.splits(scenes), len(scenes)).encode())
+    """Write the card, the description in Croissant, and the digests of all shards."""
+    splits = job.splits(scenes)
+    digests = {path.relative_to(job.out).as_posix(): _digest(path) for path in _shards(job, scenes)}
+    write_atomically(job.out / "README.md", card(job, splits, len(scenes)).encode())
+    write_atomically(job.out / "croissant.json", json_text(croissant(job, digests)).encode())
+    write_atomically(job.out / "SHA256SUMS", "".join(f"{digests[name]}  {name}\n" for name in digests).encode())
 
 
 EXPORTER = Exporter(
@@ -78,50 +82,15 @@ EXPORTER = Exporter(
 )
 
 
-def columns(job: Job) -> dict[str, dict[str, Kind]]:
-    """Return the columns of each configuration with their types."""
-    own: dict[str, dict[str, Kind]] = {
-        "pictures": {f"{eye}.png": "image" for eye in job.eyes()} | {"camera.json": CAMERA},
-        "geometry": {
-            "depth.png": "image",
-            "instances.png": "image",
-            "geometry.exr": "binary",
-            "geometry.json": GEOMETRY,
-        },
-        "labels": {"labels.json": {"objects": [OBJECT]}},
-    }
-    return {config: {"__key__": "string", "__url__": "string"} | kinds for config, kinds in own.items()}
+def _shards(job: Job, scenes: Sequence[StoredScene]) -> Iterator[Path]:
+    for config in columns(job):
+        for scene in scenes:
+            yield _shard(job, scene, config)
 
 
-def card(job: Job, splits: Sequence[Split], scenes: int) -> str:
-    """Return the text of ``README.md``."""
-    head, configs = job.dataset.head, columns(job)
-    files = {name: [{"split": _HUB_SPLITS[s], "path": f"{name}/{s}-*.tar"} for s in splits] for name in configs}
-    first = next(iter(configs))
-    data = {
-        "pretty_name": head.name,
-        "task_categories": ["depth-estimation", "image-segmentation", "object-detection"],
-        "tags": ["synthetic", "transparent objects", "stereo", "6d-pose"],
-        "configs": [
-            {"config_name": name, "data_files": files[name]} | ({"default": True} if name == first else {})
-            for name in configs
-        ],
-        "dataset_info": [{"config_name": name, "features": features_yaml(kinds)} for name, kinds in configs.items()],
-    }
-    rows = [f"| `{asset.source}` | {asset.licence} | `{asset.sha256[:16]}` |" for asset in head.assets]
-    assets = ["| asset file | licence | SHA-256 |", "|---|---|---|", *rows] if rows else ["No asset files were used."]
-    lines = [
-        f"# {head.name}",
-        "",
-        f"{scenes} scenes of transparent objects, rendered and labelled by glassware (seed {head.seed}).",
-        "Metres and radians, OpenCV camera axes; the centre of pixel (0, 0) is at 0. `depth.png` is the planar depth",
-        "of the first surface in steps of `depth_step_mm`, 0 without one. Masks are COCO's compressed run lengths.",
-        "",
-        "## Assets",
-        "",
-        *assets,
-    ]
-    return "---\n" + yaml.safe_dump(data, sort_keys=False) + "---\n\n" + "\n".join(lines) + "\n"
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _shard(job: Job, scene: StoredScene, config: str) -> Path:
