@@ -47,15 +47,9 @@ _CV_T_GL = np.diag([1.0, -1.0, -1.0, 1.0])
 FIRST_INSTANCE = 100
 #: Width of the sensor in the sample's JSON [mm].
 _SENSOR_WIDTH = 32.0
-_FOLDERS = (
-    "rgb-imgs",
-    "depth-imgs-rectified",
-    "camera-normals",
-    "segmentation-masks",
-    "outlines",
-    "variant-masks",
-    "json-files",
-)
+#: What can be left out, by ClearGrasp's names of folders.
+LABELS = ("camera-normals", "outlines", "variant-masks", "json-files")
+_FOLDERS = ("rgb-imgs", "depth-imgs-rectified", "segmentation-masks")
 
 
 def place(job: Job, scene: StoredScene) -> Path:
@@ -68,10 +62,10 @@ def write(job: Job, scene: StoredScene) -> None:
     objects = scene.objects()
     ids = [number for number in chosen_ids(job, objects) if number in vessel_ids(objects)]
     with atomic_folder(place(job, scene)) as folder:
-        for name in _FOLDERS:
+        for name in (*_FOLDERS, *filter(job.has, LABELS)):
             (folder / name).mkdir()
         for view in scene.views:
-            _write_view(view, ids, folder)
+            _write_view(job, view, ids, folder)
 
 
 EXPORTER = Exporter(
@@ -79,10 +73,11 @@ EXPORTER = Exporter(
     place=place,
     write=write,
     finish=write_nothing,
+    labels=LABELS,
 )
 
 
-def _write_view(view: StoredView, ids: Sequence[int], folder: Path) -> None:
+def _write_view(job: Job, view: StoredView, ids: Sequence[int], folder: Path) -> None:
     camera, geometry, stem = view.camera(), view.geometry(), f"{view.number:09d}"
     labels = list(chosen_labels(view.labels(), ids, view))
     mask, picture = np.isin(geometry.id, ids), folder / "rgb-imgs" / f"{stem}-rgb.jpg"
@@ -90,20 +85,27 @@ def _write_view(view: StoredView, ids: Sequence[int], folder: Path) -> None:
     depth = known_depth(geometry.Z)
     write_exr(folder / "depth-imgs-rectified" / f"{stem}-depth-rectified.exr", _grey(depth))
     normals = camera_normals(geometry)
-    write_exr(folder / "camera-normals" / f"{stem}-cameraNormals.exr", unstacked(normals, "RGB"))
+    if job.has("camera-normals"):
+        write_exr(folder / "camera-normals" / f"{stem}-cameraNormals.exr", unstacked(normals, "RGB"))
     write_grey_png(folder / "segmentation-masks" / f"{stem}-segmentation-mask.png", mask)
-    edges = outlines(geometry.Z, geometry.id, mask)
-    write_grey_png(folder / "outlines" / f"{stem}-outlineSegmentation.png", edges)
-    instances = np.zeros(geometry.id.shape, np.float32)
-    for number, label in enumerate(labels):
-        instances[geometry.id == label.id] = FIRST_INSTANCE + number
-    alpha = {"A": np.ones(instances.shape, np.float32)}
-    write_exr(folder / "variant-masks" / f"{stem}-variantMasks.exr", _grey(instances) | alpha)
-    record = masks_json(camera, labels)
-    (folder / "json-files" / f"{stem}-masks.json").write_text(json_text(record), "utf-8")
+    if job.has("outlines"):
+        edges = outlines(geometry.Z, geometry.id, mask)
+        write_grey_png(folder / "outlines" / f"{stem}-outlineSegmentation.png", edges)
+    if job.has("variant-masks"):
+        _write_instances(folder / "variant-masks" / f"{stem}-variantMasks.exr", geometry, labels)
+    if job.has("json-files"):
+        record = masks_json(camera, labels)
+        (folder / "json-files" / f"{stem}-masks.json").write_text(json_text(record), "utf-8")
     sensed = sensor_depth(view)
     if sensed is not None:
         _write_sensor(folder / "sensor", stem, picture, camera, sensed, depth, mask, normals)
+
+
+def _write_instances(path: Path, geometry: Geometry, labels: Sequence[ObjectLabel]) -> None:
+    instances = np.zeros(geometry.id.shape, np.float32)
+    for number, label in enumerate(labels):
+        instances[geometry.id == label.id] = FIRST_INSTANCE + number
+    write_exr(path, _grey(instances) | {"A": np.ones(instances.shape, np.float32)})
 
 
 def _write_sensor(

@@ -83,7 +83,7 @@ def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
     categories = _categories(job, scenes)
     for split in job.splits(scenes):
         chosen = [scene for scene in scenes if job.split_of(scene.scene_id) == split]
-        for kind in KINDS:
+        for kind in filter(job.has, KINDS):
             with atomic_file(folder / f"{kind}_{split}.json") as partial, partial.open("w", encoding="utf-8") as file:
                 file.writelines(_file(job, chosen, kind, split, categories))
     shutil.rmtree(job.out / _PARTS)
@@ -94,6 +94,7 @@ EXPORTER = Exporter(
     place=place,
     write=write,
     finish=finish,
+    labels=KINDS,
 )
 
 

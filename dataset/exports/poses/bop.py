@@ -23,7 +23,7 @@ from ...reader import StoredScene, StoredView
 from ..depth import depth_picture
 from ..files import add_picture, write_grey_png
 from ..job import Exporter, Job
-from .bop_objects import FOLDERS, BopObject, bop_objects, infos_of, write_head, write_json, write_models
+from .bop_objects import FOLDERS, LABELS, BopObject, bop_objects, infos_of, write_head, write_json, write_models
 from .bop_view import IGNORED_BELOW, camera_record, coco_annotation, gt_info, instances_of, pose_record
 
 
@@ -39,7 +39,7 @@ def write(job: Job, scene: StoredScene) -> None:
     records: dict[str, dict[str, Any]] = {"scene_camera": {}, "scene_gt": {}, "scene_gt_info": {}}
     coco: dict[str, list] = {"images": [], "annotations": []}
     with atomic_folder(place(job, scene)) as folder:
-        for name in ("rgb", "depth", "mask", "mask_visib"):
+        for name in ("rgb", *filter(job.has, LABELS)):
             (folder / name).mkdir()
         for view in scene.views:
             _write_view(job, view, objects, folder, records, coco)
@@ -67,6 +67,7 @@ EXPORTER = Exporter(
     place=place,
     write=write,
     finish=finish,
+    labels=LABELS,
 )
 
 
@@ -82,11 +83,13 @@ def _write_view(
     name, key = f"{view.number:06d}", str(view.number)
     add_picture(job, view.folder / "left.png", folder / "rgb" / f"{name}.png")
     depth, scale = depth_picture(geometry.Z)
-    write_grey_png(folder / "depth" / f"{name}.png", depth)
+    if job.has("depth"):
+        write_grey_png(folder / "depth" / f"{name}.png", depth)
     instances = instances_of(objects, view, camera, geometry)
     for instance in instances:
         for kind, mask in (("mask", instance.whole), ("mask_visib", instance.visible)):
-            write_grey_png(folder / kind / f"{name}_{instance.number:06d}.png", mask)
+            if job.has(kind):
+                write_grey_png(folder / kind / f"{name}_{instance.number:06d}.png", mask)
     infos = [gt_info(instance, camera, depth) for instance in instances]
     records["scene_camera"][key] = camera_record(camera, scale)
     records["scene_gt"][key] = [pose_record(instance) for instance in instances]

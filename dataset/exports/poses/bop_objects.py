@@ -23,6 +23,9 @@ FIRST_LIQUID = 500
 #: Folders by split; `pbr` is BOP's word for pictures that were rendered.
 FOLDERS = {"train": "train_pbr", "val": "val", "test": "test"}
 
+#: What BOP's layouts can leave out.
+LABELS = ("depth", "mask", "mask_visib")
+
 
 @dataclass(frozen=True, eq=False)
 class BopObject:

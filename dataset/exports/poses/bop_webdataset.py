@@ -24,7 +24,7 @@ from ..depth import depth_picture
 from ..files import compact_json, grey_png, whole_png
 from ..job import Exporter, Job
 from ..tar_files import write_tar
-from .bop_objects import FOLDERS, BopObject, bop_objects, infos_of, write_head, write_json, write_models
+from .bop_objects import FOLDERS, LABELS, BopObject, bop_objects, infos_of, write_head, write_json, write_models
 from .bop_view import camera_record, gt_info, instances_of, pose_record, run_lengths
 
 
@@ -34,11 +34,8 @@ def place(job: Job, scene: StoredScene) -> Path:
 
 
 def write(job: Job, scene: StoredScene) -> None:
-    """Write the models of a scene, then its shard."""
-    objects = bop_objects(job, scene)
-    write_models(job, objects)
-    write_json(_infos_path(job, scene), infos_of(objects))
-    write_tar(place(job, scene), ((_key(scene, view), _members(view, objects)) for view in scene.views))
+    """Write the shard of a scene, and its models before the shard appears."""
+    write_tar(place(job, scene), _samples(job, scene))
 
 
 def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
@@ -59,6 +56,7 @@ EXPORTER = Exporter(
     place=place,
     write=write,
     finish=finish,
+    labels=LABELS,
 )
 
 
@@ -74,16 +72,26 @@ def _key(scene: StoredScene, view: StoredView) -> str:
     return f"{scene.scene_id:06d}_{view.number:06d}"
 
 
-def _members(view: StoredView, objects: Sequence[BopObject]) -> Iterator[tuple[str, bytes]]:
+def _samples(job: Job, scene: StoredScene) -> Iterator[tuple[str, Iterator[tuple[str, bytes]]]]:
+    objects = bop_objects(job, scene)
+    for view in scene.views:
+        yield _key(scene, view), _members(job, view, objects)
+    write_models(job, objects)
+    write_json(_infos_path(job, scene), infos_of(objects))
+
+
+def _members(job: Job, view: StoredView, objects: Sequence[BopObject]) -> Iterator[tuple[str, bytes]]:
     """Yield the files of a view, in the order of the toolkit's converter."""
     camera, geometry = view.camera(), view.geometry()
     depth, scale = depth_picture(geometry.Z)
     instances = instances_of(objects, view, camera, geometry)
     yield "rgb.png", whole_png(view.folder / "left.png")
-    yield "depth.png", grey_png(depth)
+    if job.has("depth"):
+        yield "depth.png", grey_png(depth)
     for kind, name in (("mask", "whole"), ("mask_visib", "visible")):
-        masks = {str(instance.number): run_lengths(getattr(instance, name)) for instance in instances}
-        yield f"{kind}.json", compact_json(masks).encode()
+        if job.has(kind):
+            masks = {str(instance.number): run_lengths(getattr(instance, name)) for instance in instances}
+            yield f"{kind}.json", compact_json(masks).encode()
     yield "gt.json", json_text([pose_record(instance) for instance in instances]).encode()
     yield "gt_info.json", json_text([gt_info(instance, camera, depth) for instance in instances]).encode()
     yield "camera.json", json_text(camera_record(camera, scale)).encode()

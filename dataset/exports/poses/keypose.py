@@ -89,6 +89,7 @@ EXPORTER = Exporter(
     place=place,
     write=write,
     finish=write_nothing,
+    labels=("masks", "depth"),
 )
 
 
@@ -121,13 +122,19 @@ def _write_sequence(
             text = key_targets(others[0], others)
             (folder / f"{stem}_{letter}.pbtxt").write_text(text, "ascii")
         mask = (one.geometry.id == record.id).astype(np.uint8)
-        write_grey_png(folder / f"{stem}_mask.png", mask == 1)
-        # The pixels around the mask, as KeyPose's own tool finds them (`MeshObj.segmentation`).
-        write_grey_png(folder / f"{stem}_border.png", cv2.dilate(mask, np.ones((3, 3), np.uint8)) > mask)
-        write_exr(folder / f"{stem}_Do.exr", {"D": known_depth(one.geometry.Z)})
-        sensed = sensor_depth(one.view)
-        if sensed is not None:
-            write_exr(folder / f"{stem}_Dt.exr", {"D": sensed})
+        if job.has("masks"):
+            write_grey_png(folder / f"{stem}_mask.png", mask == 1)
+            # The pixels around the mask, as KeyPose's own tool finds them (`MeshObj.segmentation`).
+            write_grey_png(folder / f"{stem}_border.png", cv2.dilate(mask, np.ones((3, 3), np.uint8)) > mask)
+        if job.has("depth"):
+            _write_depth(one, folder, stem)
+
+
+def _write_depth(one: SeenView, folder: Path, stem: str) -> None:
+    write_exr(folder / f"{stem}_Do.exr", {"D": known_depth(one.geometry.Z)})
+    sensed = sensor_depth(one.view)
+    if sensed is not None:
+        write_exr(folder / f"{stem}_Dt.exr", {"D": sensed})
 
 
 def _write_object(job: Job, split: Split, name: str, mesh: Mesh, record: ObjectRecord) -> None:

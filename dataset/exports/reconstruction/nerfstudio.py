@@ -38,6 +38,8 @@ HALF_PIXEL = 0.5
 CV_T_GL = np.diag([1.0, -1.0, -1.0, 1.0])
 #: nerfstudio's unit of depth (`depth_unit_scale_factor` 1e-3) [steps per metre].
 DEPTH_STEPS = 1000.0
+#: What can be left out.
+LABELS = ("depths", "masks")
 #: Every eighth picture is held out for validation and test, as for LLFF data (Mildenhall et al., ECCV 2020).
 HELD_OUT = 8
 #: Most points of the sparse cloud: splats are grown from them, and COLMAP finds some ten thousand in a scene.
@@ -61,24 +63,25 @@ def place(job: Job, scene: StoredScene) -> Path:
 
 def write(job: Job, scene: StoredScene) -> None:
     """Write the folder of a scene."""
-    labelled = job.options.eye == "left"
+    labels = tuple(filter(job.has, LABELS)) if job.options.eye == "left" else ()
     ids = chosen_ids(job, scene.objects())
     pictures: list[Picture] = []
     clouds: list[Cloud] = []
     each = max(1, SPARSE_POINTS // max(1, len(scene.views)))
     with atomic_folder(place(job, scene)) as folder:
-        for name in ("images", "depths", "masks") if labelled else ("images",):
+        for name in ("images", *labels):
             (folder / name).mkdir()
         for number, view in enumerate(scene.views):
             pictures += _pictures(job, view, folder, number % HELD_OUT == 0 and len(scene.views) >= HELD_OUT)
             clouds.append(thinned(cloud_of(view), each))
-            if labelled:
-                _write_labels(view, ids, folder, pictures[-1].name)
+            _write_labels(view, ids, folder, pictures[-1].name, labels)
         cloud = joined_clouds(clouds)
         write_cloud(folder / "sparse_pc.ply", cloud)
-        _write_text(folder / "transforms.json", json_text(transforms(pictures, labelled, masks=False)))
-        if labelled:
-            _write_text(folder / "transforms_objects.json", json_text(transforms(pictures, labelled, masks=True)))
+        _write_text(folder / "transforms.json", json_text(transforms(pictures, "depths" in labels, masks=False)))
+        if "masks" in labels:
+            _write_text(
+                folder / "transforms_objects.json", json_text(transforms(pictures, "depths" in labels, masks=True))
+            )
         (folder / "sparse" / "0").mkdir(parents=True)
         for name, lines in (("cameras", _cameras(pictures)), ("images", _images(pictures)), ("points3D", _rows(cloud))):
             _write_text(folder / "sparse" / "0" / f"{name}.txt", "".join(f"{line}\n" for line in lines))
@@ -90,6 +93,7 @@ EXPORTER = Exporter(
     write=write,
     finish=write_nothing,
     eyes=True,
+    labels=LABELS,
 )
 
 
@@ -147,11 +151,13 @@ def _pictures(job: Job, view: StoredView, folder: Path, held_out: bool) -> Itera
         yield Picture(name, camera, np.array(poses[eye]), held_out)
 
 
-def _write_labels(view: StoredView, ids: Sequence[int], folder: Path, name: str) -> None:
+def _write_labels(view: StoredView, ids: Sequence[int], folder: Path, name: str, labels: Sequence[str]) -> None:
     geometry = view.geometry()
-    steps = np.rint(np.where(np.isfinite(geometry.Z), geometry.Z, 0.0).astype(np.float64) * DEPTH_STEPS)
-    write_grey_png(folder / "depths" / name, np.where(steps < 1 << 16, steps, 0).astype(np.uint16))
-    write_grey_png(folder / "masks" / name, np.isin(geometry.id, ids))
+    if "depths" in labels:
+        steps = np.rint(np.where(np.isfinite(geometry.Z), geometry.Z, 0.0).astype(np.float64) * DEPTH_STEPS)
+        write_grey_png(folder / "depths" / name, np.where(steps < 1 << 16, steps, 0).astype(np.uint16))
+    if "masks" in labels:
+        write_grey_png(folder / "masks" / name, np.isin(geometry.id, ids))
 
 
 def _cameras(pictures: Sequence[Picture]) -> Iterator[str]:

@@ -14,6 +14,8 @@ from ....procedural.scene.splits import Split
 from ..job import Job
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
 
+#: The configurations, in the order in which their shards are written.
+CONFIGS = ("pictures", "geometry", "labels")
 #: Splits by the names that the Hub gives them.
 _HUB_SPLITS = {"train": "train", "val": "validation", "test": "test"}
 
@@ -30,7 +32,8 @@ def columns(job: Job) -> dict[str, dict[str, Kind]]:
         },
         "labels": {"labels.json": {"objects": [OBJECT]}},
     }
-    return {config: {"__key__": "string", "__url__": "string"} | kinds for config, kinds in own.items()}
+    both: dict[str, Kind] = {"__key__": "string", "__url__": "string"}
+    return {config: both | own[config] for config in CONFIGS if job.has(config)}
 
 
 def card(job: Job, splits: Sequence[Split], scenes: int) -> str:

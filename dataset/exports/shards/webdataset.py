@@ -33,7 +33,7 @@ from ..depth import depth_picture
 from ..files import compact_json, grey_png, read_bytes, whole_png
 from ..job import Exporter, Job, chosen_ids, chosen_labels
 from ..tar_files import write_tar
-from .card import card, columns
+from .card import CONFIGS, card, columns
 from .croissant import croissant
 
 #: Members of a sample by their endings.
@@ -42,7 +42,7 @@ Members = Iterator[tuple[str, bytes]]
 
 def place(job: Job, scene: StoredScene) -> Path:
     """Return the shard of a scene that is written last."""
-    return _shard(job, scene, "labels")
+    return _shard(job, scene, list(columns(job))[-1])
 
 
 def write(job: Job, scene: StoredScene) -> None:
@@ -54,6 +54,8 @@ def write(job: Job, scene: StoredScene) -> None:
         "labels": partial(_labels, job, objects),
     }
     for config, members in writers.items():
+        if not job.has(config):
+            continue
         shard = _shard(job, scene, config)
         shard.parent.mkdir(exist_ok=True)
         write_tar(shard, ((key_of(scene, view), members(view)) for view in scene.views))
@@ -79,6 +81,7 @@ EXPORTER = Exporter(
     write=write,
     finish=finish,
     eyes=True,
+    labels=CONFIGS,
 )
 
 
