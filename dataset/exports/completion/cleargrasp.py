@@ -69,7 +69,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="ClearGrasp: normals, outlines, masks and depth, with the sensor's depth where there is one",
+    purpose="ClearGrasp: depth, normals, outlines, masks of glass",
     place=place,
     write=write,
     finish=write_nothing,

@@ -65,7 +65,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="DREDS: true and measured depth, object coordinates, masks, for depth restoration",
+    purpose="DREDS: depth restoration with a sensor's depth",
     place=place,
     write=write,
     finish=write_nothing,

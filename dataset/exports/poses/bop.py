@@ -63,7 +63,7 @@ def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="BOP, scenewise: poses, models, masks, depth, for 6D pose estimators",
+    purpose="BOP, scenewise: 6D poses, models, masks, depth",
     place=place,
     write=write,
     finish=finish,

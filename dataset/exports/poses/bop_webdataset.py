@@ -52,7 +52,7 @@ def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="BOP in tar shards, for streaming to 6D pose estimators",
+    purpose="BOP in tar shards, for streaming",
     place=place,
     write=write,
     finish=finish,

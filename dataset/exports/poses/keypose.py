@@ -85,7 +85,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="stereo keypoints of vessels in KeyPose's protobuf text",
+    purpose="KeyPose: stereo keypoints of vessels",
     place=place,
     write=write,
     finish=write_nothing,

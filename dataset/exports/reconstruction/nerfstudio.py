@@ -88,7 +88,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="transforms.json with depth and masks, and a COLMAP model, for nerfstudio and splats",
+    purpose="nerfstudio and COLMAP: radiance fields and splats",
     place=place,
     write=write,
     finish=write_nothing,

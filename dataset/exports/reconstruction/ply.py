@@ -32,7 +32,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="point clouds of views and scenes, for Open3D, MeshLab, CloudCompare",
+    purpose="point clouds: Open3D, MeshLab, CloudCompare",
     place=place,
     write=write,
     finish=write_nothing,

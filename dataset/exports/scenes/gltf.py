@@ -185,7 +185,7 @@ def _medium(file: _File, medium: Medium, roughness: float) -> int:
 
 
 EXPORTER = Exporter(
-    purpose="scenes with poses, glass and cameras, for Blender, simulators and viewers",
+    purpose="scenes: Blender, viewers",
     place=place,
     write=write,
     finish=write_nothing,

@@ -60,7 +60,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="scenes with mass, friction and convex parts, for MuJoCo",
+    purpose="scenes with physics: MuJoCo",
     place=place,
     write=write,
     finish=write_nothing,

@@ -56,7 +56,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="scenes and objects with mass, friction and convex parts, for ROS, PyBullet, SAPIEN",
+    purpose="scenes with physics: ROS, PyBullet, SAPIEN",
     place=place,
     write=write,
     finish=write_nothing,

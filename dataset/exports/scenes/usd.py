@@ -90,7 +90,7 @@ def write(job: Job, scene: StoredScene) -> None:
 
 
 EXPORTER = Exporter(
-    purpose="scenes with physics in USD's text form, for Isaac Sim, Omniverse, Blender",
+    purpose="scenes with physics: Isaac Sim, Omniverse, Blender",
     place=place,
     write=write,
     finish=write_nothing,

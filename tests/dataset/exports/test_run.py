@@ -17,7 +17,6 @@ from glassware.dataset.exports.formats import FORMATS
 from glassware.dataset.exports.run import Exported, export
 from glassware.dataset.writer import finish_dataset, start_dataset
 
-
 #: Formats that hold scenes without their views.
 WITHOUT_VIEWS = ("gltf", "mjcf", "urdf", "usd")
 #: Largest file while the disk is full [bytes]: some file of every format is larger.
