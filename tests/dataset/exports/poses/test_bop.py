@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from glassware.dataset.exports.depth import depth_picture
-from glassware.dataset.exports.poses.silhouette import wide_silhouette
+from glassware.dataset.exports.poses.silhouette import wide_depth, wide_silhouette
 from glassware.dataset.exports.run import export
 from glassware.dataset.reader import Dataset
 from glassware.procedural.description.camera import Camera
@@ -140,3 +140,48 @@ def test_test_scenes_have_a_folder_and_targets_of_their_own(stored, tmp_path):
     targets = _json(tmp_path / "out" / "test_targets_bop19.json")
     assert {(target["im_id"], target["obj_id"]) for target in targets} == {(0, 2), (1, 2)}
     assert (tmp_path / "out" / "test" / "000000" / "rgb" / "000001.png").is_file()
+
+
+def test_liquids_are_objects_of_their_own_on_request(proven, tmp_path):
+    export(proven, "bop", tmp_path / "out", liquids=True)
+    scene, infos = tmp_path / "out/train_pbr/000000", _json(tmp_path / "out/models/models_info.json")
+    view = Dataset.open(proven).scene(0).views[0]
+    description, geometry, labels = view.scene(), view.geometry(), view.labels().objects
+    held = [(body, liquid) for body in description.vessels for liquid in body.liquids]
+    assert held
+    poses = _json(scene / "scene_gt.json")["0"]
+    assert [pose["obj_id"] for pose in poses] == [label.id for label in labels] + [500 + n for n in range(len(held))]
+
+    def mask(kind, number):
+        return _png(scene / kind / f"000000_{number:06d}.png") == 255
+
+    ids = [label.id for label in labels]
+    for number, (body, liquid) in enumerate(held, start=len(labels)):
+        row, model = ids.index(body.id), poses[number]["obj_id"]
+        assert poses[number] == poses[row] | {"obj_id": model}
+        mesh = trimesh.load_mesh(tmp_path / "out" / "models" / f"obj_{model:06d}.ply")
+        assert mesh.volume == pytest.approx(1e9 * liquid.volume, rel=0.01)
+        assert infos[str(model)]["category"] == f"liquid, {liquid.medium.name}"
+        whole = mask("mask", number)
+        assert whole.any()
+        assert (whole & ~geometry.crossed[row]).sum() <= EDGE * whole.sum()
+        np.testing.assert_array_equal(mask("mask_visib", number), whole & (geometry.id == body.id))
+    for row, label in enumerate(labels):
+        shown = mask("mask_visib", row)
+        for number, (body, _) in enumerate(held, start=len(labels)):
+            if body.id == label.id:
+                shown |= mask("mask_visib", number)
+        np.testing.assert_array_equal(shown, geometry.id == label.id)
+
+
+def test_depth_of_a_mesh_is_that_of_its_closed_form(analytic):
+    scene = analytic.scene(views=1)
+    camera, item = scene.cameras[0], scene.objects[2]  # a box: its mesh is the shape itself
+    truth = analytic.geometry(scene, camera)
+    pose = np.linalg.inv(camera.world_T_camera) @ np.array(item.world_T_object)
+    points = item.mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+    depth = wide_depth(points, item.mesh.faces, camera.K, camera.width, camera.height)
+    depth = depth[camera.height : 2 * camera.height, camera.width : 2 * camera.width]
+    shown = (truth.id == item.id) & np.isfinite(depth)
+    assert shown.sum() > 0.95 * (truth.id == item.id).sum() > 50
+    np.testing.assert_allclose(depth[shown], truth.Z[shown], atol=1e-5)

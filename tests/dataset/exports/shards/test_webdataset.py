@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import tarfile
 from typing import Any
@@ -106,3 +107,71 @@ def test_a_shard_has_the_same_bytes_each_time(stored, out, tmp_path):
     export(stored, "webdataset", tmp_path / "again", eye="both")
     for shard in out.rglob("*.tar"):
         assert shard.read_bytes() == (tmp_path / "again" / shard.relative_to(out)).read_bytes()
+
+
+def test_digests_are_those_of_the_shards(out):
+    lines = [line.split("  ") for line in (out / "SHA256SUMS").read_text().splitlines()]
+    assert sorted(name for _, name in lines) == sorted(str(path.relative_to(out)) for path in out.rglob("*.tar"))
+    for digest, name in lines:
+        assert hashlib.sha256((out / name).read_bytes()).hexdigest() == digest
+
+
+def test_the_licence_and_those_of_assets_are_in_the_card_and_in_croissant(stored, tmp_path):
+    head = json.loads((stored / "dataset.json").read_text())
+    asset = {"path": "assets/a.hdr", "sha256": "0" * 64, "source": "a.hdr", "licence": "CC0-1.0"}
+    (stored / "dataset.json").write_text(json.dumps(head | {"assets": [asset]}))
+    export(stored, "webdataset", tmp_path / "out", licence="cc-by-4.0")
+    text = (tmp_path / "out" / "README.md").read_text()
+    assert _card(tmp_path / "out")["license"] == "cc-by-4.0"
+    assert "| `a.hdr` | CC0-1.0 | `0000000000000000` |" in text
+    record = json.loads((tmp_path / "out" / "croissant.json").read_text())
+    assert record["license"] == "cc-by-4.0"
+    assert [(item["name"], item["license"]) for item in record["isBasedOn"]] == [("a.hdr", "CC0-1.0")]
+
+
+@pytest.mark.slow  # loading `datasets` takes seconds
+def test_datasets_reads_all_configurations_with_fractions_as_fractions(stored, out, tmp_path, monkeypatch):
+    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
+    datasets = pytest.importorskip("datasets")
+    views = Dataset.open(stored).views()
+    read = {
+        name: datasets.load_dataset(str(out), name, split="train", cache_dir=str(tmp_path / "cache"))
+        for name in ("pictures", "geometry", "labels")
+    }
+    assert {name: len(rows) for name, rows in read.items()} == dict.fromkeys(read, len(views))
+    for number, view in enumerate(views):
+        np.testing.assert_array_equal(np.array(read["pictures"][number]["left.png"]), view.picture())
+        camera = read["pictures"][number]["camera.json"]
+        np.testing.assert_allclose(camera["world_T_camera"], view.camera().world_T_camera, atol=1e-6)
+        ids = np.array(read["geometry"][number]["instances.png"])
+        np.testing.assert_array_equal(ids, view.geometry().id)
+        for item, label in zip(read["labels"][number]["labels.json"]["objects"], view.labels().objects, strict=True):
+            assert item["visible_fraction"] == (label.fractions and label.fractions.visible)
+            np.testing.assert_array_equal(
+                decode_mask(item["mask_seen"], tuple(item["mask_size"])),
+                decode_mask(label.mask_seen.counts, label.mask_seen.size),
+            )
+
+
+@pytest.mark.slow  # loading `mlcroissant` takes seconds
+@pytest.mark.filterwarnings("ignore")  # of libraries that it uses
+def test_mlcroissant_finds_no_error_and_reads_every_record(stored, out, tmp_path, monkeypatch):
+    mlcroissant = pytest.importorskip("mlcroissant")
+    from etils import epath  # pyright: ignore[reportMissingImports]
+
+    # Its cache knows shards by their names alone: those of another export would be read.
+    extract = "mlcroissant._src.operation_graph.operations.extract.EXTRACT_PATH"
+    monkeypatch.setattr(extract, epath.Path(tmp_path / "cache"))
+    described = mlcroissant.Dataset(jsonld=str(out / "croissant.json"))
+    assert not described.metadata.issues.errors
+    views = Dataset.open(stored).views()
+    sets = [item.id for item in described.metadata.record_sets]
+    assert len(sets) == 7
+    rows = {name: list(described.records(name)) for name in sets}
+    assert {name: len(found) for name, found in rows.items()} == dict.fromkeys(sets, len(views))
+    for number, view in enumerate(views):
+        row = rows["pictures-left-png-records"][number]
+        assert row["pictures-left-png-records/key"] == f"000000_{view.number:03d}".encode()
+        np.testing.assert_array_equal(np.array(row["pictures-left-png-records/content"]), view.picture())
+        camera = json.loads(rows["pictures-camera-json-records"][number]["pictures-camera-json-records/content"])
+        np.testing.assert_allclose(camera["K"], view.camera().K, atol=1e-6)
