@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import cv2
 import numpy as np
@@ -22,7 +23,7 @@ def out(stored, add_sensor_depth, tmp_path):
     return tmp_path / "out" / "train" / "scene-000000"
 
 
-def png(path):
+def png(path) -> Any:
     return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
 
 
@@ -49,10 +50,11 @@ def test_depth_masks_and_normals_are_those_of_the_view(stored, out):
         stacked = np.stack([normals[name] for name in "RGB"], axis=-1).astype(np.float64)
         np.testing.assert_array_equal(stacked * (1.0, -1.0, -1.0), geometry.normal)
         # Towards the camera: z is positive where the surface is on the axis, and the table looks up.
-        rays = pixel_rays(*geometry.Z.shape, view.camera().K) * (1.0, -1.0, -1.0)
+        height, width = geometry.Z.shape
+        rays = pixel_rays(height, width, view.camera().K) * (1.0, -1.0, -1.0)
         assert ((stacked * rays).sum(axis=-1)[mask == 255] < 0.0).all()
         assert stacked[geometry.id == 1][:, 1].mean() > 0.3
-        assert cv2.imread(str(out / "rgb-imgs" / f"{stem}-rgb.jpg")).shape[:2] == geometry.Z.shape
+        assert png(out / "rgb-imgs" / f"{stem}-rgb.jpg").shape[:2] == geometry.Z.shape
 
 
 def test_cameras_and_poses_come_back_from_the_json(stored, out):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
@@ -83,7 +85,8 @@ def test_poses_carry_coordinates_to_the_points_that_are_seen(stored, out):
     """A model's point is (x - 1/2, y - 1/2, 1/2 - z) of its colour, times the scale; the quaternion is inverse."""
     for view in Dataset.open(stored).views():
         stem, camera, geometry = f"{view.number:04d}", view.camera(), view.geometry()
-        colours = cv2.imread(str(out / f"{stem}_coord.png"))[..., ::-1] / 255.0
+        picture: Any = cv2.imread(str(out / f"{stem}_coord.png"))
+        colours = picture[..., ::-1] / 255.0
         mask = instances(out / f"{stem}_mask.exr")
         for row, label in zip(load_meta(out / f"{stem}_meta.txt"), view.labels().objects, strict=True):
             rotation = turned(*row["quaternion"]).T

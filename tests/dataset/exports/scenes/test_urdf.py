@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as tree
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +21,10 @@ def made(proven, tmp_path_factory):
     export(proven, "urdf", folder / "out")
     scene = Dataset.open(proven).scenes[0]
     return scene.scene(), scene.objects().objects, folder / "out" / "000000"
+
+
+def links_of(path) -> dict[str, Any]:
+    return {link.get("name", ""): link for link in tree.parse(path).getroot().iter("link")}
 
 
 def turn(axis, angle):
@@ -43,13 +48,14 @@ def origin(element):
 
 def poses(path):
     """Poses of all links in the root's frame."""
-    joints = {joint.find("child").get("link"): joint for joint in tree.parse(path).getroot().iter("joint")}
+    root: Any = tree.parse(path).getroot()
+    joints = {joint.find("child").get("link"): joint for joint in root.iter("joint")}
 
     def pose(link):
         joint = joints.get(link)
         return np.eye(4) if joint is None else pose(joint.find("parent").get("link")) @ origin(joint)
 
-    return {link.get("name"): pose(link.get("name")) for link in tree.parse(path).getroot().iter("link")}
+    return {name: pose(name) for name in links_of(path)}
 
 
 def test_links_are_where_the_objects_are(made):
@@ -61,7 +67,7 @@ def test_links_are_where_the_objects_are(made):
 
 def test_links_have_mass_inertia_friction_and_meshes(made):
     scene, records, folder = made
-    links = {link.get("name"): link for link in tree.parse(folder / "scene.urdf").getroot().iter("link")}
+    links = links_of(folder / "scene.urdf")
     for item, record in zip(scene.objects, records, strict=True):
         link, whole = links[item.name.replace("-", "_")], record.mechanics.whole
         assert float(link.find("inertial/mass").get("value")) == whole.mass
@@ -71,17 +77,17 @@ def test_links_have_mass_inertia_friction_and_meshes(made):
         np.testing.assert_allclose(rows, whole.inertia, rtol=1e-12)
         assert float(link.find("contact/lateral_friction").get("value")) == record.mechanics.friction
         solid = item.mesh if isinstance(item, Prop) else glass_solid(item)
-        first = trimesh.load_mesh(folder / link.find("visual/geometry/mesh").get("filename"), process=False)
+        first: Any = trimesh.load_mesh(folder / link.find("visual/geometry/mesh").get("filename"), process=False)
         assert first.bounds[0] == pytest.approx(solid.bounds[0], abs=1e-6) or len(link.findall("visual")) > 1
 
 
 def test_convex_parts_enclose_the_glass_and_leave_it_hollow(made):
     scene, _, folder = made
     vessel = scene.vessels[0]
-    links = {link.get("name"): link for link in tree.parse(folder / "scene.urdf").getroot().iter("link")}
-    parts = []
+    links = links_of(folder / "scene.urdf")
+    parts: list[Any] = []
     for collision in links[vessel.name.replace("-", "_")].findall("collision"):
-        mesh = trimesh.load_mesh(folder / collision.find("geometry/mesh").get("filename"))
+        mesh: Any = trimesh.load_mesh(folder / collision.find("geometry/mesh").get("filename"))
         assert mesh.is_watertight
         assert mesh.is_convex
         parts.append(mesh.apply_transform(origin(collision)))
@@ -103,7 +109,7 @@ def test_each_object_has_a_file_of_its_own_with_what_goes_with_it(made, tmp_path
     found = poses(alone)[prop.name.replace("-", "_")]
     np.testing.assert_allclose(np.array(vessel.world_T_object) @ found, prop.world_T_object, atol=1e-6)
     for mesh in tree.parse(alone).getroot().iter("mesh"):
-        assert (alone.parent / mesh.get("filename")).is_file()
+        assert (alone.parent / mesh.attrib["filename"]).is_file()
 
 
 def test_yourdfpy_reads_the_same(made):
