@@ -49,9 +49,9 @@ def triangles_of(scene: Scene) -> Triangles:
             # Opaque surfaces turn their front to the medium that they are seen from.
             mesh, sides = (turned(part.mesh), (back, front)) if part.seen_from_back else (part.mesh, (front, back))
             rows.append(_row(mesh, pose, item.id, _KINDS[part.part], part.opaque is not None, sides))
-    room = scene.environment
-    in_place = isinstance(room, RoomEnvironment) and not room.at_infinity and not scene.picture.spectral
-    if in_place:
+    room = scene.environment if isinstance(scene.environment, RoomEnvironment) else None
+    in_place = room is not None and not room.at_infinity and not scene.picture.spectral
+    if room is not None and in_place:
         pose = world_T_room(room)
         rows += [_row(body.mesh, pose, ROOM_IDS[body.part], OPAQUE, True, (-1, -1)) for body in room_bodies(room)]
     rows += [_lamp(light, in_place) for light in scene.lights]
