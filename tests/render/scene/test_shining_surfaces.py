@@ -28,7 +28,7 @@ def sheet(emission: Emission, uv_scale: float = 1.0) -> Prop:
     # One face looks down, another up, so that the body has three extents; both share their texture coordinates.
     faces = np.array([[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6]])
     uv = uv_scale * (corners[:, :2] / SIDE + 0.5)
-    mesh = Mesh("sheet", corners + [0.0, 0.0, HEIGHT], faces, uv=uv)
+    mesh = Mesh("sheet", corners + np.array([0.0, 0.0, HEIGHT]), faces, uv=uv)
     material = OpaqueMaterial(name="sheet", base_colour=BLACK, roughness=1.0, emission=emission)
     return block(mesh, material, id=2)
 
