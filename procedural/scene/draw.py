@@ -10,6 +10,7 @@ from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.furnished_rooms import room_in_place, with_loose_things
 from ..surroundings.lights import draw_lights
 from ..surroundings.photographer import camera_exposure, toned_cameras
+from ..surroundings.room_pictures import with_pictures
 from ..surroundings.shipped_light import with_shipped_light
 from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
@@ -62,6 +63,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     far = reach(settings.cameras, space, files.poses)
     rng = stream(seed, scene_id, "environment/room")
     environment = room_in_place(rng, settings.environment, environment, table, far)
+    environment = with_pictures(stream(seed, scene_id, "environment/textures"), environment, files.room_textures)
     pixels = bake_environment(environment)
     lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
     exposed, light = camera_exposure(table, environment, pixels, lights)
