@@ -4,6 +4,9 @@ The denoiser cleans what its guides explain: smooth surfaces, textures, soft sha
 through glass, where neighbouring pixels have little in common. Measured on five scenes (docs/performance.md), 80 to
 90 % of the remaining error is in the 10 % of the pixels that show glass. Which pixels these are is known from the
 geometry before the first sample, so the means stay unbiased.
+
+Within glass the noise differs: most of the error is in a twentieth of its pixels, at rims and where the walls mirror
+lamps. So a part of the samples comes first and tells where; the rest goes there (`relative_noise`).
 """
 
 from __future__ import annotations
@@ -13,8 +16,16 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from ...core.images import srgb_curve
+
 #: Minimum number of groups of a pixel [1]: its variance cannot be estimated from fewer.
 _MIN_GROUPS = 2
+#: Fraction of the samples that comes before the noise is known [1].
+_FIRST = 0.4
+#: Standard deviation of the window that the noise is averaged in [px], and its half-width.
+_NOISE_SIGMA, _NOISE_REACH = 1.5, 3
+#: Least and greatest number of additional samples over that without knowledge of the noise [1].
+_LEAST, _MOST = 0.25, 4.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +41,9 @@ class SampleWeights:
         return int(max(self.glass, self.polished))
 
 
-def group_counts(glass: np.ndarray, polished: np.ndarray, weights: SampleWeights, groups: float) -> np.ndarray:
+def group_counts(
+    glass: np.ndarray, polished: np.ndarray, weights: SampleWeights, groups: float, noise: np.ndarray | None = None
+) -> np.ndarray:
     """Return the number of sample groups of each pixel.
 
     Parameters
@@ -41,6 +54,8 @@ def group_counts(glass: np.ndarray, polished: np.ndarray, weights: SampleWeights
         Relative number of samples; reduced where the other pixels would get too few groups.
     groups : float
         Mean number of groups of a pixel.
+    noise : (H, W) float, optional
+        Noise of each pixel, in any unit: the additional samples of glass and polish are shared out by it.
 
     Returns
     -------
@@ -49,9 +64,68 @@ def group_counts(glass: np.ndarray, polished: np.ndarray, weights: SampleWeights
     """
     extra = np.maximum(_dilated(glass) * (weights.glass - 1.0), _dilated(polished) * (weights.polished - 1.0)).ravel()
     mean = extra.mean()
+    if noise is not None and mean > 0.0:
+        level = np.average(noise.ravel(), weights=extra)
+        extra = extra * np.clip(noise.ravel() / max(level, 1e-20), _LEAST, _MOST)
+        extra *= mean / extra.mean()
     if mean > 0.0:
         extra *= min(1.0, max(groups / _MIN_GROUPS - 1.0, 0.0) / mean)
     return _rounded((1.0 + extra) / (1.0 + extra.mean()) * groups)
+
+
+def first_counts(counts: np.ndarray) -> np.ndarray:
+    """Return how many of the groups of each pixel come before the noise is known."""
+    return np.minimum(np.maximum(np.ceil(_FIRST * counts).astype(np.int64), _MIN_GROUPS), counts)
+
+
+def remaining_counts(counts: np.ndarray, first: np.ndarray, total: int) -> np.ndarray:
+    """Return how many groups of each pixel come after the first ones, `total` in all, so that they add up to `counts`.
+
+    Where more came first than the noise asks for, there are fewer elsewhere.
+    """
+    missing = np.maximum(counts - first, 0).astype(np.float64)
+    return _rounded(missing * (total / max(missing.sum(), 1.0)))
+
+
+def displayed_noise(
+    means: np.ndarray, variance: np.ndarray, glass: np.ndarray, polished: np.ndarray, exposure: float
+) -> np.ndarray:
+    """Return the noise of a displayed picture around each pixel, (H, W) in [0, 1].
+
+    A pixel's own samples do not count: if fewer more were taken where the first ones were dark, the mean would be too
+    dark.
+
+    Parameters
+    ----------
+    means, variance : (H, W) float
+        Luminance of each pixel and the variance that it has with the intended number of samples.
+    glass, polished : (H, W) bool
+        Pixels that get additional samples; only those of the same kind count.
+    exposure : float
+        Factor from radiance to displayed light, of which 1 is white.
+    """
+    kind = _dilated(glass) + 2 * _dilated(polished) * (1 - _dilated(glass))
+    result = np.zeros(means.shape)
+    for number in (1, 2):
+        inside = kind == number
+        level, noise = _around(exposure * means, inside), np.sqrt(_around(exposure**2 * variance, inside))
+        result[inside] = 0.5 * (_displayed(level + noise) - _displayed(level - noise))[inside]
+    return result
+
+
+def _displayed(level: np.ndarray) -> np.ndarray:
+    return srgb_curve(np.clip(level, 0.0, 1.0))
+
+
+def _around(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Return the means of values over the pixels around each one that are inside, without its own; 0 without any."""
+    offset = np.arange(-_NOISE_REACH, _NOISE_REACH + 1)
+    kernel = np.exp(-0.5 * (offset[:, None] ** 2 + offset[None, :] ** 2) / _NOISE_SIGMA**2)
+    kernel[_NOISE_REACH, _NOISE_REACH] = 0.0
+    weight = inside.astype(np.float64)
+    sums = (cv2.filter2D(x, -1, kernel, borderType=cv2.BORDER_CONSTANT) for x in (values * weight, weight))
+    total, count = sums
+    return np.divide(total, count, out=np.zeros_like(total), where=count > 1e-9)
 
 
 def _dilated(inside: np.ndarray) -> np.ndarray:
