@@ -24,8 +24,11 @@ _MIN_GROUPS = 2
 _FIRST = 0.4
 #: Standard deviation of the window that the noise is averaged in [px], and its half-width.
 _NOISE_SIGMA, _NOISE_REACH = 1.5, 3
-#: Least and greatest number of additional samples over that without knowledge of the noise [1].
-_LEAST, _MOST = 0.25, 4.0
+#: Power of the noise that additional samples are shared out by [1], and the least and greatest number of them over that
+#: without knowledge of the noise. With the power 1 the error of a given number of samples is the least, but paths of
+#: noisy pixels are longer: 0.6 has most of the gain for half of the time (seed 101, PSNR of five vessels: 0.5, 0.3,
+#: 1.4, 0.2, 0.3 dB for 5 % more CPU time, against 0.7, 0.3, 1.8, -0.1, 0.3 dB for 11 %).
+_NOISE_POWER, _LEAST, _MOST = 0.6, 0.25, 4.0
 
 
 @dataclass(frozen=True)
@@ -65,8 +68,8 @@ def group_counts(
     extra = np.maximum(_dilated(glass) * (weights.glass - 1.0), _dilated(polished) * (weights.polished - 1.0)).ravel()
     mean = extra.mean()
     if noise is not None and mean > 0.0:
-        level = np.average(noise.ravel(), weights=extra)
-        extra = extra * np.clip(noise.ravel() / max(level, 1e-20), _LEAST, _MOST)
+        asked = noise.ravel() ** _NOISE_POWER
+        extra = extra * np.clip(asked / max(np.average(asked, weights=extra), 1e-20), _LEAST, _MOST)
         extra *= mean / extra.mean()
     if mean > 0.0:
         extra *= min(1.0, max(groups / _MIN_GROUPS - 1.0, 0.0) / mean)
