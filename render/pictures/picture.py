@@ -20,7 +20,7 @@ from .film import Film
 from .fireflies import spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
-from .sample_weights import SampleWeights, displayed_noise, first_counts, group_counts, remaining_counts
+from .sample_weights import SampleWeights, displayed_noise, first_counts, group_counts, mean_around, remaining_counts
 from .sampler import SobolSampler, sample_4d, sobol_sampler
 
 #: Paths of one pass [1]. Each holds 20 bytes of results, so a pass stays under 100 MB.
@@ -153,7 +153,7 @@ def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> n
         counts = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size)
         first = first_counts(counts)
         found = _add_weighted(source, film, first, group_size)
-        noise = _noise_of(film, guides, counts * group_size, source.exposure)
+        noise = _noise_per_cost(film, guides, counts * group_size, source.exposure)
         wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, noise)
         rest = remaining_counts(wanted, first, int((counts - first).sum()))
         return found + _add_weighted(source, film, rest, group_size)
@@ -170,17 +170,23 @@ def _add_weighted(source: _Source, film: Film, counts: np.ndarray, group_size: i
     return found + _add_groups(source, film, counts - factor * large, group_size)
 
 
-def _noise_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
-    """Return the displayed noise (H, W) that each pixel is expected to have with a number of samples."""
+def _noise_per_cost(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
+    """Return what the samples of each pixel are shared out by, (H, W): displayed noise over the root of their cost.
+
+    The noise is what is expected with a number of `samples`. In given time the error is least with samples proportional
+    to this: the sum of v / n, with n samples of variance v, has its minimum there for a given sum of n c of cost c.
+    """
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
     variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
     means = (channels * film.means).sum(axis=0)
-    return displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
+    cost = (film.segments / film.samples).reshape(shape)
+    noise = displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
+    return noise / np.sqrt(np.maximum(mean_around(cost, guides.glass, guides.polished), 1.0))
 
 
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
-    found, sums = np.zeros(2, np.int64), []
+    found, sums, segments = np.zeros(2, np.int64), [], []
     if group_size == 0 or not counts.any():
         return found
     pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
@@ -194,7 +200,8 @@ def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int
         result = _trace_pass(source, pixel[part], index[part], group_size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
         sums.append([np.array(dr.block_sum(channel, group_size)) for channel in result.radiance])
-    film.add(counts, group_size, np.concatenate(sums, axis=1))
+        segments.append(np.array(dr.block_sum(result.segments, group_size)))
+    film.add(counts, group_size, np.concatenate(sums, axis=1), np.concatenate(segments))
     return found
 
 

@@ -107,28 +107,29 @@ def displayed_noise(
     exposure : float
         Factor from radiance to displayed light, of which 1 is white.
     """
-    kind = _dilated(glass) + 2 * _dilated(polished) * (1 - _dilated(glass))
-    result = np.zeros(means.shape)
-    for number in (1, 2):
-        inside = kind == number
-        level, noise = _around(exposure * means, inside), np.sqrt(_around(exposure**2 * variance, inside))
-        result[inside] = 0.5 * (_displayed(level + noise) - _displayed(level - noise))[inside]
-    return result
+    level = exposure * mean_around(means, glass, polished)
+    noise = np.sqrt(exposure**2 * mean_around(variance, glass, polished))
+    return 0.5 * (_displayed(level + noise) - _displayed(level - noise))
 
 
 def _displayed(level: np.ndarray) -> np.ndarray:
     return srgb_curve(np.clip(level, 0.0, 1.0))
 
 
-def _around(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return the means of values over the pixels around each one that are inside, without its own; 0 without any."""
+def mean_around(values: np.ndarray, glass: np.ndarray, polished: np.ndarray) -> np.ndarray:
+    """Return the means of values over the pixels around each one, without its own, (H, W) float64.
+
+    Glass counts glass alone, and polish polish; others are 0.
+    """
     offset = np.arange(-_NOISE_REACH, _NOISE_REACH + 1)
     kernel = np.exp(-0.5 * (offset[:, None] ** 2 + offset[None, :] ** 2) / _NOISE_SIGMA**2)
     kernel[_NOISE_REACH, _NOISE_REACH] = 0.0
-    weight = inside.astype(np.float64)
-    sums = (cv2.filter2D(x, -1, kernel, borderType=cv2.BORDER_CONSTANT) for x in (values * weight, weight))
-    total, count = sums
-    return np.divide(total, count, out=np.zeros_like(total), where=count > 1e-9)
+    result, of_glass = np.zeros(values.shape), _dilated(glass)
+    for inside in (of_glass == 1, (of_glass == 0) & (_dilated(polished) == 1)):
+        weight = inside.astype(np.float64)
+        total, count = (cv2.filter2D(x, -1, kernel, borderType=cv2.BORDER_CONSTANT) for x in (values * weight, weight))
+        result += weight * np.divide(total, count, out=np.zeros_like(total), where=count > 1e-9)
+    return result
 
 
 def _dilated(inside: np.ndarray) -> np.ndarray:
