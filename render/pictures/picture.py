@@ -20,7 +20,15 @@ from .film import Film
 from .fireflies import spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
-from .sample_weights import SampleWeights, displayed_noise, first_counts, group_counts, mean_around, remaining_counts
+from .sample_weights import (
+    SampleWeights,
+    displayed_noise,
+    first_counts,
+    group_counts,
+    mean_around,
+    remaining_counts,
+    share_of,
+)
 from .sampler import SobolSampler, sample_4d, sobol_sampler
 
 #: Paths of one pass [1]. Each holds 20 bytes of results, so a pass stays under 100 MB.
@@ -153,8 +161,8 @@ def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> n
         counts = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size)
         first = first_counts(counts)
         found = _add_weighted(source, film, first, group_size)
-        noise = _noise_per_cost(film, guides, counts * group_size, source.exposure)
-        wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, noise)
+        share = _share_of(film, guides, counts * group_size, source.exposure)
+        wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, share)
         rest = remaining_counts(wanted, first, int((counts - first).sum()))
         return found + _add_weighted(source, film, rest, group_size)
     found = _add_groups(source, film, batch_spp // group_size * every, group_size)
@@ -170,18 +178,13 @@ def _add_weighted(source: _Source, film: Film, counts: np.ndarray, group_size: i
     return found + _add_groups(source, film, counts - factor * large, group_size)
 
 
-def _noise_per_cost(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
-    """Return what the samples of each pixel are shared out by, (H, W): displayed noise over the root of their cost.
-
-    The noise is what is expected with a number of `samples`. In given time the error is least with samples proportional
-    to this: the sum of v / n, with n samples of variance v, has its minimum there for a given sum of n c of cost c.
-    """
+def _share_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
+    """Return what further samples are shared out by (`share_of`), (H, W), for the noise of a number of `samples`."""
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
     variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
-    means = (channels * film.means).sum(axis=0)
-    cost = (film.segments / film.samples).reshape(shape)
+    means, cost = (channels * film.means).sum(axis=0), film.segments / film.samples
     noise = displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
-    return noise / np.sqrt(np.maximum(mean_around(cost, guides.glass, guides.polished), 1.0))
+    return share_of(noise, mean_around(cost.reshape(shape), guides.glass, guides.polished))
 
 
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
