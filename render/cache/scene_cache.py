@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...core.errors import InputError
@@ -10,7 +12,7 @@ from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.file_light import is_outdoors
 from .._mitsuba import mi
-from ..frame import LightCheck, SurfaceLight
+from ..frame import LightCheck, RegionCheck, Remedy, SurfaceLight
 from ..pictures.picture import Tracer
 from ..scene.loaded_scene import LoadedScene
 from .cache_points import CachePoints, cache_points_of
@@ -107,6 +109,7 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
             break
         traced = tuple(sorted({*traced, *more}))
     passed = not beyond
+    failed = tuple(replace(region, remedy=_remedy(region, passed, traced)) for region in failed)
     check = LightCheck(
         scene_id=scene.scene_id,
         mode="shared" if passed else "path",
@@ -122,6 +125,12 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
         traced=traced if passed else (),
     )
     return (tracer if passed else reference), check, cache
+
+
+def _remedy(region: RegionCheck, passed: bool, traced: tuple[int, ...]) -> Remedy:
+    if not passed:
+        return "scene path traced"
+    return "object path traced" if region.id in traced else "other objects path traced"
 
 
 def fill_scene_cache(loaded: LoadedScene) -> IrradianceCache:
