@@ -203,7 +203,10 @@ def write_inputs(folder: Path) -> None:
             (ball.copy().apply_scale(1000.0) if name.startswith("bop") else ball).export(path)
     # A beaker in millimetres: 70 wide, 90 high, walls of 2.
     profile = np.array([(0, 0), (35, 0), (35, 90), (33, 90), (33, 2), (0, 2)], float)
-    trimesh.creation.revolve(profile, sections=64).export(folder / "beaker.obj")
+    beaker = trimesh.creation.revolve(profile, sections=64)
+    beaker.export(folder / "beaker.obj")
+    (folder / "keypose-objects").mkdir()
+    beaker.copy().apply_scale(1e-3).export(folder / "keypose-objects" / "mug_0.obj")
 
 
 @pytest.fixture(scope="module")
