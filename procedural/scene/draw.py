@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..props.draw import PropSettings
+from ..sensors.depth_cameras import depth_camera
 from ..surroundings.camera_poses import draw_cameras, reach
 from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.furnished_rooms import room_in_place, with_loose_things
@@ -79,6 +80,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         cameras=cameras,
         picture=settings.picture,
         rest=rest,
+        depth_camera=depth_camera(settings.sensors.depth),
     )
 
 
