@@ -21,7 +21,7 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Eye, Frame, Geometry, LightCheck, LineOfSight, SurfaceLight
+from .frame import EYES, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -201,6 +201,14 @@ class Renderer:
             activate(self.variant)
             yield
 
+    def _infrared(self, view: int) -> Infrared | None:
+        """Return what the depth camera's infrared cameras see; None without one."""
+        if self.scene.depth_camera is None:
+            return None
+        from .infrared.pictures import trace_infrared
+
+        return trace_infrared(self.loaded, view, self.scene.depth_camera, self._tracer)
+
     def _rendered(self, view: int) -> Frame:
         from .labels.geometry import trace_straight
         from .labels.refraction import trace_refraction
@@ -215,6 +223,8 @@ class Renderer:
             geometry, layers = trace_straight(self.loaded, camera, picture.layers)
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
+        with stopwatch.stage("infrared"):
+            infrared = self._infrared(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(
@@ -228,6 +238,7 @@ class Renderer:
             sampling=(left.sampling, right.sampling),
             layers=layers if picture.layers else None,
             refraction=refraction,
+            infrared=infrared,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,

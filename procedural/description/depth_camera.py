@@ -52,7 +52,6 @@ class PatternProjector(Model):
     wavelength: float = Field(ge=380.0, le=2500.0, description="[nm]")
     dots: int = Field(ge=1, le=200_000, description="Number of dots")
     dot: float = Field(gt=0.0, le=0.1, description="Full width of a dot at half its height [rad]")
-    aperture: float = Field(gt=0.0, le=0.05, description="Radius of the face that the light leaves [m]")
     turn: float = Field(default=0.0, ge=0.0, description="Largest angle by which a unit's pattern is turned [rad]")
 
     @model_validator(mode="after")

@@ -50,7 +50,6 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             wavelength=850.0,
             dots=6437,
             dot=3.0 / 892.62,
-            aperture=0.0015,
             turn=math.radians(1.0),
         ),
         matching=Matching(
@@ -90,7 +89,6 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             wavelength=850.0,
             dots=6437,
             dot=3.0 / 430.14,
-            aperture=0.0015,
             turn=math.radians(1.0),
         ),
         matching=Matching(
