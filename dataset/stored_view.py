@@ -26,12 +26,13 @@ from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.scene.scene_file import load_scene
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
 from .format import layout
-from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of
 from .format.exr import channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
+from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
 
 _Frame = Literal["camera", "world"]
 
@@ -141,6 +142,34 @@ class StoredView:
     def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
         """Return how the other camera sees the points of one; it needs ``--write disparity``."""
         return read_pair(self._of_kind(layout.PAIR, "disparity")[0], _checked_eye(eye))
+
+    def depth_camera(self) -> DepthCameraRecord | None:
+        """Return the depth camera beside the left colour camera: unit, range, place; None where there is none."""
+        return read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA).depth_camera
+
+    def sensor_depth(self) -> np.ndarray:
+        """Return the depth that a depth camera reports in the left picture's pixels, (H, W) float32 [m]; NaN: none.
+
+        It needs a data set made with the setting `sensors.depth`.
+        """
+        return read_sensor_depth(self.folder / layout.SENSOR_DEPTH, self._sensor().unit)
+
+    def sensor_valid(self) -> np.ndarray:
+        """Return why each pixel has a sensor depth or none, (H, W) uint16: places in `depth_camera().reasons`."""
+        self._sensor()
+        return read_numbers(self.folder / layout.SENSOR_VALID)
+
+    def infrared(self, eye: Eye = "left") -> np.ndarray:
+        """Return an infrared picture of the depth camera, (h, w) uint16; it needs ``--write infrared``."""
+        self._sensor()
+        return read_numbers(self._of_kind(IR_FILES[_checked_eye(eye)], "infrared")[0])
+
+    def _sensor(self) -> DepthCameraRecord:
+        device = self.depth_camera()
+        if device is None:
+            expected = "a data set with a depth camera, made with --sensors.depth d435"
+            raise InputError(self.folder / layout.CAMERA, expected, "one without")
+        return device
 
     def heatmap(self) -> np.ndarray:
         """Return the heatmap of the left picture's objects, as the networks learn it, (H, W) float32 in [0, 1]."""

@@ -60,7 +60,9 @@ def refined(pictures: InfraredPictures, disparity: np.ndarray, block: int) -> np
     slope = 0.5 * cv2.filter2D(right, cv2.CV_32F, np.array([[-1.0, 0.0, 1.0]]))
     for _ in range(_REFINEMENTS):
         at = columns - fine
-        moved, gradient = (cv2.remap(one, at, rows, cv2.INTER_LINEAR, None, cv2.BORDER_REPLICATE) for one in (right, slope))
+        moved, gradient = (
+            cv2.remap(one, at, rows, cv2.INTER_LINEAR, None, cv2.BORDER_REPLICATE) for one in (right, slope)
+        )
         gradient -= cv2.blur(gradient, size)
         difference = left - moved
         energy = cv2.blur(gradient * gradient, size)

@@ -28,9 +28,7 @@ def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float) ->
     rows, columns = np.nonzero(np.isfinite(Z))
     depth = Z[rows, columns].astype(np.float64)
     (cx, cy), (ux, uy) = infrared.centre, colour.centre
-    left, right = (
-        colour.fx * ((columns + side - cx) / infrared.fx + shift / depth) + ux for side in (-0.5, 0.5)
-    )
+    left, right = (colour.fx * ((columns + side - cx) / infrared.fx + shift / depth) + ux for side in (-0.5, 0.5))
     top, bottom = (colour.fy * (rows + side - cy) / infrared.fy + uy for side in (-0.5, 0.5))
     first_u, first_v = np.ceil(left).astype(int), np.ceil(top).astype(int)
     # At least one pixel, so that a finer infrared camera loses nothing.

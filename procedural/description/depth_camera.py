@@ -28,7 +28,9 @@ class InfraredImager(Model):
     height: int = Field(ge=16, le=4096, description="[px]")
     focal: float = Field(gt=0.0, description="Focal length [px]")
     centre: tuple[float, float] | None = Field(default=None, description="Principal point [px]; none: the middle")
-    blur: float = Field(default=0.0, ge=0.0, le=8.0, description="Standard deviation of the lens' and resampling's [px]")
+    blur: float = Field(
+        default=0.0, ge=0.0, le=8.0, description="Standard deviation of the lens' and resampling's [px]"
+    )
     aperture: float = Field(gt=0.0, description="f-number")
     pitch: float = Field(gt=0.0, le=1e-3, description="Width of a pixel of the stream, as an area of silicon [m]")
     efficiency: float = Field(gt=0.0, le=1.0, description="Electrons for each photon that meets the lens")

@@ -17,7 +17,8 @@ _SHARED = (
     "projector: 360 mW on average, class 1, 850 nm (D400 data sheet); 6,437 dots, as counted in the picture of its "
     "pattern in SAPIEN; nearest depth f b / 126 (126 disparities are searched); millimetres, as the driver reports; "
     "assumed: quantum efficiency with lens, full well and read noise of sensors of this size, target of the exposure, "
-    "width of a dot (three pixels of the depth stream), and light of 150 lm/W, as daylight from 400 to 1000 nm has"
+    "width of a dot (three pixels of the depth stream), ambient light of 300 lm/W (white LEDs have 280 to 350; 400 to "
+    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400) and steps of 1/32 px; the rest by OpenCV's advice"
 )
 #: By name.
 DEPTH_CAMERAS: dict[str, DepthCamera] = {
@@ -41,7 +42,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             exposure=(1e-5, 0.033),
             gain=16.0,
             target=0.35,
-            efficacy=150.0,
+            efficacy=300.0,
         ),
         projector=PatternProjector(
             place=0.041,
@@ -53,7 +54,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=7, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.40, 10.0),
         unit=0.001,
@@ -80,7 +81,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             exposure=(1e-5, 0.033),
             gain=16.0,
             target=0.35,
-            efficacy=150.0,
+            efficacy=300.0,
         ),
         projector=PatternProjector(
             place=0.029,
@@ -92,7 +93,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=7, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.17, 10.0),
         unit=0.001,

@@ -101,5 +101,3 @@ def _points(Z: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
     depth, (cx, cy) = Z[hit].astype(np.float64), camera.centre
     local = np.stack([(columns - cx) / camera.fx * depth, (rows - cy) / camera.fy * depth, depth], axis=1)
     return local @ camera.world_T_camera[:3, :3].T + camera.world_T_camera[:3, 3], hit
-
-

@@ -31,15 +31,13 @@ from .projected_light import ProjectedLight, arriving
 _MAX_SURFACES = 48
 #: Least GGX roughness of the lobe by which interfaces mirror the projector [1]. A point of light in a mirror would be
 #: met by chance alone; on a glass of 35 mm radius the image of this lobe is half a millimetre wide, less than a pixel.
-_HIGHLIGHT = 0.01
+_HIGHLIGHT = 0.006
 #: Part of the lobe below which no shadow ray is traced [1].
 _FAINT = 1e-3
 
 
 @syntax
-def trace_pattern(
-    loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, light: ProjectedLight
-) -> Radiance:
+def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, light: ProjectedLight) -> Radiance:
     """Trace one path for every camera ray, which starts in air, and return the projector's radiance [W/(m^2 sr)].
 
     The columns `eta_d` and `sigma_a_rgb` of the surface table say what media are like at the projector's wavelength.
@@ -103,7 +101,10 @@ def _opaque(
 def _highlight(
     loaded: LoadedScene, light: ProjectedLight, si: mi.SurfaceInteraction3f, surface: SurfaceMedia, ray: mi.Ray3f
 ) -> mi.Float:
-    """Return what an interface mirrors of the projector: the GGX lobe (Walter et al. 2007, eq. 20) times cosine [1/sr]."""
+    """Return what an interface mirrors of the projector: a lobe times the cosine [1/sr].
+
+    The lobe is GGX (Walter et al. 2007, eq. 20).
+    """
     table, n, wi = loaded.surfaces, surface.ns, -ray.d
     wo = dr.normalize(light.origin - si.p)
     h = dr.normalize(wi + wo)
