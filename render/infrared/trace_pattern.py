@@ -92,7 +92,7 @@ def _opaque(
     """
     bsdf, point = si.bsdf(ray), two_sided(si, ray)
     if loaded.surfaces.maps is not None:
-        point = mapped_frame(values_at(loaded.surfaces.maps, point, registry_id(si.shape)), point, ray)
+        point = mapped_frame(point, values_at(loaded.surfaces.maps, point, registry_id(si.shape)), ray)
     local = point.to_local(to_light)
     value, _, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), point, local, u.u_lobe, u.u_bsdf)
     return dr.max(unpolarised(value)), point.to_world(sampled.wo), dr.max(unpolarised(weight))
