@@ -83,11 +83,12 @@ def _reasons(
     reason[~(infrared.lit & _in_field(device, infrared))] = UNLIT
     columns = np.arange(disparity.shape[1])
     shift = device.imager.focal * device.baseline / infrared.Z
-    reason[~infrared.shared | (columns < shift)] = HIDDEN
+    hidden = ~infrared.shared | (columns < shift)
+    reason[hidden] = HIDDEN
     reason[np.isfinite(disparity)] = MEASURED
     # What is nearer than the largest disparity has none that could be found.
     near = ~np.isfinite(disparity) & (shift >= device.matching.disparities)
-    reason[outside | near] = OUT_OF_RANGE
+    reason[(outside & ~hidden) | near] = OUT_OF_RANGE
     return reason
 
 
