@@ -161,10 +161,11 @@ def depth_colours(
 
 def difference_colours(difference: np.ndarray, most: float) -> np.ndarray:
     """Return differences as colours, (H, W, 3) uint8: blue below 0, white at 0, red above; those of `most` are pure."""
-    level = np.clip(np.nan_to_num(difference) / most, -1.0, 1.0)[..., None]
+    known = np.isfinite(difference)
+    level = np.clip(np.where(known, difference, 0.0) / most, -1.0, 1.0)[..., None]
     colour = np.where(level > 0.0, np.array([178, 24, 43]), np.array([33, 102, 172]))  # of ColorBrewer's RdBu
     colours = np.rint(255.0 + np.abs(level) * (colour - 255.0)).astype(np.uint8)
-    colours[~np.isfinite(difference)] = NOTHING
+    colours[~known] = NOTHING
     return colours
 
 

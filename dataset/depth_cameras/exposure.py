@@ -16,7 +16,7 @@ _PHOTON = 6.62607015e-34 * 299792458.0 * 1e9
 #: Luminance of one unit of the pictures' radiance [cd/m^2].
 _UNIT = 1000.0
 #: Fraction of the pixels that an exposure leaves below white [1]; assumed, as the control of the device is not known.
-_BELOW_WHITE = 0.99
+_BELOW_WHITE = 0.95
 #: Standard deviation of rounding, in steps: 1 / sqrt(12).
 _ROUNDING = 12.0**-0.5
 

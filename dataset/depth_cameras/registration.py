@@ -30,10 +30,11 @@ def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float) ->
     (cx, cy), (ux, uy) = infrared.centre, colour.centre
     left, right = (colour.fx * ((columns + side - cx) / infrared.fx + shift / depth) + ux for side in (-0.5, 0.5))
     top, bottom = (colour.fy * (rows + side - cy) / infrared.fy + uy for side in (-0.5, 0.5))
-    first_u, first_v = np.ceil(left).astype(int), np.ceil(top).astype(int)
-    # At least one pixel, so that a finer infrared camera loses nothing.
-    count_u = np.clip(np.ceil(right).astype(int) - first_u, 1, _WIDEST)
-    count_v = np.clip(np.ceil(bottom).astype(int) - first_v, 1, _WIDEST)
+    first_u, first_v = np.rint(left).astype(int), np.rint(top).astype(int)
+    # From the pixel of one corner to that of the other, both included, as the vendor's library has it: neighbours
+    # overlap by up to a pixel, and leave no cracks.
+    count_u = np.clip(np.rint(right).astype(int) - first_u + 1, 1, _WIDEST)
+    count_v = np.clip(np.rint(bottom).astype(int) - first_v + 1, 1, _WIDEST)
     found = np.full(colour.height * colour.width, np.inf)
     for down in range(int(count_v.max(initial=0))):
         for across in range(int(count_u.max(initial=0))):

@@ -18,7 +18,8 @@ _SHARED = (
     "pattern in SAPIEN; nearest depth f b / 126 (126 disparities are searched); millimetres, as the driver reports; "
     "assumed: quantum efficiency with lens, full well and read noise of sensors of this size, target of the exposure, "
     "width of a dot (three pixels of the depth stream), ambient light of 300 lm/W (white LEDs have 280 to 350; 400 to "
-    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400) and steps of 1/32 px; the rest by OpenCV's advice"
+    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400) and steps of 1/32 px; the "
+    "rest by OpenCV's advice"
 )
 #: By name.
 DEPTH_CAMERAS: dict[str, DepthCamera] = {

@@ -6,9 +6,13 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
+from ...core.errors import InputError
 from ...core.model import Model
 from ...core.user_text import UserPath
 from .depth_cameras import depth_camera
+
+#: The setting, as errors of `depth_camera` name it.
+_WHERE = "sensors.depth: "
 
 
 class SensorSettings(Model):
@@ -23,5 +27,10 @@ class SensorSettings(Model):
     @field_validator("depth")
     @classmethod
     def _is_known(cls, depth: object) -> object:
-        depth_camera(str(depth))
+        try:
+            depth_camera(str(depth))
+        except InputError as error:
+            if str(error).startswith(_WHERE):  # the field is named by whoever reports it
+                raise ValueError(str(error).removeprefix(_WHERE)) from error
+            raise
         return depth
