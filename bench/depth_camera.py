@@ -3,9 +3,9 @@
 python bench/depth_camera.py --captures DIR
 
 DIR holds real captures in ClearGrasp's layout (``real-val/d435``): depth of transparent objects, and of the same
-objects sprayed opaque, which is the truth. The simulated ones show empty vessels of clear plastic and glass, 0.5 to 0.7 m away
-on tables with texture. Each row has the five numbers of `dataset.depth_cameras.errors`, per object in the median and
-from the least to the most, and what holds off the glass.
+objects sprayed opaque, which is the truth. The simulated ones show empty vessels of clear plastic and glass, 0.5 to
+0.7 m away on tables with texture. Each row has the five numbers of `dataset.depth_cameras.errors`, per object in the
+median and from the least to the most, and what holds off the glass.
 """
 
 from __future__ import annotations
@@ -112,11 +112,10 @@ def simulated(run: Run, console: Console) -> Figures:
     found, wanted = Figures(), settings(run)
     for number, scene in enumerate(drawn(wanted, run)):
         begun = process_time()
-        frame = Renderer(scene).frame(0)
-        assert frame.infrared is not None
+        renderer = Renderer(scene)
+        infrared, geometry = renderer.infrared(0), renderer.geometry(0)
         assert scene.depth_camera is not None
-        geometry, place = frame.geometry, (scene.seed, scene.scene_id, 0)
-        sensor = measured(scene.depth_camera, frame.infrared, scene.cameras[0], geometry.Z, place)
+        sensor = measured(scene.depth_camera, infrared, scene.cameras[0], geometry.Z, (scene.seed, scene.scene_id, 0))
         Z = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
         glass = np.isin(geometry.id, [body.id for body in scene.vessels])
         masks = [geometry.id == body.id for body in scene.vessels]
@@ -128,7 +127,7 @@ def simulated(run: Run, console: Console) -> Figures:
             f"measured, {np.isnan(sensor.metres[glass]).mean():.0%} of the glass missing"
         )
         if run.pictures is not None:
-            save(run.pictures / f"{number:02d}.png", frame, sensor, Z)
+            save(run.pictures / f"{number:02d}.png", renderer.frame(0), sensor, Z)
     return found
 
 

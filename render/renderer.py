@@ -178,6 +178,27 @@ class Renderer:
         with self._active():
             return line_of_sight(self.loaded, origin, targets)
 
+    def infrared(self, view: int) -> Infrared:
+        """Trace what the depth camera's infrared cameras see of one view; in scenes with one, every frame has it.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or no depth camera.
+        """
+        from .infrared.pictures import trace_infrared
+
+        device, number = self.scene.depth_camera, self._view(view)
+        if device is None:
+            raise InputError("scene, depth_camera", "one, as sensors.depth draws it", "none")
+        with self._active():
+            return trace_infrared(self.loaded, number, device, self._tracer)
+
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
         if self._cache is None:
@@ -201,14 +222,6 @@ class Renderer:
             activate(self.variant)
             yield
 
-    def _infrared(self, view: int) -> Infrared | None:
-        """Return what the depth camera's infrared cameras see; None without one."""
-        if self.scene.depth_camera is None:
-            return None
-        from .infrared.pictures import trace_infrared
-
-        return trace_infrared(self.loaded, view, self.scene.depth_camera, self._tracer)
-
     def _rendered(self, view: int) -> Frame:
         from .labels.geometry import trace_straight
         from .labels.refraction import trace_refraction
@@ -224,7 +237,7 @@ class Renderer:
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
         with stopwatch.stage("infrared"):
-            infrared = self._infrared(view)
+            infrared = None if scene.depth_camera is None else self.infrared(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from ...core.randomness import stream_seed
@@ -20,8 +21,9 @@ from .pattern import pattern_map
 from .projected_light import ProjectedLight, projected_light, sees
 from .trace_pattern import trace_pattern
 
-#: Samples of a pixel of ambient light [1]: it is denoised, and the dots are many times as bright.
-_AMBIENT_SPP = 4
+#: Samples of a pixel of ambient light [1], and how many infrared pixels across one of its has where there are dots [1]:
+#: it is smoother than they are, and would take longer than the colour pictures otherwise.
+_AMBIENT_SPP, _COARSER = 8, 2
 
 
 def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: Tracer) -> Infrared:
@@ -48,7 +50,8 @@ def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: 
     for eye in EYES:
         seeds = [stream_seed(seed, scene.scene_id, f"sensors/{view}/{kind}/{eye}") for kind in ("dots", "ambient")]
         dots.append(_dots(infrared, pair, eye, light, device, seeds[0]))
-        ambient.append(_ambient(loaded, pair, eye, seeds[1], tracer))
+        coarser = _COARSER if device.projector.power > 0.0 else 1
+        ambient.append(_ambient(loaded, (pair, eye), coarser, seeds[1], tracer))
     Z = trace_geometry(infrared, pair).Z
     points, hit = _points(Z, pair)
     lit, shared = np.zeros(Z.shape, bool), np.zeros(Z.shape, bool)
@@ -85,13 +88,32 @@ def _pass(
     return np.array(dr.block_sum(result.radiance.x, spp)), counts
 
 
-def _ambient(loaded: LoadedScene, pair: Camera, eye: Eye, seed: int, tracer: Tracer) -> np.ndarray:
-    """Return the ambient light, (H, W) float32 in the unit of the pictures: the mean of their three channels."""
+def _ambient(loaded: LoadedScene, seen: tuple[Camera, Eye], coarser: int, seed: int, tracer: Tracer) -> np.ndarray:
+    """Return the ambient light, (H, W) float32 in the unit of the pictures: the mean of their three channels.
+
+    It is rendered with a fraction 1 / `coarser` of the pixels across and down.
+    """
+    pair, eye = seen
     scene = loaded.description
     picture = scene.picture.model_copy(update={"spp": _AMBIENT_SPP, "noise": None})
     quick = replace(loaded, description=scene.model_copy(update={"picture": picture}))
-    image = trace_picture(quick, pair, eye, seed, tracer)
-    return (denoise_image(image) if scene.picture.denoise else image.radiance).mean(axis=2)
+    image = trace_picture(quick, _coarse(pair, coarser), eye, seed, tracer)
+    light = (denoise_image(image) if scene.picture.denoise else image.radiance).mean(axis=2)
+    rows, columns = (side * coarser for side in light.shape)
+    return cv2.resize(light, (columns, rows), interpolation=cv2.INTER_LINEAR)[: pair.height, : pair.width]
+
+
+def _coarse(camera: Camera, coarser: int) -> Camera:
+    """Return a camera whose pixels cover squares of another's; the last ones may reach beyond its picture."""
+    cx, cy = camera.centre
+    return camera.model_copy(
+        update={
+            "width": -(-camera.width // coarser),
+            "height": -(-camera.height // coarser),
+            "focal": camera.focal / coarser,
+            "centre": ((cx + 0.5) / coarser - 0.5, (cy + 0.5) / coarser - 0.5),
+        }
+    )
 
 
 def _points(Z: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
-import pytest
 from scipy.ndimage import map_coordinates
 
 from glassware.procedural.description.camera import Camera
@@ -78,8 +75,3 @@ def plane(
     pair = device.infrared_pair(colour_camera(device))
     seen = np.ones(left.shape, bool)
     return Infrared(pair, (left, right), (even, even.copy()), depths[0].astype(np.float32), seen, seen.copy())
-
-
-@pytest.fixture(scope="session")
-def planes() -> SimpleNamespace:
-    return SimpleNamespace(small=small, plane=plane, colour_camera=colour_camera, plane_depth=plane_depth)
