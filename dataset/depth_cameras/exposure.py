@@ -33,7 +33,7 @@ class InfraredPictures:
     gain: float
 
 
-def taken(infrared: Infrared, device: DepthCamera, rng: np.random.Generator) -> InfraredPictures:
+def infrared_pictures(infrared: Infrared, device: DepthCamera, rng: np.random.Generator) -> InfraredPictures:
     """Return the pictures that both infrared cameras take of a view, with the same exposure.
 
     The irradiance behind a lens of the f-number N is pi L / (4 N^2). A pixel of the area a collects it for the time t,

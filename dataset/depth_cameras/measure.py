@@ -11,7 +11,7 @@ from ...core.randomness import stream
 from ...procedural.description.camera import Camera
 from ...procedural.description.depth_camera import DepthCamera
 from ...render.frame import Infrared
-from .exposure import InfraredPictures, taken
+from .exposure import InfraredPictures, infrared_pictures
 from .matching import matched
 from .registration import projected, registered
 
@@ -59,7 +59,7 @@ def measured(
         Seed, scene and view: those of the random stream of the noise.
     """
     seed, scene_id, view = place
-    pictures = taken(infrared, device, stream(seed, scene_id, f"sensors/{view}/noise"))
+    pictures = infrared_pictures(infrared, device, stream(seed, scene_id, f"sensors/{view}/noise"))
     disparity = matched(pictures, device.matching)
     depth = device.imager.focal * device.baseline / disparity
     low, high = device.range

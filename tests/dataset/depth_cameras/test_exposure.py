@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from glassware.core.randomness import stream
-from glassware.dataset.depth_cameras.exposure import exposed, taken
+from glassware.dataset.depth_cameras.exposure import exposed, infrared_pictures
 from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
 
 #: Planck's constant [J s], speed of light [m/s].
@@ -21,7 +21,7 @@ def test_mean_and_variance_of_a_ramp_are_those_of_photons_and_read_noise(planes)
     ramp = np.repeat(np.array([0.1, 0.3, 1.0, 2.0], np.float32), 80)[None].repeat(120, axis=0)  # W/(m^2 sr)
     nothing = np.zeros_like(ramp)
     infrared = replace(planes.plane(device, 1.0), dots=(ramp, ramp), ambient=(nothing, nothing))
-    pictures = taken(infrared, device, stream(1, 0, "test"))
+    pictures = infrared_pictures(infrared, device, stream(1, 0, "test"))
     assert (pictures.exposure, pictures.gain) == (1e-3, 1.0)
     watts = ramp * math.pi / (4 * imager.aperture**2) * imager.pitch**2
     electrons = watts * 1e-3 / (h * c / (device.projector.wavelength * 1e-9)) * imager.efficiency

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from glassware.core.randomness import stream
-from glassware.dataset.depth_cameras.exposure import InfraredPictures, taken
+from glassware.dataset.depth_cameras.exposure import InfraredPictures, infrared_pictures
 from glassware.dataset.depth_cameras.matching import matched
 from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
 
@@ -13,7 +13,7 @@ SUBPIXEL = 0.08
 
 
 def depths(device, infrared) -> np.ndarray:
-    disparity = matched(taken(infrared, device, stream(1, 0, "test")), device.matching)
+    disparity = matched(infrared_pictures(infrared, device, stream(1, 0, "test")), device.matching)
     return device.imager.focal * device.baseline / disparity
 
 
