@@ -85,7 +85,7 @@ def captured(folder: Path) -> Figures:
             for kind in ("transparent", "opaque")
         )
         depth, truth = (np.where(one > 0.0, one, np.nan) for one in (depth, truth))
-        mask = cv2.imread(str(folder / f"{name}-mask.png"), cv2.IMREAD_GRAYSCALE) > 127
+        mask = np.array(cv2.imread(str(folder / f"{name}-mask.png"), cv2.IMREAD_GRAYSCALE)) > 127
         count, labels = cv2.connectedComponents(mask.astype(np.uint8))
         masks = [labels == number for number in range(1, count)]
         found.add(depth, truth, truth, [one for one in masks if one.sum() >= FEWEST], mask)

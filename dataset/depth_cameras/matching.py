@@ -55,7 +55,8 @@ def refined(pictures: InfraredPictures, disparity: np.ndarray, block: int) -> np
     and Kanade 1981), without their means. A step that leads away from the match is not taken.
     """
     left, right = (picture.astype(np.float32) for picture in (pictures.left, pictures.right))
-    rows, columns = (x.astype(np.float32) for x in np.indices(disparity.shape))
+    grid = np.indices(disparity.shape).astype(np.float32)
+    rows, columns = grid[0], grid[1]
     size, fine = (block, block), disparity.copy()
     slope = 0.5 * cv2.filter2D(right, cv2.CV_32F, np.array([[-1.0, 0.0, 1.0]]))
     for _ in range(_REFINEMENTS):

@@ -56,7 +56,8 @@ def projected(Z: np.ndarray, colour: Camera, infrared: Camera, shift: float) -> 
     colour, infrared, shift
         As for `registered`.
     """
-    rows, columns = np.indices(Z.shape)
+    grid = np.indices(Z.shape).astype(np.float64)
+    rows, columns = grid[0], grid[1]
     (cx, cy), (ux, uy) = infrared.centre, colour.centre
     column = infrared.fx * ((columns - ux) / colour.fx - shift / Z) + cx
     return column, infrared.fy * (rows - uy) / colour.fy + cy

@@ -38,8 +38,8 @@ def sensor_faults(view: StoredView, device: DepthCamera | None, geometry: Geomet
     """
     record = view.depth_camera()
     if device is None or record is None:
-        names = [None if one is None else one.name for one in (device, record)]
-        return unlike("sensor", layout.CAMERA, "depth_camera", *names)
+        expected, stored = (None if one is None else one.name for one in (device, record))
+        return unlike("sensor", layout.CAMERA, "depth_camera", expected, stored)
     found = record_faults(record, device)
     depth, reason = view.sensor_depth(), view.sensor_valid()
     for file, values in ((layout.SENSOR_DEPTH, depth), (layout.SENSOR_VALID, reason)):

@@ -35,7 +35,6 @@ class PatternMap:
     corner: tuple[float, float]  #: tangents of the corner of the first pixel
 
 
-@lru_cache(maxsize=4)
 def pattern_map(projector: PatternProjector, seed: int, name: str) -> PatternMap:
     """Return the pattern of one unit of a device.
 
@@ -48,6 +47,12 @@ def pattern_map(projector: PatternProjector, seed: int, name: str) -> PatternMap
     name : str
         Name of the device.
     """
+    return _pattern_map(projector.model_dump_json(), seed, name)
+
+
+@lru_cache(maxsize=4)
+def _pattern_map(described: str, seed: int, name: str) -> PatternMap:
+    projector = PatternProjector.model_validate_json(described)
     rng = stream(seed, 0, f"sensors/{name}/pattern")
     half = np.tan(0.5 * np.array(projector.field))
     dots = blue_noise(projector.dots, half, rng)
