@@ -37,7 +37,7 @@ def matched(pictures: InfraredPictures, matching: Matching) -> np.ndarray:
         uniquenessRatio=matching.uniqueness,
         speckleWindowSize=matching.speckle,
         speckleRange=_ISLAND,
-        mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
+        mode=cv2.STEREO_SGBM_MODE_HH4,
     )
     found = matcher.compute(left, right)[:, pad:].astype(np.float32) / _FRACTION
     columns = np.arange(found.shape[1], dtype=np.float32)

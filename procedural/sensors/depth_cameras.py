@@ -18,8 +18,8 @@ _SHARED = (
     "pattern in SAPIEN; nearest depth f b / 126 (126 disparities are searched); millimetres, as the driver reports; "
     "assumed: quantum efficiency with lens, full well and read noise of sensors of this size, target of the exposure, "
     "width of a dot (three pixels of the depth stream), ambient light of 300 lm/W (white LEDs have 280 to 350; 400 to "
-    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400) and steps of 1/32 px; the "
-    "rest by OpenCV's advice"
+    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400), steps of 1/32 px; the "
+    "margin of the best match is fitted to how much ClearGrasp's captures lack on glass; the rest by OpenCV's advice"
 )
 #: By name.
 DEPTH_CAMERAS: dict[str, DepthCamera] = {
@@ -55,11 +55,11 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=9, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=25, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.40, 10.0),
         unit=0.001,
-        samples=8,
+        samples=4,
     ),
     "d435": DepthCamera(
         name="d435",
@@ -94,11 +94,11 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=9, uniqueness=10, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=25, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.17, 10.0),
         unit=0.001,
-        samples=16,
+        samples=8,
     ),
 }
 #: The name of no depth camera, and what a YAML file may name to begin with a device's figures.

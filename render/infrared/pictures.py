@@ -23,7 +23,7 @@ from .trace_pattern import trace_pattern
 
 #: Samples of a pixel of ambient light [1], and how many infrared pixels across one of its has where there are dots [1]:
 #: it is smoother than they are, and would take longer than the colour pictures otherwise.
-_AMBIENT_SPP, _COARSER = 8, 2
+_AMBIENT_SPP, _COARSER = 4, 2
 
 
 def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: Tracer) -> Infrared:
