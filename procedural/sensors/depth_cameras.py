@@ -55,7 +55,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=9, uniqueness=25, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.40, 10.0),
         unit=0.001,
@@ -94,7 +94,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             turn=math.radians(1.0),
         ),
         matching=Matching(
-            disparities=128, block=9, uniqueness=25, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
+            disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
         ),
         range=(0.17, 10.0),
         unit=0.001,
