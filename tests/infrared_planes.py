@@ -75,3 +75,55 @@ def plane(
     pair = device.infrared_pair(colour_camera(device))
     seen = np.ones(left.shape, bool)
     return Infrared(pair, (left, right), (even, even.copy()), depths[0].astype(np.float32), seen, seen.copy())
+
+
+def ball_before_wall(
+    device: DepthCamera, radius: float, near: float, wall: float, reflectance: float = 0.5
+) -> Infrared:
+    """What the device sees of a matte ball on the axis of its left camera, `near` away, before a wall at z = `wall`."""
+    centre = np.array([0.0, 0.0, near + radius])
+    pattern = pattern_map(device.projector, 0, device.name)
+    (cx, cy), focal = device.centre, device.imager.focal
+    projector = np.array([device.projector.place, 0.0, 0.0])
+    dots, depths = [], []
+    for place in (0.0, device.baseline):
+        total = np.zeros((device.imager.height, device.imager.width))
+        for du, dv in ((0.0, 0.0), (-0.25, -0.25), (-0.25, 0.25), (0.25, -0.25), (0.25, 0.25)):
+            rows, columns = np.indices(total.shape)
+            ray = np.stack([(columns + du - cx) / focal, (rows + dv - cy) / focal, np.ones(total.shape)], axis=-1)
+            eye = np.array([place, 0.0, 0.0])
+            t = first_hit(eye, ray, centre, radius, wall)
+            if du == 0.0:
+                depths.append(t)
+                continue
+            points = eye + t[..., None] * ray
+            way = points - projector
+            lit = first_hit(projector, way, centre, radius, wall) > 1.0 - 1e-6
+            on_ball = points[..., 2] < wall - 1e-9
+            normal = np.where(on_ball[..., None], (centre - points) / radius, np.array([0.0, 0.0, 1.0]))
+            at = [(way[..., k] / way[..., 2] - pattern.corner[k]) / pattern.step - 0.5 for k in (1, 0)]
+            density = map_coordinates(pattern.density.astype(float), at, order=1)
+            r = np.linalg.norm(way, axis=-1)
+            cos = np.maximum(np.einsum("ijk,ijk->ij", way, normal) / r, 0.0)
+            total += np.where(lit, density * (r / way[..., 2]) ** 3 * cos / r**2 * reflectance / np.pi, 0.0)
+        dots.append((total / 4).astype(np.float32))
+    even = np.full(dots[0].shape, 0.05, np.float32)
+    pair = device.infrared_pair(colour_camera(device))
+    rows, columns = np.indices(even.shape)
+    points = depths[0][..., None] * np.stack(
+        [(columns - cx) / focal, (rows - cy) / focal, np.ones(even.shape)], axis=-1
+    )
+    lit, shared = (
+        first_hit(eye, points - eye, centre, radius, wall) > 1.0 - 1e-6
+        for eye in (projector, np.array([device.baseline, 0.0, 0.0]))
+    )
+    return Infrared(pair, (dots[0], dots[1]), (even, even.copy()), depths[0].astype(np.float32), lit, shared)
+
+
+def first_hit(eye: np.ndarray, ray: np.ndarray, centre: np.ndarray, radius: float, wall: float) -> np.ndarray:
+    """Distance along rays, in their lengths, to a ball or the wall behind it."""
+    to = eye - centre
+    a, b, c = (ray * ray).sum(-1), (ray * to).sum(-1), to @ to - radius**2
+    root = b * b - a * c
+    ball = np.where(root > 0.0, (-b - np.sqrt(np.maximum(root, 0.0))) / a, np.inf)
+    return np.minimum(ball, (wall - eye[2]) / ray[..., 2])

@@ -67,3 +67,25 @@ def test_fractions_of_a_pixel_are_found_without_a_preference_for_whole_ones(rng)
         found = matched(pictures, DEPTH_CAMERAS["d435"].matching)[12:-12, 40:-30]
         assert np.isfinite(found).mean() > 0.95
         assert np.nanmedian(found) == pytest.approx(shift, abs=0.035)
+
+
+def test_a_ball_is_found_on_its_surface_and_its_shadows_have_no_right_match(planes):
+    device = planes.small()
+    infrared = planes.ball_before_wall(device, radius=0.07, near=0.55, wall=0.9)
+    found = depths(device, infrared)
+    Z, fb = infrared.Z, device.imager.focal * device.baseline
+    rows, columns = np.indices(Z.shape)
+    x, y = (columns - device.centre[0]) / device.imager.focal * Z, (rows - device.centre[1]) / device.imager.focal * Z
+    ball = (Z < 0.89) & (np.hypot(x, y) < 0.05)
+    assert ball.sum() > 2000
+    assert np.isfinite(found[ball]).mean() > 0.95
+    off = (fb / found - fb / Z)[ball]
+    assert abs(np.nanmedian(off)) < 0.1
+    assert np.nanmedian(np.abs(off)) < 0.2
+    # The projector stands to the right: what it does not light is to the left of the ball, as what the right camera
+    # does not see is.
+    wall = Z > 0.89
+    for hidden in (wall & ~infrared.lit, wall & ~infrared.shared):
+        assert np.median(columns[hidden]) < device.centre[0] - 0.05 * device.imager.focal / 0.62
+    dark = wall & ~infrared.lit & ~infrared.shared & (columns > fb / 0.9)
+    assert (np.abs(found - Z)[dark] < 0.01).mean() < 0.3
