@@ -21,15 +21,19 @@ from ..annotate.vessel_parts import VesselParts
 from ..core.arguments import check_type, described
 from ..core.errors import InputError
 from ..core.json_file import read_record
+from ..core.randomness import stream
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.scene.scene_file import load_scene
+from ..procedural.sensors.depth_cameras import depth_camera
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
+from .depth_cameras.from_labels import painted
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of
 from .format.exr import channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
+from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
@@ -163,6 +167,28 @@ class StoredView:
         """Return an infrared picture of the depth camera, (h, w) uint16; it needs ``--write infrared``."""
         self._sensor()
         return read_numbers(self._of_kind(IR_FILES[_checked_eye(eye)], "infrared")[0])
+
+    def painted_sensor_depth(self, device: str = "d435", seed: int = 0) -> np.ndarray:
+        """Return true depth with a depth camera's kinds of faults painted onto it, (H, W) float32 [m]; NaN for none.
+
+        It needs no other rendering and takes milliseconds. Noise, shadows and patches on glass are drawn at random
+        (`dataset.depth_cameras.from_labels`); what light and matching do on glass is in `sensor_depth`.
+
+        Parameters
+        ----------
+        device : str
+            A device by its name, or a YAML file (`sensors.depth`).
+        seed : int
+            Of the faults.
+        """
+        known = depth_camera(device, "device")
+        if known is None:
+            raise InputError("device", "a depth camera", device)
+        records = read_record(ObjectsFile, self.folder.parent / layout.OBJECTS, OBJECTS_SCHEMA)
+        geometry = self.geometry()
+        glass = np.isin(geometry.id, [item.id for item in records.objects if item.material.kind == "glass"])
+        rng = stream(seed, int(self.folder.parent.name), f"sensors/{self.number}/painted")
+        return painted(known, self.camera(), geometry, glass, rng)[0]
 
     def _sensor(self) -> DepthCameraRecord:
         device = self.depth_camera()
