@@ -76,7 +76,7 @@ def _patches(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
 
 
 def _shadow(Z: np.ndarray, colour: Camera, shift: float) -> np.ndarray:
-    """Return which pixels an eye at x = `shift` from the colour camera does not see, by the depths that this one has."""
+    """Return which pixels an eye at x = `shift` from the colour camera does not see, by the depths of this one."""
     there = registered(np.where(np.isfinite(Z), Z, np.nan).astype(np.float32), colour, colour, -shift)
     rows, columns = np.indices(Z.shape)
     moved = np.rint(columns - colour.fx * shift / Z)
