@@ -236,8 +236,10 @@ class Renderer:
             geometry, layers = trace_straight(self.loaded, camera, picture.layers)
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
-        with stopwatch.stage("infrared"):
-            infrared = None if scene.depth_camera is None else self.infrared(view)
+        infrared = None
+        if scene.depth_camera is not None:
+            with stopwatch.stage("infrared"):
+                infrared = self.infrared(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(

@@ -60,7 +60,7 @@ KIND_BYTES: dict[str, float] = {
     "heatmap": 0.6,
     "coordinates": 0.6,
     "vessel-parts": 0.02,
-    "infrared": 1.6,
+    "infrared": 1.4,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6

@@ -12,6 +12,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
+from ...core.assets import Asset
 from ...core.model import Model, Ordered
 from .camera import Camera
 
@@ -54,6 +55,11 @@ class PatternProjector(Model):
     wavelength: float = Field(ge=380.0, le=2500.0, description="[nm]")
     dots: int = Field(ge=1, le=200_000, description="Number of dots")
     dot: float = Field(gt=0.0, le=0.1, description="Full width of a dot at half its height [rad]")
+    picture: Asset | None = Field(
+        default=None,
+        exclude_if=lambda picture: picture is None,
+        description="Picture of the pattern, in place of drawn dots: it fills the field, in the plane at distance 1",
+    )
     turn: float = Field(default=0.0, ge=0.0, description="Largest angle by which a unit's pattern is turned [rad]")
 
     @model_validator(mode="after")

@@ -7,10 +7,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from ...core.assets import asset
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest
 from ...core.yaml_file import yaml_settings
 from ..description.depth_camera import DepthCamera, InfraredImager, Matching, PatternProjector
+from .pattern_picture import pattern_picture
 
 #: Where a figure that both devices share comes from.
 _SHARED = (
@@ -128,12 +130,22 @@ def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthCamera 
     if not text.endswith(_FILES):
         return _known(text, where, f"{NONE}, or a YAML file")
     given = yaml_settings(text, where)
+    _take_picture(given, Path(text).parent)
     like = given.pop(_LIKE, None)
     below = {} if like is None else _known(str(like), f"{text}: {_LIKE}", "").model_dump()
     try:
         return DepthCamera.model_validate(_merged(below | {"name": "own", "source": ""}, given))
     except ValidationError as error:
         raise setting_error(text, error, DepthCamera) from error
+
+
+def _take_picture(given: dict, folder: Path) -> None:
+    """Put the record of a pattern's picture in place of its path, which begins at the folder of the YAML file."""
+    projector = given.get("projector")
+    if isinstance(projector, dict) and isinstance(projector.get("picture"), str):
+        path = folder / projector["picture"]
+        pattern_picture(path)
+        projector["picture"] = asset(path)
 
 
 def _known(name: str, where: str, other: str) -> DepthCamera:

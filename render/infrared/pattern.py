@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...core.assets import checked_path
 from ...core.randomness import stream
 from ...procedural.description.depth_camera import PatternProjector
+from ...procedural.sensors.pattern_picture import pattern_picture
 
 #: Smallest distance of two dots over the side of a square that holds one [1]. Points thrown at random so far apart fill
 #: the plane up to 0.84 of that (maximal Poisson-disc samplings have a density of 0.70 / distance^2, Gamito and Maddock
@@ -53,12 +56,25 @@ def pattern_map(projector: PatternProjector, seed: int, name: str) -> PatternMap
 @lru_cache(maxsize=4)
 def _pattern_map(described: str, seed: int, name: str) -> PatternMap:
     projector = PatternProjector.model_validate_json(described)
+    if projector.picture is not None:
+        return _shown(pattern_picture(checked_path(projector.picture)), projector)
     rng = stream(seed, 0, f"sensors/{name}/pattern")
     half = np.tan(0.5 * np.array(projector.field))
     dots = blue_noise(projector.dots, half, rng)
     angle = rng.uniform(-projector.turn, projector.turn)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     return _drawn(dots @ turn.T, projector)
+
+
+def _shown(levels: np.ndarray, projector: PatternProjector) -> PatternMap:
+    """Return the map of a picture that fills the projector's field, with square pixels as wide as the picture's."""
+    across, down = (2.0 * float(np.tan(0.5 * angle)) for angle in projector.field)
+    columns = levels.shape[1]
+    step = across / columns
+    rows = max(2, round(down / step))
+    density = cv2.resize(levels, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float64)
+    density *= projector.power / (density.sum() * step**2)
+    return PatternMap(density.astype(np.float32), step, (-0.5 * across, -0.5 * rows * step))
 
 
 def blue_noise(count: int, half: np.ndarray, rng: np.random.Generator) -> np.ndarray:

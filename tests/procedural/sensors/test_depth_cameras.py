@@ -2,11 +2,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
 from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS, depth_camera
+from glassware.render.infrared.pattern import pattern_map
 
 
 def own(tmp_path: Path, text: str) -> Path:
@@ -59,3 +62,24 @@ def test_an_unknown_device_is_one_line_with_the_nearest_that_works():
     with pytest.raises(InputError, match=r"sensors.depth: expected one of d415, d435, none, .*is it d435\?.*'d453'"):
         depth_camera("d453")
     assert depth_camera("none") is None
+
+
+def test_a_pattern_may_be_a_picture_and_one_that_cannot_be_read_is_one_line(tmp_path):
+    path = own(tmp_path, "like: d435\nprojector: {picture: dots.png}\n")
+    with pytest.raises(InputError, match="a readable picture of a pattern"):
+        depth_camera(path)
+    (tmp_path / "dots.png").write_bytes(b"no picture")
+    with pytest.raises(InputError, match=r"dots.png: expected a picture of a pattern \(PNG or JPEG\)"):
+        depth_camera(path)
+    levels = np.zeros((90, 160), np.uint8)
+    cv2.imwrite(str(tmp_path / "dots.png"), levels)
+    with pytest.raises(InputError, match="with some light, found a black one"):
+        depth_camera(path)
+    levels[:, :80] = 100
+    cv2.imwrite(str(tmp_path / "dots.png"), levels)
+    device = depth_camera(path)
+    assert device is not None
+    pattern = pattern_map(device.projector, 0, device.name)
+    assert pattern.density.sum() * pattern.step**2 == pytest.approx(device.projector.power, rel=1e-4)
+    assert pattern.corner[0] == pytest.approx(-np.tan(0.5 * device.projector.field[0]))
+    assert (pattern.density[:, 80:] == 0.0).all()
