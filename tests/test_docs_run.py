@@ -79,8 +79,9 @@ PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA dev
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
 PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
-#: Python blocks that compile large kernels, by a line of theirs: run among the longer proofs alone.
-PYTHON_SLOW = ("trace_stokes(", "picture_and_gradients(", "refract(")
+#: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
+#: alone.
+PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")
