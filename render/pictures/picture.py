@@ -25,7 +25,6 @@ from .sample_weights import (
     displayed_noise,
     first_counts,
     group_counts,
-    mean_around,
     remaining_counts,
     share_of,
 )
@@ -182,9 +181,8 @@ def _share_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) 
     """Return what further samples are shared out by (`share_of`), (H, W), for the noise of a number of `samples`."""
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
     variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
-    means, cost = (channels * film.means).sum(axis=0), film.segments / film.samples
-    noise = displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
-    return share_of(noise, mean_around(cost.reshape(shape), guides.glass, guides.polished))
+    means = (channels * film.means).sum(axis=0)
+    return share_of(displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure))
 
 
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
