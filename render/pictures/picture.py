@@ -18,7 +18,7 @@ from ..scene.spectrum import draw_wavelengths
 from .denoise import blend, denoise, with_mean_of
 from .film import Film
 from .fireflies import spread_fireflies
-from .guides import Guides, trace_guides
+from .guides import Guides, inner_parts, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import (
     SampleWeights,
@@ -124,7 +124,9 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     guides = image.guides
     radiance, variance, glints = spread_fireflies(image.radiance, image.variance, guides, image.exposure)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance) + glints
+    clean = (
+        with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, inner_parts(guides.instance)) + glints
+    )
     return np.where(guides.background[..., None], image.radiance, clean)
 
 
