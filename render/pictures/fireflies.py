@@ -4,9 +4,8 @@ Light that reaches a pixel by rare paths (a lamp seen through two glasses) arriv
 all pixels is right, and clamping such samples would darken the picture (bias). So the excess is not clamped but spread
 over the pixels around it that the same rare paths reach: those that show the same kind of surface and have noise. The
 mean stays, and the denoiser can handle the result. Pixels that are bright in every group of samples are not changed.
-In glass the same is done within an object, and within its outline, but where a firefly is so bright that its light
-would bleach the pixels around it more than it spoils its own: that one stays in its place as a glint, and is kept from
-the denoiser.
+In glass the same is done within an object, and within its outline. But a firefly whose light would bleach the pixels
+around it more than it spoils its own stays in its place as a glint, and is kept from the denoiser.
 """
 
 from __future__ import annotations
@@ -58,7 +57,7 @@ def spread_fireflies(
     Returns
     -------
     picture, variance, glints : (H, W, 3) float32
-        Glints are the excess of fireflies in glass that would bleach an object (`_bleaches`).
+        Glints are the excess of fireflies that would bleach what is around them (`_bleaches`).
     """
     is_firefly, kept, error = _fireflies(radiance, variance)
     if not is_firefly.any():
@@ -108,9 +107,7 @@ def _spread(
         # (A firefly has noise itself, so the sum is above 0.)
         weight /= weight.sum(axis=(1, 2), keepdims=True)
         light = excess[centre[:, 0], centre[:, 1]]
-        stays = guides.glass.ravel()[here] & _bleaches(
-            displayed.ravel(), exposure * light.mean(axis=1), weight, here, at
-        )
+        stays = _bleaches(displayed.ravel(), exposure * light.mean(axis=1), weight, here, at)
         glints[centre[stays, 0], centre[stays, 1]] = light[stays]
         given = weight[~stays, ..., None] * light[~stays, None, None, :]
         for channel in range(3):
