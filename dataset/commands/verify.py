@@ -95,7 +95,7 @@ def _faults(request: Verify, head: DatasetFile, picked: dict[int, list[int]], co
             yield from faults
         yield from index_faults(root)
         if request.labels:
-            found = pool.map(lambda scene: list(label_faults(root, scene, head.developed is not None)), scenes)
+            found = pool.map(lambda scene: list(label_faults(root, scene, head)), scenes)
             for faults in tracked(found, "checking labels", len(scenes), console):
                 yield from faults
     for scene, views in tracked(picked.items(), "rendering views again", len(picked), console):

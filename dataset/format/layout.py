@@ -12,6 +12,7 @@
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
             right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
             heatmap.png  coordinates.exr  vessel_parts.png
+            sensor_depth.exr  classes.png             (only of converted data sets)
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 RIGHT_LABELS, RIGHT_INSTANCES, RIGHT_GEOMETRY = "right_labels.json", "right_instances.png", "right_geometry.exr"
 DISPARITY, PAIR, HEATMAP = "disparity.exr", "pair.png", "heatmap.png"
 COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
+SENSOR_DEPTH, CLASSES = "sensor_depth.exr", "classes.png"  # of converted data sets, where they have them
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")
