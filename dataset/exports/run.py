@@ -20,6 +20,7 @@ from ..reader import Dataset, StoredScene
 from .folder import RECORD, check_target, new_record, write_record
 from .formats import FORMATS
 from .job import Exporter, ExportOptions, Job
+from .partial import check_exportable
 
 #: Most threads: pictures are read and compressed in parallel, the rest is Python.
 _MOST_THREADS = 8
@@ -62,6 +63,7 @@ def export(
     exporter = exporter_of(format)
     job = Job(Dataset.open(root), as_path("export: out", out), _checked(options))
     _check_options(job, format, exporter)
+    check_exportable(job.dataset.head, format)
     record, scenes = new_record(job, format), job.scenes()
     known = check_target(job, record)
     numbers = tuple(scene.scene_id for scene in scenes)
