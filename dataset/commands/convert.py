@@ -24,7 +24,8 @@ from ..settings.config import parse_request
 from .progress import tracked
 
 _DESCRIPTION = (
-    "Write another project's data set in our format, so that verify, show, export, train and evaluate take what it has.\n\n"
+    "Write another project's data set in our format, so that verify, show, export, train and evaluate take what it\n"
+    "has.\n\n"
     "  glassware convert keypose --out keypose-ours\n\n"
     "Nothing is invented: what a data set does not state is null or has no file. Views that cannot be read are left\n"
     "out, counted and named in dataset.json. Known: " + ", ".join(layout.title for layout in LAYOUTS.values()) + "."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -23,8 +23,8 @@ from ..settings.config import parse_request
 from .progress import tracked
 
 _DESCRIPTION = (
-    "Say what a folder with another project's data set holds: layout, licence, number of views, what they are labelled\n"
-    "with, what is missing or damaged; with a contact sheet.\n\n"
+    "Say what a folder with another project's data set holds: layout, licence, number of views, what they are\n"
+    "labelled with, what is missing or damaged; with a contact sheet.\n\n"
     "  glassware inspect keypose\n\nKnown: " + ", ".join(layout.title for layout in LAYOUTS.values()) + "."
 )
 
@@ -48,7 +48,7 @@ def _inspect(arguments: Sequence[str]) -> None:
     request = parse_request(Inspect, arguments, "glassware inspect", _DESCRIPTION)
     console = Console()
 
-    def track(entries: Sequence[Entry], total: int) -> Iterator[Entry]:
+    def track(entries: Iterable[Entry], total: int) -> Iterator[Entry]:
         return tracked(entries, "reading views", total, console)
 
     def say(line: str) -> None:

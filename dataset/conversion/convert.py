@@ -35,7 +35,9 @@ _NO_RENDERER = "none"
 Track = Callable[[Iterable[object], int], Iterable[object]]
 
 
-def convert(root: Path, found: Layout, collection: Collection, out: Path, track: Track = lambda done, _: done) -> DatasetFile:
+def convert(
+    root: Path, found: Layout, collection: Collection, out: Path, track: Track = lambda done, _: done
+) -> DatasetFile:
     """Write the views of a collection as a data set of ours; return its head.
 
     A view that cannot be read is left out, and ``dataset.json`` names it. Scenes that are complete in the output
@@ -180,5 +182,5 @@ def _write_view(folder: Path, view: SourceView) -> None:
 
 
 def _splits(found: dict[int, str | None]) -> SplitsFile:
-    by_split = {name: tuple(scene for scene, split in found.items() if split == name) for name in get_args(Split)}
-    return SplitsFile(**by_split, unseen_families=(), unseen_assets={})
+    train, val, test = (tuple(scene for scene, split in found.items() if split == name) for name in get_args(Split))
+    return SplitsFile(train=train, val=val, test=test, unseen_families=(), unseen_assets={})

@@ -85,7 +85,8 @@ def lines_of(root: Path, layout: Layout, collection: Collection, seen: Inspectio
     ]
     for kind in LABEL_KINDS:
         count = seen.has[kind]
-        lines.append(f"  {kind:13} {'every view' if count == seen.read and count else f'{count} of {seen.read}' if count else 'none'}")
+        share = "none" if not count else "every view" if count == seen.read else f"{count} of {seen.read}"
+        lines.append(f"  {kind:13} {share}")
     if seen.categories:
         lines.append(f"objects in these views: {_listed(seen.categories)}")
     if collection.classes:
@@ -94,7 +95,9 @@ def lines_of(root: Path, layout: Layout, collection: Collection, seen: Inspectio
     wrong = [*left_out, *seen.damaged]
     if not wrong:
         return [*lines, "left out: nothing"]
-    lines.append(f"left out: {len(left_out)} incomplete, {len(seen.damaged)} of {seen.read + len(seen.damaged)} damaged")
+    lines.append(
+        f"left out: {len(left_out)} incomplete, {len(seen.damaged)} of {seen.read + len(seen.damaged)} damaged"
+    )
     lines += [f"  {item.name}: {item.reason}" for item in wrong[:MOST_LINES]]
     if len(wrong) > MOST_LINES:
         lines.append(f"  and {len(wrong) - MOST_LINES} more")

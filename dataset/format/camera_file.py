@@ -127,5 +127,5 @@ def camera_of(record: CameraFile, where: object = "camera.json") -> Camera:
 def known_K(record: CameraFile, where: object) -> tuple[Row3, Row3, Row3]:
     """Return the intrinsic matrix of a record; InputError where its camera is not calibrated."""
     if record.K is None:
-        raise InputError(f"{where}: K", "a calibrated camera", "null: the pictures of this data set have no calibration")
+        raise InputError(f"{where}: K", "a calibrated camera", "null: this data set has no calibration")
     return record.K

@@ -31,7 +31,9 @@ class PartialObject(Model):
     name: str
     category: str
     transparent: bool | None = Field(description="null: not stated")
-    camera_T_object: Matrix4 | None = Field(description="With a `size` the origin is the centre of its box; else the model's own")
+    camera_T_object: Matrix4 | None = Field(
+        description="With a `size` the origin is the centre of its box; else the model's own"
+    )
     pose_from: PoseSource | None = Field(
         description="stated; keypoints: aligned with the object's model; box: from the corners of a stated box"
     )

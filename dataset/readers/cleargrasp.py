@@ -89,7 +89,9 @@ def _rendered(unit: Path, name: str, names: frozenset[str]) -> tuple[list[Entry]
             "depth-imgs-rectified": f"{number}-depth-rectified.exr",
             "segmentation-masks": f"{number}-segmentation-mask.png",
         }
-        missing = [f"{folder}/{file}" for folder, file in needed.items() if folder in names and file not in have[folder]]
+        missing = [
+            f"{folder}/{file}" for folder, file in needed.items() if folder in names and file not in have[folder]
+        ]
         _add(entries, left_out, f"{name}/{number}", missing, _read_later(_read_rendered, unit, number))
     return entries, left_out
 
@@ -156,7 +158,9 @@ def _rendered_camera(record: Any, where: Path) -> SourceCamera:
         across, down = (float(camera["field_of_view"][f"{axis}_axis_rads"]) for axis in "xy")
         matrix = np.array(camera["world_pose"]["matrix_4x4"], np.float64)
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(where, "image, camera.field_of_view and camera.world_pose.matrix_4x4", f"none ({error})") from error
+        raise InputError(
+            where, "image, camera.field_of_view and camera.world_pose.matrix_4x4", f"none ({error})"
+        ) from error
     fx, fy = width / 2.0 / math.tan(across / 2.0), height / 2.0 / math.tan(down / 2.0)
     # The optical axis goes through the middle of the picture; pixel (0, 0) has its centre at (0, 0).
     K = np.array([[fx, 0.0, (width - 1) / 2.0], [0.0, fy, (height - 1) / 2.0], [0.0, 0.0, 1.0]])
@@ -168,7 +172,9 @@ def _objects(record: Any, camera: SourceCamera, where: Path) -> tuple[SourceObje
     camera_T_world = inverse_pose(camera.world_T_camera)
     try:
         listed = record["variants"]["masks_and_poses_by_pixel_value"]
-        rows = {int(number): (item["world_pose"]["matrix_4x4"], str(item["variant_uri"])) for number, item in listed.items()}
+        rows = {
+            int(number): (item["world_pose"]["matrix_4x4"], str(item["variant_uri"])) for number, item in listed.items()
+        }
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{where}: variants", "masks_and_poses_by_pixel_value", f"none ({error})") from error
     found = []

@@ -76,7 +76,11 @@ def _open(root: Path, units: Sequence[Path]) -> Collection:
             else:
                 model = models[known]
                 entries.append(Entry(name, scene, _reader(unit, number, known, model), _split(unit)))
-    notes = [f"no model of {name} (objects/{name}.obj): its poses stay unknown" for name, model in models.items() if model is None]
+    notes = [
+        f"no model of {name} (objects/{name}.obj): its poses stay unknown"
+        for name, model in models.items()
+        if model is None
+    ]
     if any(model is not None for model in models.values()):
         notes.append("poses are aligned with the keypoints; about an axis of revolution they are arbitrary")
     notes.append("depth is that of the opaque twin at the same place, sensor depth that of the transparent object")
@@ -131,7 +135,8 @@ def _read(unit: Path, number: str, name: str, model: KeyposeModel | None) -> Sou
     if masks.is_file():
         instances = np.where(read_levels(masks) > 0, FIRST_OBJECT, 0).astype(np.uint16)
     Z, sensor_Z = (
-        read_depth_exr(path) if path.is_file() else None for path in (unit / f"{number}_{end}.exr" for end in ("Do", "Dt"))
+        read_depth_exr(path) if path.is_file() else None
+        for path in (unit / f"{number}_{end}.exr" for end in ("Do", "Dt"))
     )
     view = SourceView(
         picture=picture,
@@ -180,7 +185,10 @@ def _check_right(path: Path, left: SourceCamera, where: Path) -> None:
 
 
 def _keypoints(target: Group, where: Path) -> SourceKeypoints:
-    rows = [[numbers(point, name, 1, where)[0] for name in ("u", "v", "z", "visible")] for point in target.get("keypoints", [])]
+    rows = [
+        [numbers(point, name, 1, where)[0] for name in ("u", "v", "z", "visible")]
+        for point in target.get("keypoints", [])
+    ]
     if not rows:
         raise InputError(where, "keypoints", "none")
     values = np.array(rows)

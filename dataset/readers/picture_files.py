@@ -113,7 +113,9 @@ def read_normals_exr(path: Path) -> np.ndarray:
     missing = [name for name in "RGB" if name not in channels]
     if missing:
         raise InputError(path, "normals in the channels R, G, B", ", ".join(sorted(channels)))
-    normals = np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1) * np.array([1, -1, -1], np.float32)
+    normals = np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1) * np.array(
+        [1, -1, -1], np.float32
+    )
     length = np.linalg.norm(normals, axis=-1)
     return np.where((np.abs(length - 1.0) < 0.05)[..., None], normals, np.float32(np.nan))
 

@@ -6,13 +6,25 @@ from pathlib import Path
 
 from ...core.errors import InputError
 from ..format import layout as ours
-from . import cleargrasp, keypose
+from . import bop, bop_shards, cleargrasp, clearpose, dreds, keypose, syn_todd, todd, trans10k, transcg, ttd
 from .layout import Layout, folders_with_names
 from .source_view import Collection
 
 LAYOUTS: dict[str, Layout] = {
     module.LAYOUT.name: module.LAYOUT
-    for module in (keypose, cleargrasp)
+    for module in (
+        keypose,
+        cleargrasp,
+        todd,
+        clearpose,
+        syn_todd,
+        trans10k,
+        transcg,
+        ttd,
+        dreds,
+        bop,
+        bop_shards,
+    )
 }
 
 
@@ -35,10 +47,15 @@ def open_source(root: Path) -> tuple[Layout, Collection]:
     layout = LAYOUTS[name]
     collection = layout.open(root, units)
     if not collection.entries:
-        why = f"; the first: {collection.left_out[0].name}: {collection.left_out[0].reason}" if collection.left_out else ""
-        found_text = f"none complete of {len(collection.left_out)}{why}" if collection.left_out else "none"
-        raise InputError(root, f"views of {layout.title}: {layout.expected}", found_text)
+        raise InputError(root, f"views of {layout.title}: {layout.expected}", _nothing(collection))
     return layout, collection
+
+
+def _nothing(collection: Collection) -> str:
+    if not collection.left_out:
+        return "none"
+    first = collection.left_out[0]
+    return f"none complete of {len(collection.left_out)}; the first, {first.name}: {first.reason}"
 
 
 def _units(root: Path) -> dict[str, list[Path]]:
