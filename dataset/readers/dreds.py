@@ -102,7 +102,9 @@ def _reader(unit: Path, number: str) -> Callable[[], SourceView]:
     def read() -> SourceView:
         picture = read_colour(unit / f"{number}_color.png")
         sensor, true, mask = (first_of(unit, [f"{number}_{end}" for end in ends]) for ends in (_SENSOR, _TRUE, _MASK))
-        assert sensor is not None and true is not None and mask is not None
+        assert sensor is not None
+        assert true is not None
+        assert mask is not None
         rows = _rows(unit / f"{number}_meta.txt")
         instances = _instances(mask, rows)
         captured = sensor.name.endswith(_SENSOR[1])

@@ -176,7 +176,8 @@ def _world_T_camera(target: Group, where: Path) -> np.ndarray:
 
 def _check_right(path: Path, left: SourceCamera, where: Path) -> None:
     """Refuse a right camera that does not stand at the baseline along the left one's x axis."""
-    assert left.world_T_camera is not None and left.baseline is not None
+    assert left.world_T_camera is not None
+    assert left.baseline is not None
     pose = _world_T_camera(_target(path), path)
     apart = inverse_pose(left.world_T_camera) @ pose
     if np.abs(apart[:3, 3] - [left.baseline, 0.0, 0.0]).max() > _BASELINE_ERROR:

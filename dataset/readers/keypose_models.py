@@ -50,7 +50,7 @@ def read_model(path: Path) -> KeyposeModel:
     if mesh is None or not groups:
         raise InputError(path, "a group mesh, and groups kp.000 and so on", ", ".join(sorted(groups)) or "none")
     low, high = mesh.min(axis=0), mesh.max(axis=0)
-    if not (0.0 < (high - low)).all() or not (high - low).max() < _LONGEST:
+    if not ((high - low) > 0.0).all() or not (high - low).max() < _LONGEST:
         raise InputError(path, f"a mesh in metres, of sides up to {_LONGEST:g} m", f"sides {(high - low).tolist()}")
     points = [(groups[name].min(axis=0) + groups[name].max(axis=0)) / 2.0 for name in sorted(groups)]
     return KeyposeModel(high - low, np.stack(points) - (low + high) / 2.0)

@@ -51,6 +51,6 @@ def folders_with_names(root: Path) -> Generator[tuple[Path, frozenset[str]], boo
 def names_in(folder: Path) -> frozenset[str]:
     """Return the names in a folder; empty where there is none."""
     try:
-        return frozenset(os.listdir(folder))
+        return frozenset(path.name for path in folder.iterdir())
     except OSError:
         return frozenset()
