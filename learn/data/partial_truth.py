@@ -51,8 +51,8 @@ def check_learnable(root: Path, record: Conversion, rule: str) -> None:
         needed["camera-poses"] = f"poses of cameras (views.rule is {rule})"
     missing = [text for kind, text in needed.items() if record.has.get(kind, 0) < record.views]
     if missing:
-        has = ", ".join(record.has)
-        raise InputError(root, f"{' and '.join(missing)} in every view", f"{record.title}, which has {has}")
+        listed = f"{', '.join(missing[:-1])} and {missing[-1]}" if missing[1:] else missing[0]
+        raise InputError(root, f"{listed} in every view", f"{record.title}, which has {', '.join(record.has)}")
 
 
 def read_partial_truth(view: StoredView, record: Conversion, size: tuple[int, int]) -> GroundTruth:
