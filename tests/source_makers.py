@@ -37,6 +37,13 @@ def picture(seed: int = 0, width: int = WIDTH, height: int = HEIGHT) -> np.ndarr
     return rng.integers(0, 256, (height, width, 3), np.uint8)
 
 
+def plain(seed: int) -> np.ndarray:
+    """Return a picture of the size that TODD and ClearPose have, of few colours, which is written fast."""
+    found = np.zeros((480, 640, 3), np.uint8)
+    found[:, :, 0], found[:200, :, 1] = 10 * seed, 50
+    return found
+
+
 def depth() -> np.ndarray:
     """Return the depth of the scene [m], with a hole."""
     Z = np.full((HEIGHT, WIDTH), 0.9, np.float32)
@@ -164,7 +171,7 @@ def bop_records(index: int = 0) -> tuple[dict, list, list]:
 
 
 def bop_models(root: Path) -> None:
-    """Write ``models_info.json``: object 1 turns about its y axis and is off its frame's origin, object 2 a half turn."""
+    """Write ``models_info.json``: object 1 turns about y and is off its frame's origin, object 2 has a half turn."""
     half = np.diag([-1.0, -1.0, 1.0, 1.0])
     middle = {"x": 5.0, "y": 10.0, "z": -20.0}
     box = {f"size_{axis}": 1000 * side for axis, side in zip("xyz", SIZE, strict=True)}
@@ -264,7 +271,7 @@ def todd(root: Path, views: int = 2) -> Path:
     """Write views of TODD, of its size; return the folder of the first."""
     for number in range(views):
         folder = root / "train" / f"{1622673245.25 + 30 * number}"
-        save(folder / "image.jpg", picture(number, 640, 480))
+        save(folder / "image.jpg", plain(number))
         large = cv2.resize(ids(), (640, 480), interpolation=cv2.INTER_NEAREST)
         save(folder / "instance_segment.png", np.stack([large * 10] * 3, axis=-1))
         Z = cv2.resize(depth(), (640, 480), interpolation=cv2.INTER_NEAREST)
@@ -281,7 +288,7 @@ def clearpose(root: Path, frames: int = 3, inverse: bool = False, classes: tuple
     captured = np.array([[902.19, 0.0, 662.35], [0.0, 902.39, 372.23], [0.0, 0.0, 1.0]])
     records = {}
     for number in range(frames):
-        save(folder / f"{number:06d}-color.png", picture(number, 640, 480))
+        save(folder / f"{number:06d}-color.png", plain(number))
         labels = cv2.resize(ids(), (640, 480), interpolation=cv2.INTER_NEAREST)
         save(folder / f"{number:06d}-label.png", np.array([0, *classes], np.uint8)[labels])
         Z = np.rint(cv2.resize(depth(), (640, 480), interpolation=cv2.INTER_NEAREST) * 1000).astype(np.uint16)
@@ -312,7 +319,7 @@ def syn_todd(root: Path, cameras: int = 3, inverse: bool = False) -> Path:
         save_exr(Path(f"{base}Depth.exr"), {"G": depth()})
         pose = world_T_camera(number) @ blender
         entry = {
-            "camera_intrinsic": (K + [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]]).tolist(),
+            "camera_intrinsic": (K + np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])).tolist(),
             "camera_extrinsic": (np.linalg.inv(pose) if inverse else pose).tolist(),
             "baseline": 0.065,
         }

@@ -85,8 +85,8 @@ def lines_of(root: Path, layout: Layout, collection: Collection, seen: Inspectio
     ]
     for kind in LABEL_KINDS:
         count = seen.has[kind]
-        share = "none" if not count else "every view" if count == seen.read else f"{count} of {seen.read}"
-        lines.append(f"  {kind:13} {share}")
+        how_many = "none" if not count else "every view" if count == seen.read else f"{count} of {seen.read}"
+        lines.append(f"  {kind:13} {how_many}")
     if seen.categories:
         lines.append(f"objects in these views: {_listed(seen.categories)}")
     if collection.classes:

@@ -209,7 +209,9 @@ def _object(
     (fx, _, cx), (_, fy, cy), _ = camera.K
     (u, v), Z = keypoints.pixels.T, keypoints.Z
     points = np.stack([(u - cx) / fx * Z, (v - cy) / fy * Z, Z], axis=1)
-    pose = aligned(model, points, f"{where}: keypoints")
+    pose = aligned(model, points, item.symmetry, f"{where}: keypoints")
+    if pose is None:
+        return item
     return SourceObject(
         FIRST_OBJECT,
         name,

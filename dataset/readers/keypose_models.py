@@ -11,8 +11,8 @@ import numpy as np
 from ...annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION, Symmetry
 from ...core.errors import InputError, cause_of
 
-#: Symmetries by category. A tree has branches, but its keypoints lie on its axis and say nothing about its turn.
-_SYMMETRIES = {"ball": BALL, "bottle": REVOLUTION, "cup": REVOLUTION, "tree": REVOLUTION, "mug": ASYMMETRIC}
+#: Symmetries by category. The data set states none of a heart and a tree, whose models are no solids of revolution.
+_SYMMETRIES = {"ball": BALL, "bottle": REVOLUTION, "cup": REVOLUTION, "mug": ASYMMETRIC}
 #: Largest mean distance between aligned keypoints of a model and those of a frame [m]: beyond it they are those of
 #: another object. KeyPose states 3.4 mm of error for its own labels.
 _WORST_FIT = 0.01
@@ -52,15 +52,19 @@ def read_model(path: Path) -> KeyposeModel:
     low, high = mesh.min(axis=0), mesh.max(axis=0)
     if not ((high - low) > 0.0).all() or not (high - low).max() < _LONGEST:
         raise InputError(path, f"a mesh in metres, of sides up to {_LONGEST:g} m", f"sides {(high - low).tolist()}")
-    points = [(groups[name].min(axis=0) + groups[name].max(axis=0)) / 2.0 for name in sorted(groups)]
-    return KeyposeModel(high - low, np.stack(points) - (low + high) / 2.0)
+    points = np.stack([(groups[name].min(axis=0) + groups[name].max(axis=0)) / 2.0 for name in sorted(groups)])
+    if len(points) == 1:  # a ball, whose keypoint is its centre; the vertices of the file cover it unevenly
+        diameter = 2.0 * float(np.median(np.linalg.norm(mesh - points[0], axis=1)))
+        return KeyposeModel(np.full(3, diameter), np.zeros((1, 3)))
+    return KeyposeModel(high - low, points - (low + high) / 2.0)
 
 
-def aligned(model: KeyposeModel, points: np.ndarray, where: str) -> np.ndarray:
+def aligned(model: KeyposeModel, points: np.ndarray, symmetry: Symmetry | None, where: str) -> np.ndarray | None:
     """Return the pose that brings the keypoints of a model to measured ones with the least squares, (4, 4) float64.
 
-    With one keypoint the rotation is the identity, with keypoints on a line the turn about it is arbitrary: the one
-    that turns the model least. (Kabsch, Acta Crystallographica A 32, 1976, with the sign of the determinant fixed.)
+    With keypoints on an axis of revolution the turn about it is arbitrary: the one that turns the model least. None
+    where keypoints on a line, or a single one, leave a turn open that the object's symmetry does not. (Kabsch, Acta
+    Crystallographica A 32, 1976, with the sign of the determinant fixed.)
 
     Parameters
     ----------
@@ -68,6 +72,8 @@ def aligned(model: KeyposeModel, points: np.ndarray, where: str) -> np.ndarray:
         The model.
     points : (k, 3) float
         Its keypoints in the camera frame [m], in the same order; KeyPose labels fewer than a model has, the first ones.
+    symmetry : Symmetry, optional
+        Of the object.
     where : str
         File and field, for the error where the fit is bad.
     """
@@ -75,6 +81,8 @@ def aligned(model: KeyposeModel, points: np.ndarray, where: str) -> np.ndarray:
         raise InputError(where, f"at most the {len(model.keypoints)} keypoints of the model", len(points))
     local = model.keypoints[: len(points)]
     middle, centre = points.mean(axis=0), local.mean(axis=0)
+    if not _is_determined(local - centre, symmetry):
+        return None
     pose = np.eye(4)
     pose[:3, :3] = _rotation(local - centre, points - middle)
     pose[:3, 3] = middle - pose[:3, :3] @ centre
@@ -82,6 +90,14 @@ def aligned(model: KeyposeModel, points: np.ndarray, where: str) -> np.ndarray:
     if error > _WORST_FIT:
         raise InputError(where, f"keypoints within {1e3 * _WORST_FIT:g} mm of the model's", f"{1e3 * error:.1f} mm")
     return pose
+
+
+def _is_determined(local: np.ndarray, symmetry: Symmetry | None) -> bool:
+    """Return whether keypoints, about their mean, and a symmetry leave no turn open."""
+    spread = np.linalg.svd(local, compute_uv=False)
+    if len(spread) > 1 and spread[1] > _ON_AXIS * spread[0] > 0.0:
+        return True
+    return symmetry is not None and (symmetry.ball or (symmetry.turns and len(local) > 1))
 
 
 def _rotation(local: np.ndarray, points: np.ndarray) -> np.ndarray:

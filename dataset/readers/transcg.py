@@ -71,7 +71,8 @@ def _intrinsics(folder: Path, number: int, name: str) -> np.ndarray | None:
     if path is None:
         return None
     try:
-        K = np.load(path, allow_pickle=False)
+        with path.open("rb") as file:
+            K = np.lib.format.read_array(file)  # refuses pickles, which it reads on request alone
     except OSError as error:
         raise InputError(path, "a readable file", cause_of(error)) from error
     except ValueError as error:

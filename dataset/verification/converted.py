@@ -25,7 +25,7 @@ from ..reader import StoredScene, StoredView
 BOX_SLACK, BOX_PIXELS = 0.15, 4.0
 #: Fraction of an object's pixels with a known depth that must lie at the depth of its box [1], and how far outside the
 #: depth may be, as a fraction of the box's diagonal.
-DEPTH_SHARE, DEPTH_SLACK = 0.5, 0.5
+DEPTH_FRACTION, DEPTH_SLACK = 0.5, 0.5
 #: Distance of a stated keypoint's depth from the object's centre, over the box's diagonal.
 _KEYPOINT_REACH = 1.0
 #: Greatest depth that is taken for metres [m].
@@ -136,7 +136,7 @@ def _pose_faults(
         return
     depth = Z[mask & np.isfinite(Z)]
     near, far = corners[:, 2].min() - DEPTH_SLACK * diagonal, corners[:, 2].max() + DEPTH_SLACK * diagonal
-    if depth.size and ((depth >= near) & (depth <= far)).mean() < DEPTH_SHARE:
+    if depth.size and ((depth >= near) & (depth <= far)).mean() < DEPTH_FRACTION:
         yield (
             f"depth: expected that of {counted(depth.size, 'pixel')} between {near:.3f} and {far:.3f} m by its box, "
             f"found a median of {np.median(depth):.3f} m"
