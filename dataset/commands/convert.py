@@ -19,7 +19,7 @@ from ..conversion.source_sheet import source_sheet
 from ..format import layout as ours
 from ..format.pictures import write_png
 from ..readers.recognition import LAYOUTS, open_source
-from ..readers.statements import stated
+from ..readers.statements import chosen, stated
 from ..settings.config import parse_request
 from .progress import tracked
 
@@ -41,6 +41,9 @@ class Convert(Model):
         default=None,
         description="For data sets that do not say which objects are transparent: all, none, or categories with commas",
     )
+    only: str | None = Field(
+        default=None, description="Only views whose names match one of these patterns, such as mug_*/*,bottle_0/*"
+    )
     rows: int = Field(default=5, ge=0, le=40, description="Most views on the contact sheet (preview.png)")
 
 
@@ -61,7 +64,7 @@ def _convert(arguments: Sequence[str]) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     layout, found = open_source(request.directory)
-    collection = stated(found, request.transparent)
+    collection = stated(chosen(found, request.only), request.transparent)
     head = convert(request.directory, layout, collection, request.out, track)
     shown = inspect(collection, request.rows, request.rows).shown if request.rows else ()
     if shown:

@@ -4,11 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from fnmatch import fnmatchcase
 
 from ...core.errors import InputError
 from .source_view import Collection, Entry, SourceView
 
 _ALL, _NONE = "all", "none"
+
+
+def chosen(collection: Collection, patterns: str | None) -> Collection:
+    """Return the views of a collection whose names match one of some patterns, such as ``mug_*/*,bottle_0/*``.
+
+    Raises
+    ------
+    InputError
+        Where no name matches.
+    """
+    if patterns is None:
+        return collection
+    wanted = [pattern.strip() for pattern in patterns.split(",")]
+    entries = tuple(
+        entry for entry in collection.entries if any(fnmatchcase(entry.name, pattern) for pattern in wanted)
+    )
+    if not entries:
+        expected = f"patterns of names of views, such as {collection.entries[0].name}"
+        raise InputError("--only", expected, f"{patterns}, which none of {len(collection.entries)} matches")
+    left_out = tuple(item for item in collection.left_out if any(fnmatchcase(item.name, p) for p in wanted))
+    return replace(collection, entries=entries, left_out=left_out, notes=(*collection.notes, f"only {patterns}"))
 
 
 def stated(collection: Collection, transparent: str | None) -> Collection:

@@ -168,3 +168,14 @@ def test_masks_boxes_and_keypoints_go_to_coco_and_nothing_else(makers, tmp_path)
 def test_what_is_transparent_is_stated_where_the_data_set_does_not_say(makers, tmp_path):
     data = converted(makers, tmp_path, "bop", "--transparent", "obj_000001")
     assert [item.transparent for item in data.scene(0).views[0].partial_labels().objects] == [True, False]
+
+
+def test_some_views_are_converted_by_their_names(makers, tmp_path, capsys):
+    makers.keypose(tmp_path / "source", frames=1, obj="bottle_0")
+    makers.keypose(tmp_path / "source", frames=2, obj="cup_1")
+    out = ["--out", str(tmp_path / "out"), "--rows", "0"]
+    assert convert([str(tmp_path / "source"), *out, "--only", "cup_*/*"]) == 0
+    assert [view.partial_labels().source[:5] for view in Dataset.open(tmp_path / "out").views()] == ["cup_1"] * 2
+    capsys.readouterr()
+    assert convert([str(tmp_path / "source"), *out, "--only", "mug*"]) == 2
+    assert "--only: expected patterns of names of views, such as bottle_0/" in capsys.readouterr().err

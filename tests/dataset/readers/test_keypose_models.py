@@ -53,5 +53,5 @@ def test_a_turn_that_nothing_says_leaves_the_pose_unknown():
 
 
 def test_keypoints_of_another_object_are_refused():
-    with pytest.raises(InputError, match="expected keypoints within 10 mm of the model's, found 20.0 mm"):
+    with pytest.raises(InputError, match=r"expected keypoints within 10 mm of the model's, found 20\.0 mm"):
         aligned(KeyposeModel(SIZE, AXIS), 1.5 * AXIS, REVOLUTION, "here")
