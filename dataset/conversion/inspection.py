@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ...core.errors import InputError
 from ...core.stopping import check_stop
 from ...core.user_text import counted
@@ -14,6 +16,7 @@ from ..format.conversion import LABEL_KINDS, LabelKind
 from ..preview.contact_sheet import chosen_views
 from ..readers.layout import Layout
 from ..readers.source_view import Collection, Entry, LeftOut, SourceView, kinds_of
+from .pairs import pair_agreement
 
 #: Most lines about what is wrong.
 MOST_LINES = 40
@@ -31,6 +34,7 @@ class Inspection:
     has: Counter[LabelKind]  #: views of these that have each kind of label
     sizes: Counter[tuple[int, int]]  #: width and height of these pictures [px]
     categories: Counter[str]  #: objects in these views
+    pairs: tuple[tuple[float, float], ...]  #: `pairs.pair_agreement` of the views that are pairs with depth
     damaged: tuple[LeftOut, ...]  #: views that could not be read
     shown: tuple[tuple[str, SourceView], ...]  #: some views, for the contact sheet
 
@@ -55,7 +59,7 @@ def inspect(collection: Collection, most: int, rows: int, track: Track = lambda 
     has: Counter[LabelKind] = Counter()
     sizes: Counter[tuple[int, int]] = Counter()
     categories: Counter[str] = Counter()
-    damaged, shown, read = [], [], 0
+    damaged, shown, pairs, read = [], [], [], 0
     for entry in track(picked, len(picked)):
         check_stop()
         try:
@@ -67,9 +71,10 @@ def inspect(collection: Collection, most: int, rows: int, track: Track = lambda 
         has.update(kinds_of(view))
         sizes[(view.picture.shape[1], view.picture.shape[0])] += 1
         categories.update(item.category for item in view.objects or ())
+        pairs += filter(None, [pair_agreement(view)])
         if entry.name in wanted:
             shown.append((entry.name, view))
-    return Inspection(read, has, sizes, categories, tuple(damaged), tuple(shown))
+    return Inspection(read, has, sizes, categories, tuple(pairs), tuple(damaged), tuple(shown))
 
 
 def lines_of(root: Path, layout: Layout, collection: Collection, seen: Inspection) -> list[str]:
@@ -89,6 +94,11 @@ def lines_of(root: Path, layout: Layout, collection: Collection, seen: Inspectio
         lines.append(f"  {kind:13} {how_many}")
     if seen.categories:
         lines.append(f"objects in these views: {_listed(seen.categories)}")
+    if seen.pairs:
+        by_depth, unmoved = np.median(np.array(seen.pairs), axis=0)
+        lines.append(f"pairs: left and right correlate by {by_depth:.2f} through the depth, {unmoved:.2f} without it")
+        if by_depth <= unmoved:
+            lines.append("  so the right picture, the depth or the baseline is not what it is said to be")
     if collection.classes:
         lines.append(f"classes of pixels: {', '.join(collection.classes)}")
     lines += [f"note: {note}" for note in collection.notes]
