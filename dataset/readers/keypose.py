@@ -62,7 +62,7 @@ def _open(root: Path, units: Sequence[Path]) -> Collection:
         names = names_in(unit)
         if not any(name.endswith(".pbtxt") and _FRAME.fullmatch(name) for name in names):
             raise InputError(unit, "calibration and keypoints of each picture, NNNNNN_L.pbtxt", "pictures without any")
-        known = unit.parent.name if re.match(r"texture_\d+_pose_\d+", unit.name) else unit.name
+        known = _object_name(unit)
         if known not in models:
             models[known] = _model(root, unit, known)
         scene = f"{known}/{unit.name}"
@@ -99,9 +99,20 @@ LAYOUT = Layout(
 
 def _split(unit: Path) -> str | None:
     match = re.match(r"texture_(\d+)_pose_\d+", unit.name)
+    if unit.parent.parent.name in ("train", "val", "test"):  # as our own exports have it
+        return unit.parent.parent.name
     if match is None:
         return None
     return "test" if int(match[1]) == TEST_TEXTURE else "train"
+
+
+def _object_name(unit: Path) -> str:
+    """Return the name of a sequence's object: that of the folder above, which our own exports give each sequence."""
+    match = re.fullmatch(r"texture_(\d+)_pose_(\d+)", unit.name)
+    if match is None:
+        return unit.name
+    own = f"{unit.parent.name}_{match[1]}_{match[2]}"
+    return own if (unit.parent.parent / "objects" / f"{own}.obj").is_file() else unit.parent.name
 
 
 def _model(root: Path, unit: Path, name: str) -> KeyposeModel | None:
