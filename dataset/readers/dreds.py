@@ -6,12 +6,15 @@
     test_0/0000_color.png  0000_mask.png  0000_meta.txt  0000_depth_415.exr     0000_gt_depth.exr        STD
 
 A row of ``meta.txt``: index in the mask, label, folder, name, scale, material, quaternion, translation. Materials: 0 as
-the model has it, 1 diffuse, 2 transparent, 3 specular. Masks in EXR files are the index over 255. The convention of the
-quaternion is not stated, and poses are not read. (PKU-EPIC/DREDS, CatePoseEstimation/datasets and trainer.py.)
+the model has it, 1 diffuse, 2 transparent, 3 specular. Masks in EXR files are the index over 255. The quaternion, w
+first, turns the camera's axes (OpenCV's) to the model's, whose y axis is up: the inverse of a pose's rotation, as the
+renderer writes it. Nothing says that of STD, whose poses are not read. (PKU-EPIC/DREDS, CatePoseEstimation/datasets
+and trainer.py, DepthSensorSimulator/renderer.py.)
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +22,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from ...annotate.symmetries import REVOLUTION
 from ...core.errors import InputError, cause_of
 from ..format.exr import read_exr
 from .layout import Layout, names_in
@@ -28,6 +33,10 @@ from .source_view import FIRST_OBJECT, Collection, Entry, LeftOut, SourceCamera,
 
 LABELS = ("other", "bottle", "bowl", "camera", "can", "car", "mug", "aeroplane")
 _TRANSPARENT = 2
+#: Labels of objects that look the same from all sides of their upward axis (utils/metrics_nocs.py).
+_ROUND = frozenset({"bottle", "bowl", "can"})
+#: From our object axes, z up, to those of the models, y up.
+_MODEL_R_OBJECT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 #: Focal lengths of the authors' code [px]: of DREDS at 640 x 360, and of the D415 of STD at 1280 x 720.
 _RENDERED_FOCAL, _RENDERED_WIDTH = (446.31, 446.31), 640
 _CAPTURED_FOCAL, _CAPTURED_WIDTH = (918.295227050781, 917.5439453125), 1280
@@ -42,12 +51,14 @@ _SENSOR, _TRUE, _MASK = (
 
 @dataclass(frozen=True)
 class _Row:
-    """A row of ``meta.txt`` without its pose."""
+    """A row of ``meta.txt``."""
 
     index: int
     label: int
     name: str
     material: int
+    quaternion: tuple[float, float, float, float]  #: w first
+    place: tuple[float, float, float]  #: camera frame [m]
 
 
 def _is_unit(names: frozenset[str]) -> bool:
@@ -72,7 +83,8 @@ def _open(root: Path, units: Sequence[Path]) -> Collection:
             else:
                 entries.append(Entry(name, name, _reader(unit, number), _split(unit, root)))
     notes = (
-        "poses are not read: the convention of their quaternions is not stated",
+        "poses of STD are not read: the convention of their quaternions is not stated",
+        "sizes of objects are not stated, so boxes in space are unknown",
         "the principal point is the middle of the picture, as in the authors' code",
         "pictures that are larger than their labels are reduced to these",
     )
@@ -115,7 +127,7 @@ def _reader(unit: Path, number: str) -> Callable[[], SourceView]:
             Z=_nearest(read_depth_exr(true), instances.shape),
             sensor_Z=_nearest(read_depth_exr(sensor), instances.shape),
             instances=instances,
-            objects=tuple(_object(row) for row in rows),
+            objects=tuple(_object(row, captured, unit / number) for row in rows),
         )
         return check_view(view, unit / number)
 
@@ -131,15 +143,12 @@ def _rows(path: Path) -> tuple[_Row, ...]:
     for number, line in enumerate(filter(str.strip, lines), start=1):
         words = line.split()
         try:
-            row = _Row(int(words[0]), int(words[1]), words[3], int(words[5]))
-            numbers = [float(word) for word in words[6:13]]
+            w, x, y, z, right, down, ahead = (float(word) for word in words[6:13])
+            names = int(words[0]), int(words[1]), words[3], int(words[5])
         except (IndexError, ValueError) as error:
-            raise InputError(
-                f"{path}, line {number}", "index, label, folder, name, scale, material and a pose", line
-            ) from error
-        if len(numbers) != 7:
-            raise InputError(f"{path}, line {number}", "a quaternion and a translation", f"{len(numbers)} numbers")
-        found.append(row)
+            expected = "index, label, folder, name, scale, material, quaternion and translation"
+            raise InputError(f"{path}, line {number}", expected, line) from error
+        found.append(_Row(*names, (w, x, y, z), (right, down, ahead)))
     return tuple(sorted(found, key=lambda row: row.index))
 
 
@@ -182,6 +191,26 @@ def _nearest(values: np.ndarray, size: tuple[int, ...]) -> np.ndarray:
     return values[rows[:, None], columns]
 
 
-def _object(row: _Row) -> SourceObject:
+def _object(row: _Row, captured: bool, where: Path) -> SourceObject:
     category = LABELS[row.label] if 0 <= row.label < len(LABELS) else f"label {row.label}"
-    return SourceObject(row.index + FIRST_OBJECT, row.name, category, row.material == _TRANSPARENT)
+    pose = None if captured else _pose(row, where)
+    return SourceObject(
+        id=row.index + FIRST_OBJECT,
+        name=row.name,
+        category=category,
+        transparent=row.material == _TRANSPARENT,
+        camera_T_object=pose,
+        pose_from=None if pose is None else "stated",
+        symmetry=REVOLUTION if category in _ROUND else None,
+    )
+
+
+def _pose(row: _Row, where: Path) -> np.ndarray:
+    """Return the pose of an object whose z axis is up, (4, 4) float64."""
+    w, x, y, z = row.quaternion
+    if not math.isclose(math.hypot(w, x, y, z), 1.0, abs_tol=1e-3):
+        raise InputError(f"{where}_meta.txt", f"a quaternion of length 1 of object {row.index}", row.quaternion)
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix().T @ _MODEL_R_OBJECT
+    pose[:3, 3] = row.place
+    return pose

@@ -96,10 +96,11 @@ def test_dreds(stored, tmp_path):
     for view, own in zip(read(tmp_path / "out", "dreds"), Dataset.open(stored).views(), strict=True):
         assert depth_agrees(view.Z, own.geometry().Z)
         assert depth_agrees(view.sensor_Z, own.geometry().Z)
-        geometry, labels = own.geometry(), own.labels()
-        shapes = [(geometry.id == label.id).tobytes() for label in labels.objects]
+        ids = own.geometry().id
+        by_shape = {(ids == label.id).tobytes(): label for label in own.labels().objects}
         for item in view.objects:
-            assert (view.instances == item.id).tobytes() in shapes
+            label = by_shape[(view.instances == item.id).tobytes()]
+            assert item.camera_T_object == pytest.approx(np.asarray(label.camera_T_object), abs=POSE_ERROR)
 
 
 def test_syn_todd(stored, tmp_path):
