@@ -230,7 +230,7 @@ def bop_shards(root: Path, images: int = 2, split: str = "train_pbr") -> Path:
 def _run_lengths(mask: np.ndarray) -> dict:
     flat = mask.T.reshape(-1)
     ends = np.flatnonzero(np.diff(flat)) + 1
-    counts = np.diff([0, *ends, len(flat)]).tolist()
+    counts = np.diff(np.array([0, *ends.tolist(), len(flat)])).tolist()
     return {"size": list(mask.shape), "counts": counts if not flat[0] else [0, *counts]}
 
 
@@ -290,7 +290,7 @@ def clearpose(root: Path, frames: int = 3, inverse: bool = False, classes: tuple
     for number in range(frames):
         save(folder / f"{number:06d}-color.png", plain(number))
         labels = cv2.resize(ids(), (640, 480), interpolation=cv2.INTER_NEAREST)
-        save(folder / f"{number:06d}-label.png", np.array([0, *classes], np.uint8)[labels])
+        save(folder / f"{number:06d}-label.png", np.array([0, *classes], np.uint8)[labels.astype(int)])
         Z = np.rint(cv2.resize(depth(), (640, 480), interpolation=cv2.INTER_NEAREST) * 1000).astype(np.uint16)
         save(folder / f"{number:06d}-depth_true.png", Z)
         save(folder / f"{number:06d}-depth.png", np.where(labels > 0, 0, Z).astype(np.uint16))

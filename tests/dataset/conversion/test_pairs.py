@@ -22,13 +22,17 @@ def view(makers) -> SourceView:
 
 
 def test_a_pair_is_alike_by_its_depth_alone(view):
-    by_depth, unmoved = pair_agreement(view)
+    found = pair_agreement(view)
+    assert found is not None
+    by_depth, unmoved = found
     assert by_depth > 0.99
     assert unmoved < 0.3
 
 
 def test_a_right_picture_that_is_the_left_one_is_alike_without_depth(view):
-    by_depth, unmoved = pair_agreement(replace(view, right=view.picture))
+    found = pair_agreement(replace(view, right=view.picture))
+    assert found is not None
+    by_depth, unmoved = found
     assert by_depth < 0.3
     assert unmoved == pytest.approx(1.0)
 

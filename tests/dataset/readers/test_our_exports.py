@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from glassware.dataset.exports.run import export
 from glassware.dataset.format.pictures import write_png
 from glassware.dataset.reader import Dataset
 from glassware.dataset.readers.recognition import open_source
-from glassware.dataset.readers.source_view import SourceView
 
 #: Poses go through single precision, or through the text of it.
 POSE_ERROR = 1e-5
@@ -19,7 +19,7 @@ POSE_ERROR = 1e-5
 DEPTH_ERROR = 1e-3
 
 
-def read(root: Path, name: str) -> list[SourceView]:
+def read(root: Path, name: str) -> list[Any]:
     layout, collection = open_source(root)
     assert layout.name == name
     assert collection.left_out == ()

@@ -6,6 +6,7 @@ They are looked for in ``../shared/data``, as the projects' repositories have th
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from glassware.annotate.boxes import amodal_box, box_corners, modal_box
 from glassware.annotate.projection import inverse_pose, transformed, unproject
 from glassware.dataset.readers.recognition import open_source
-from glassware.dataset.readers.source_view import Collection, SourceView, kinds_of
+from glassware.dataset.readers.source_view import Collection, kinds_of
 from glassware.dataset.readers.text_proto import numbers, read_text_proto
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
@@ -30,14 +31,14 @@ def sample(name: str) -> Collection:
     return collection
 
 
-def view_of(collection: Collection, end: str) -> SourceView:
+def view_of(collection: Collection, end: str) -> Any:
     return next(entry.read() for entry in collection.entries if entry.name.endswith(end))
 
 
 def test_keypoints_of_keypose_lie_at_the_same_place_in_the_world_in_all_its_frames():
     placed = []
     for entry in sample("keypose").entries:
-        view = entry.read()
+        view: Any = entry.read()
         (item,) = view.objects
         placed.append(transformed(view.camera.world_T_camera @ item.camera_T_object, np.zeros((1, 3)))[0])
     assert len(placed) == 2
@@ -46,7 +47,8 @@ def test_keypoints_of_keypose_lie_at_the_same_place_in_the_world_in_all_its_fram
 
 def test_the_disparity_of_keyposes_keypoints_is_that_of_its_baseline():
     collection = sample("keypose")
-    view, (item,) = collection.entries[0].read(), collection.entries[0].read().objects
+    view: Any = collection.entries[0].read()
+    (item,) = view.objects
     path = next((DATA / "keypose").rglob("000001_R.pbtxt"))
     right = [numbers(p, "u", 1, path)[0] for p in read_text_proto(path)["kp_target"][0]["keypoints"]]
     shift = item.keypoints.pixels[:, 0] - right
@@ -55,7 +57,7 @@ def test_the_disparity_of_keyposes_keypoints_is_that_of_its_baseline():
 
 def test_the_box_of_keyposes_aligned_model_is_around_its_mask():
     for entry in sample("keypose").entries:
-        view = entry.read()
+        view: Any = entry.read()
         (item,) = view.objects
         corners = transformed(item.camera_T_object, box_corners(tuple(item.size)))
         box, mask = amodal_box(corners, view.camera.K), modal_box(view.instances == item.id)
