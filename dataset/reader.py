@@ -69,7 +69,7 @@ class StoredScene:
     def _rendered(self, name: str) -> Path:
         """Return a file that rendered scenes have; InputError where this one was converted from another project's."""
         path = self.folder / name
-        if not path.exists() and not (self.folder / layout.SCENE).exists():
+        if not any((self.folder / other).exists() for other in (layout.SCENE, layout.OBJECTS)):
             raise InputError(path, "a rendered scene", "one of a converted data set (partial_labels() of its views)")
         return path
 
