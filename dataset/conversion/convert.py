@@ -175,7 +175,7 @@ def _write_view(folder: Path, view: SourceView) -> None:
     if channels:
         write_exr(folder / layout.GEOMETRY, channels)
     if view.sensor_Z is not None:
-        write_exr(folder / layout.SENSOR_DEPTH, {"Z": view.sensor_Z})
+        write_exr(folder / layout.MEASURED_DEPTH, {"Z": view.sensor_Z})
     for name, values in ((layout.INSTANCES, view.instances), (layout.CLASSES, view.classes)):
         if values is not None:
             write_png(folder / name, values)

@@ -67,7 +67,7 @@ def converted_label_faults(root: Path, scene_id: int) -> Iterator[str]:
 def _maps(view: StoredView) -> Iterator[tuple[str, np.ndarray]]:
     for name, read in (
         (layout.GEOMETRY, view.depth),
-        (layout.SENSOR_DEPTH, view.sensor_depth),
+        (layout.MEASURED_DEPTH, view.sensor_depth),
         (layout.INSTANCES, view.instances),
         (layout.CLASSES, view.classes),
     ):
@@ -78,7 +78,7 @@ def _maps(view: StoredView) -> Iterator[tuple[str, np.ndarray]]:
 def _view_faults(view: StoredView) -> Iterator[str]:
     camera, labels, maps = view.camera_record(), view.partial_labels(), dict(_maps(view))
     yield from _pair_faults(camera)
-    for name in (layout.GEOMETRY, layout.SENSOR_DEPTH):
+    for name in (layout.GEOMETRY, layout.MEASURED_DEPTH):
         if name in maps:
             with np.errstate(invalid="ignore"):
                 wrong = (maps[name] <= 0.0) | (np.isfinite(maps[name]) & (maps[name] > _FARTHEST))
