@@ -16,6 +16,7 @@ from ..surroundings.environments import bake_environment, draw_environment
 from ..surroundings.furnished_rooms import room_in_place, with_loose_things
 from ..surroundings.lights import draw_lights
 from ..surroundings.photographer import camera_exposure, toned_cameras
+from ..surroundings.room_pictures import with_pictures
 from ..surroundings.shipped_light import with_shipped_light
 from .asset_files import AssetFiles
 from .settings import SceneSettings
@@ -66,6 +67,7 @@ def draw_surroundings(
     far = reach(settings.cameras, space, files.poses)
     rng = rng_of("environment/room")
     environment = room_in_place(rng, settings.environment, environment, table, far)
+    environment = with_pictures(rng_of("environment/textures"), environment, files.room_textures)
     pixels = bake_environment(environment)
     lights = draw_lights(rng_of("lights"), settings.lights, far, environment, pixels)
     exposed, light = camera_exposure(table, environment, pixels, lights)

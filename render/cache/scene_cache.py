@@ -41,15 +41,22 @@ _ATTEMPTS = 3
 def uses_cache(scene: Scene) -> bool:
     """Return whether the scene is rendered with the irradiance cache (`picture.light`).
 
+    Scenes with props that shine are path traced: the cache, its photons and its check know lamps and the sky alone.
+
     Raises
     ------
     InputError
-        If the scene asks for the cache and the active variant is not an RGB variant.
+        If the scene asks for the cache and the active variant is not an RGB variant, or a prop shines.
     """
     if scene.picture.light == "path":
         return False
     rgb = mi.is_rgb and not mi.is_polarized
     required = scene.picture.light == "shared" or scene.picture.keep_light
+    shining = next((prop.name for prop in scene.props if any(piece.material.emission for piece in prop.pieces)), None)
+    if shining is not None:
+        if required:
+            raise InputError("picture.light", f"path or auto, as {shining} shines by itself", "shared")
+        return False
     if required and not rgb:
         raise InputError("picture.light", "path, or an RGB variant such as llvm_ad_rgb", f"shared in {mi.variant()}")
     return rgb and (required or _camera_samples(scene) >= _threshold(scene))

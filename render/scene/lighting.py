@@ -136,7 +136,7 @@ def make_literals_opaque(scene: mi.Scene) -> None:
     """
     parameters = mi.traverse(scene)
     for shape in scene.shapes():
-        if shape.is_emitter():
+        if shape.is_emitter() and not shape.is_mesh():
             pose = parameters[f"{shape.id()}.to_world"]
             dr.make_opaque(pose)
             parameters[f"{shape.id()}.to_world"] = pose
