@@ -79,8 +79,8 @@ def _shared_out(extra: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Return the same number of additional samples, shared out by noise."""
     if not extra.any() or not noise.any():
         return extra
-    asked = noise**_NOISE_POWER
-    shared = extra * np.clip(asked / np.average(asked, weights=extra), _LEAST, _MOST)
+    weight = noise**_NOISE_POWER
+    shared = extra * np.clip(weight / np.average(weight, weights=extra), _LEAST, _MOST)
     return shared * (extra.sum() / shared.sum())
 
 
