@@ -9,6 +9,7 @@ weight moves by a millimetre under the damping of this stage.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,9 +39,16 @@ def moved(before: np.ndarray, after: np.ndarray, radii: np.ndarray) -> np.ndarra
     return shift + turn * radii
 
 
-def comes_to_rest(
-    world: World, among: np.ndarray, seconds: float, stops: Callable[[np.ndarray], bool]
-) -> tuple[bool, float, float]:
+class Settling(NamedTuple):
+    """How a simulation ended."""
+
+    still: bool  #: whether all bodies that count are at rest
+    seconds: float  #: simulated time [s]
+    moved: float  #: the most that a point has moved in the last `STILL_TIME`, or since all were still [m]
+    restless: np.ndarray  #: (n,) bool, the bodies that were not still in the last `STILL_TIME`
+
+
+def comes_to_rest(world: World, among: np.ndarray, seconds: float, stops: Callable[[np.ndarray], bool]) -> Settling:
     """Simulate until the bodies are at rest.
 
     Parameters
@@ -53,30 +61,22 @@ def comes_to_rest(
         Longest simulated time [s].
     stops : callable
         Poses (n, 4, 4) -> whether it makes no sense to go on.
-
-    Returns
-    -------
-    bool
-        Whether they are at rest.
-    float
-        The time that was simulated [s].
-    float
-        The most that a point has moved in the last `STILL_TIME` [m]; where they are not at rest, since the last
-        time at which they were still.
     """
     time, since, reference = 0.0, 0.0, poses(world)
-    distance = 0.0
+    distance, last = np.zeros(len(among)), np.full(len(among), -np.inf)  # when each was last not still [s]
     for number in np.flatnonzero(among):
         slow_down(world, int(number))
     while time < seconds:
         advance(world, LOOK)
         time += LOOK
         now = poses(world)
-        distance = float(moved(reference, now, world.radii)[among].max(initial=0.0))
-        if speeds(world)[among].max(initial=0.0) > STILL_SPEED or distance > STILL_DISTANCE:
+        distance = moved(reference, now, world.radii)
+        moves = among & ((speeds(world) > STILL_SPEED) | (distance > STILL_DISTANCE))
+        last[moves] = time
+        if moves.any():
             since, reference = time, now
         elif time - since >= STILL_TIME - 0.5 * LOOK:
-            return True, time, distance
+            return Settling(True, time, float(distance[among].max(initial=0.0)), moves)
         if not np.isfinite(now).all() or stops(now):
             break
-    return False, time, distance
+    return Settling(False, time, float(distance[among].max(initial=0.0)), time - last < STILL_TIME)
