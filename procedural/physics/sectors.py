@@ -19,7 +19,7 @@ SECTORS = 32
 #: How far the surface may move so that it has fewer triangles [m].
 SIMPLIFICATION = 1e-4
 #: Mean depth of the dents of a piece that is convex enough, and the height of the lowest piece [m].
-MEAN_DENT, LEAST_HEIGHT = 2e-4, 3e-3
+MEAN_DENT, LEAST_HEIGHT = 3e-4, 3e-3
 
 #: How far the corners of a flat foot or rim may differ in height [m]: rounding to single precision.
 _FLAT = 1e-7

@@ -34,9 +34,8 @@ _FRICTION_STIFFNESS = 100.0
 #: Directions in which a contact resists: with friction against sliding, and against turning and rolling as well. A pair
 #: has the larger of both. Parts of one body touch another in many places, which keep each other from turning.
 _SLIDING, _ROLLING = 3, 6
-#: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling in a second
-#: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
-_DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
+#: Damping of motion and of turning while bodies fall [1/s].
+_DAMPING = (0.5, 3.0)
 #: Damping of bodies that are held [1/s]: they move by less than a micrometre under an impact.
 _HELD = 1e6
 #: Thickness of the table top [m]: nothing falls through it.
@@ -135,9 +134,9 @@ def let_go(world: World, number: int, pose: np.ndarray | None = None) -> None:
         place(world, number, pose)
 
 
-def slow_down(world: World, number: int) -> None:
-    """Damp a body that is free more than before, so that it comes to rest soon."""
-    _set_damping(world, number, _LATE_DAMPING)
+def slow_down(world: World, number: int, rate: float) -> None:
+    """Damp the motion and the turning of a body that is free [1/s], so that it comes to rest soon."""
+    _set_damping(world, number, (rate, rate))
 
 
 def place(world: World, number: int, pose: np.ndarray) -> None:
