@@ -24,6 +24,8 @@ from ..writer import write_view
 
 def ready(root: Path, head: DatasetFile) -> None:
     """Set the data set's backend; InputError where bits cannot be compared, because something else made them."""
+    if head.converted is not None:
+        raise InputError("--rerender", "a rendered data set", f"one that was converted from {head.converted.title}")
     activate(head.backend)
     here = installed_versions()
     for name, version in head.versions.items():
@@ -69,7 +71,8 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
 
 
 def _folders_are_there(settings: SceneSettings) -> bool:
-    folders = (settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir, settings.table.texture_dir)
+    light = settings.environment
+    folders = (light.hdri_dir, light.texture_dir, settings.mesh_dir, settings.texture_dir, settings.table.texture_dir)
     poses, vessels = settings.cameras.poses, settings.vessel_dir
     there = all(folder is None or folder.exists() for folder in folders) and (vessels is None or vessels.exists())
     return there and (poses is None or poses.is_file())

@@ -17,12 +17,20 @@ from ...core.errors import InputError, cause_of
 from ...core.setting_errors import setting_error, suggest
 from ...core.stopping import check_stop
 from ..reader import Dataset, StoredScene
+from .detection.partial import check_exportable
 from .folder import RECORD, check_target, new_record, write_record
 from .formats import FORMATS
 from .job import Exporter, ExportOptions, Job
 
 #: Most threads: pictures are read and compressed in parallel, the rest is Python.
 _MOST_THREADS = 8
+#: Options that some formats alone have.
+_OF_FORMATS = {
+    "liquids": ("bop", "bop-webdataset"),
+    "polygons": ("coco",),
+    "layers": ("ply",),
+    "licence": ("webdataset",),
+}
 #: Passes on finished scenes one by one, and may show how many there are of a total.
 Track = Callable[[Iterable[object], int], Iterable[object]]
 
@@ -51,7 +59,7 @@ def export(
     track : callable, optional
         (finished scenes, their total) -> the same, to show progress.
     options
-        The fields of `ExportOptions`: split, eye, vessels_only, polygons, layers, copy_pictures.
+        The fields of `ExportOptions`: split, eye, labels, vessels_only, liquids, polygons, layers, copy_pictures.
 
     Raises
     ------
@@ -62,20 +70,21 @@ def export(
     exporter = exporter_of(format)
     job = Job(Dataset.open(root), as_path("export: out", out), _checked(options))
     _check_options(job, format, exporter)
+    check_exportable(job.dataset.head, format)
     record, scenes = new_record(job, format), job.scenes()
     known = check_target(job, record)
     numbers = tuple(scene.scene_id for scene in scenes)
     if known is not None and known.finished == numbers:
         return Exported(len(scenes), 0)
     _begin(job.out)
-    write_record(job.out, record)
     try:
+        write_record(job.out, record)
         written = _write(job, exporter, scenes, track)
+        exporter.finish(job, scenes)
+        write_record(job.out, record.model_copy(update={"finished": numbers}))
     except BaseException:
         _forget_if_empty(job.out)
         raise
-    exporter.finish(job, scenes)
-    write_record(job.out, record.model_copy(update={"finished": numbers}))
     return Exported(len(scenes), written)
 
 
@@ -97,9 +106,21 @@ def _checked(options: dict[str, Any]) -> ExportOptions:
 def _check_options(job: Job, name: str, exporter: Exporter) -> None:
     if job.options.eye != "left" and not exporter.eyes:
         raise InputError("--eye", f"left, because {name} holds labels, which are the left camera's", job.options.eye)
-    for option, format_name in (("polygons", "coco"), ("layers", "ply")):
-        if getattr(job.options, option) and name != format_name:
-            raise InputError(f"--{option}", f"the format {format_name}", name)
+    _check_labels(job.options.labels, name, exporter)
+    for option, formats in _OF_FORMATS.items():
+        if getattr(job.options, option) and name not in formats:
+            raise InputError(f"--{option}", f"the format {' or '.join(formats)}", name)
+
+
+def _check_labels(labels: tuple[str, ...] | None, name: str, exporter: Exporter) -> None:
+    if labels is None:
+        return
+    if not exporter.labels:
+        raise InputError("--labels", f"none for {name}, whose labels belong together", ", ".join(labels))
+    wrong = next((label for label in labels if label not in exporter.labels), None)
+    if wrong is not None or not labels:
+        hint = suggest(wrong, [*exporter.labels]) if wrong is not None else ""
+        raise InputError("--labels", f"some of {', '.join(exporter.labels)}{hint}", described(wrong))
 
 
 def _begin(out: Path) -> None:

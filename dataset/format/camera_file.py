@@ -7,8 +7,10 @@ from typing import Literal
 from pydantic import Field
 
 from ...annotate.labels import Rle
+from ...core.errors import InputError
 from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
+from ...procedural.description.depth_camera import DepthCamera, along_x
 from ..cameras.model import Distortion
 
 CAMERA_SCHEMA = "glassware/camera/1"
@@ -26,16 +28,38 @@ CONVENTIONS = {
 Row3 = tuple[float, float, float]
 
 
+class DepthCameraRecord(Model):
+    """The depth camera of a view: its place, its infrared cameras, and what the numbers in its files mean."""
+
+    name: str = Field(description="Of the device")
+    unit: float = Field(gt=0.0, description="Of the numbers in `sensor_depth.png` [m]")
+    range: tuple[float, float] = Field(description="Smallest and largest reported depth [m]")
+    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both infrared cameras [px]")
+    width: int = Field(ge=1, description="[px]")
+    height: int = Field(ge=1, description="[px]")
+    baseline: float = Field(gt=0.0, description="Between the infrared cameras [m]")
+    camera_T_left: Matrix4 = Field(description="Pose of the left infrared camera in the left colour camera's frame")
+    camera_T_right: Matrix4 = Field(description="Pose of the right infrared camera")
+    camera_T_projector: Matrix4 = Field(description="Pose of the projector, which looks along z")
+    exposure: float = Field(gt=0.0, description="Of the infrared pictures [s]")
+    gain: float = Field(ge=1.0, description="Of the infrared pictures")
+    reasons: tuple[str, ...] = Field(description="Names of the numbers 0, 1, 2 ... in `sensor_valid.png`")
+
+
 class CameraFile(Model):
     """Intrinsics, pose and exposure of a view."""
 
     schema_version: Literal["glassware/camera/1"] = CAMERA_SCHEMA
-    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both cameras [px]")
+    K: tuple[Row3, Row3, Row3] | None = Field(
+        description="Intrinsic matrix of both cameras [px]; null only in converted data sets: not calibrated"
+    )
     width: int = Field(ge=1, description="[px]")
     height: int = Field(ge=1, description="[px]")
     world_T_camera: Matrix4 = Field(description="Pose of the left camera")
-    world_T_right: Matrix4 = Field(description="Pose of the right camera")
-    baseline: float = Field(gt=0.0, description="[m]")
+    world_T_right: Matrix4 | None = Field(
+        description="Pose of the right camera; null only in converted data sets: there is none"
+    )
+    baseline: float | None = Field(gt=0.0, description="[m]; null with `world_T_right`")
     distortion: Literal["none"] | Distortion = Field(
         default="none",
         description="none: the pictures are those of pinholes. Else what the lens has done to the pictures, by the "
@@ -47,7 +71,10 @@ class CameraFile(Model):
     lost: Rle | None = Field(
         default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"
     )
-    exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    exposure: float | None = Field(
+        gt=0.0,
+        description="Factor from radiance to the linear value that sRGB encodes; null only in converted data sets",
+    )
     balance: tuple[float, float, float] | Literal["grey-world"] = Field(
         default=(1.0, 1.0, 1.0),
         exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
@@ -61,7 +88,32 @@ class CameraFile(Model):
     grid_index: int | None = Field(
         description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"
     )
+    depth_camera: DepthCameraRecord | None = Field(
+        default=None, exclude_if=lambda record: record is None, description="Of `sensor_depth.png`; absent without one"
+    )
     conventions: dict[str, str] = Field(description="What the numbers mean")
+
+
+def depth_camera_record(
+    device: DepthCamera, exposure: float, gain: float, reasons: tuple[str, ...]
+) -> DepthCameraRecord:
+    """Return the record of a depth camera: `exposure` [s] and `gain` are those of its infrared pictures."""
+    first, second, third = (tuple(row) for row in device.K.tolist())
+    return DepthCameraRecord(
+        name=device.name,
+        unit=device.unit,
+        range=device.range,
+        K=(first, second, third),
+        width=device.imager.width,
+        height=device.imager.height,
+        baseline=device.baseline,
+        camera_T_left=along_x(device.place),
+        camera_T_right=along_x(device.place + device.baseline),
+        camera_T_projector=along_x(device.place + device.projector.place),
+        exposure=exposure,
+        gain=gain,
+        reasons=reasons,
+    )
 
 
 def camera_file(camera: Camera) -> CameraFile:
@@ -82,9 +134,24 @@ def camera_file(camera: Camera) -> CameraFile:
     )
 
 
-def camera_of(record: CameraFile) -> Camera:
-    """Return the camera that a record describes."""
-    (fx, _, cx), (_, fy, cy), _ = record.K
+def camera_of(record: CameraFile, where: object = "camera.json") -> Camera:
+    """Return the stereo camera that a record describes.
+
+    Parameters
+    ----------
+    record : CameraFile
+        The record.
+    where : object
+        Its file, for the error.
+
+    Raises
+    ------
+    InputError
+        Where the record is of a single camera, or of one that is not calibrated.
+    """
+    (fx, _, cx), (_, fy, cy), _ = known_K(record, where)
+    if record.baseline is None:
+        raise InputError(where, "a stereo pair with its baseline", "one camera, of a converted data set")
     return Camera(
         width=record.width,
         height=record.height,
@@ -93,8 +160,16 @@ def camera_of(record: CameraFile) -> Camera:
         centre=(cx, cy),
         world_T_camera=record.world_T_camera,
         baseline=record.baseline,
-        exposure=record.exposure,
+        # A photograph's is unknown, and its labels do not depend on it.
+        exposure=1.0 if record.exposure is None else record.exposure,
         balance=record.balance,
         white=record.white,
         grid_index=record.grid_index,
     )
+
+
+def known_K(record: CameraFile, where: object) -> tuple[Row3, Row3, Row3]:
+    """Return the intrinsic matrix of a record; InputError where its camera is not calibrated."""
+    if record.K is None:
+        raise InputError(f"{where}: K", "a calibrated camera", "null: this data set has no calibration")
+    return record.K
