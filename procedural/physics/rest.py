@@ -20,10 +20,10 @@ from .world import World, advance, poses, slow_down, speeds
 STILL_SPEED = 0.03
 #: Time for which bodies have to be still [s], and the most that any point of them may move within it [m].
 STILL_TIME, STILL_DISTANCE = 1.0, 2e-4
-#: Damping of motion and of turning once all have fallen, and in the second half of the time [1/s]: balls stop rolling in
-#: a second or two. What is out of balance moves all the same, and poses at rest do not depend on it. The friction of
-#: contacts is that of soft springs, under which a pen creeps by 0.3 mm a second where the first half leaves it, and which
-#: a real one, whose rolling friction holds a tenth of its weight, does not.
+#: Damping of motion and of turning once all have fallen, and in the second half of the time [1/s]: balls stop rolling
+#: in a second or two. What is out of balance moves all the same; poses at rest do not depend on it. Friction here is
+#: that of soft springs, under which a pen goes on rolling by 0.3 mm a second in the first half; a real one, whose
+#: rolling friction holds a tenth of its weight, stays.
 _DAMPING, _LATE_DAMPING = 10.0, 40.0
 #: Time between two looks at the state [s].
 LOOK = 0.05
