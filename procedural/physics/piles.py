@@ -28,7 +28,7 @@ from .world import RigidBody, build_world, contacts, is_broken, let_go, poses, r
 #: How often each object that falls may fall again on average [1] before the whole pile is drawn anew.
 _FALLS_AGAIN = 1.5
 #: Simulated time of all attempts after which a pile that nobody asked for is given up [s]: some 20 s of one core.
-_LONGEST_CHANCE = 60.0
+_LONGEST_UNASKED = 60.0
 #: Growth of the disc after something left the table, which has to land nearer, and after something did not come to rest
 #: or overlaps, which has to land where there is more room [1].
 _NEARER, _WIDER = 0.8, 1.2
@@ -79,16 +79,16 @@ def pile_up(
         Where no attempt comes to rest and `piled_probability` is 1, or what stands does not fit on the table.
     """
     case = _case(objects, stands, board, table, settings, placement, attached or {})
-    fault, by_chance, seconds = "", settings.piled_probability < 1.0, 0.0
+    fault, unasked, seconds = "", settings.piled_probability < 1.0, 0.0
     for attempt in range(settings.attempts):
         run = _begun(case, stream(seed, scene_id, f"physics/{attempt}"))
         fault, found = _settled(run)
         if not fault:
             return [*found], _record(run, attempt)
         seconds += run.seconds
-        if by_chance and seconds > _LONGEST_CHANCE:
+        if unasked and seconds > _LONGEST_UNASKED:
             return None, no_rest(attempt + 1)
-    if by_chance:
+    if unasked:
         return None, no_rest(settings.attempts)
     where, expected = "physics.attempts, physics.longest_time", "a pile that comes to rest in one of "
     raise InputError(where, f"{expected}{settings.attempts} attempts", f"none; the last one {fault}")
