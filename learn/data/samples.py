@@ -22,7 +22,7 @@ from ..targets.view import view_targets
 from .augment import augmented
 from .geometric_augment import moved_pixels
 from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
-from .scaling import scaled_ground_truth, scaled_view
+from .scaling import fitted, fitted_K, scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
@@ -157,6 +157,14 @@ class SampleDataset(TorchDataset):
             raise InputError(self._root, "a view with a surface in it", "none")
         near, far = np.quantile(np.concatenate(of_objects or of_table), DEPTH_QUANTILES)
         return float(near), float(far)
+
+    def focal_baseline(self) -> float:
+        """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""
+        return max(self._focal_baseline(read_camera(view)) for _, view in self._references)
+
+    def _focal_baseline(self, camera: CameraFile) -> float:
+        fit = fitted((camera.height, camera.width), self._views.size, self._views.fit)
+        return float(fitted_K(np.array(camera.K), fit)[0, 0]) * camera.baseline
 
     def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE

@@ -12,23 +12,23 @@ from torch import Tensor
 from ...annotate.boxes import EDGES
 from ...annotate.projection import project_camera
 from ..decoding.decode import Detections, decode
-from ..networks.settings import Variant
+from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..targets.objects import box_points
 from .samples import Batch
 
-#: Colours of the classes (background, table, transparent, opaque), and of objects in turn, sRGB.
-_CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60]], np.uint8)
+#: Colours of the classes (background, table, transparent, opaque, and one more of SimNet), and of objects in turn, sRGB.
+_CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60], [255, 0, 0]], np.uint8)
 _OBJECTS = ((255, 80, 80), (80, 220, 80), (90, 140, 255), (255, 210, 60), (220, 90, 255), (60, 220, 220))
 
 
-def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: Variant) -> np.ndarray:
+def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], settings: NetworkSettings) -> np.ndarray:
     """Return the first sample of a batch as an image, predictions above targets, (2 H, 4 W, 3) uint8.
 
     From left to right: the reference image with detections, depth, classes, heatmap.
     """
-    first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if name != "planes"}
-    (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(variant))
+    first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if value.ndim > 2}
+    (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(settings))
     picture = rgb(batch.images[0, 0])
     true = {name: value[0].detach().cpu().numpy() for name, value in batch.targets.items()}
     limits = depth_limits(true["depth"])

@@ -81,7 +81,7 @@ def predict(
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)
-    encoding = encoding_of(settings.network.variant)
+    encoding = encoding_of(settings.network)
     pictures = image_tensor(np.stack([view.picture for view in views]), encoding)[None]
     poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
     K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]

@@ -21,9 +21,10 @@ from ..data.samples import SampleDataset
 from ..data.splits import SplitName
 from ..data.visualise import sample_picture
 from ..networks.build import Network
-from ..networks.settings import Variant
+from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
+from ..training.methods import outputs_of, samples_of
 from ..training.out_folder import make_out_folder
 from .report import summarise
 from .score import SampleScore, eval_mode, score_sample
@@ -82,9 +83,8 @@ def evaluate(
     digest = dataset_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
     make_out_folder(out)
-    encoding = encoding_of(settings.network.variant)
-    samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, ground_truth=True)
-    scores, worst_samples = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
+    samples = samples_of(settings, data, split, seed=_SEED, ground_truth=True)
+    scores, worst_samples = score_all(network.to(device), samples, settings.network, say, worst, workers)
     found = {
         "checkpoint": str(checkpoint),
         "data": {"path": str(data), "split": split, "sha256": digest},
@@ -102,7 +102,7 @@ def evaluate(
 def score_all(
     network: Network,
     samples: SampleDataset,
-    variant: Variant,
+    settings: NetworkSettings,
     say: Callable[[str], None],
     worst: int = 0,
     workers: int = 0,
@@ -117,14 +117,14 @@ def score_all(
         for number, batch in enumerate(load_batches(samples, order, workers), start=1):
             check_stop()
             moved = batch.to(device)
-            outputs = network(moved.images, moved.world_T_camera, moved.K)
+            outputs = outputs_of(network, moved, settings)
             outputs = {name: value.float().cpu() for name, value in outputs.items()}
             (labels,) = batch.ground_truths
             assert labels is not None, "the data set was made with ground truth"
-            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(variant))
+            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(settings))
             scores.append(score)
             if worst and (len(worst_samples) < worst or _depth_mae(score) > _depth_mae(worst_samples[-1].score)):
-                worst_samples.append(WorstSample(score, sample_picture(batch, outputs, variant)))
+                worst_samples.append(WorstSample(score, sample_picture(batch, outputs, settings)))
                 worst_samples = sorted(worst_samples, key=lambda case: -_depth_mae(case.score))[:worst]
             if number % _PROGRESS_STEP == 0 or number == len(samples):
                 say(f"sample {number}/{len(samples)}")

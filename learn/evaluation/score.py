@@ -75,7 +75,7 @@ def score_sample(
     encoding : Encoding
         Encoding of the network's fields.
     """
-    fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits")}
+    fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits", "focal_baseline")}
     check_finite(fields, name)
     (found,) = decode(fields, K[None].double(), encoding)
     depth = outputs["depth"][0].cpu().numpy()

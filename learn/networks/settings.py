@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
+from .baselines.settings import DenseFusionSettings, KeyPoseSettings, SimNetSettings
 from .layers import Norm
 from .resnet import Depth
 
+NetworkName = Literal["mvtrans", "simnet", "keypose", "densefusion"]
 Variant = Literal["corrected", "reference"]
 _Count = Annotated[int, Field(ge=1, le=64)]
 _Metres = Annotated[float, Field(gt=0.0, le=1000.0)]
 
 
 class NetworkSettings(Model):
-    """Settings of a network; the reference variant uses `variant` alone."""
+    """Settings of a network: its name and variant, those of MVTrans, and those of each of the others.
 
+    The reference variant of MVTrans uses `variant` alone.
+    """
+
+    name: NetworkName = Field(
+        default="mvtrans",
+        description="mvtrans; simnet and keypose, which take stereo pairs; densefusion, which takes depth and masks",
+    )
     variant: Variant = Field(
-        default="corrected", description="corrected: MVTrans as its paper describes it; reference: as it was released"
+        default="corrected", description="corrected: as its paper describes it, mended; reference: as it was released"
     )
     depth_range: Annotated[tuple[_Metres, _Metres], Ordered] | None = Field(
         default=None, description="Depth of the first and the last plane [m]; by default the range of the training data"
@@ -64,3 +73,12 @@ class NetworkSettings(Model):
     )
     norm: Norm = Field(default="batch", description="Normalisation of all layers but ResNets and heads")
     head_norm: Norm = Field(default="group", description="Normalisation of the heads; group in the paper")
+    simnet: SimNetSettings = SimNetSettings()
+    keypose: KeyPoseSettings = KeyPoseSettings()
+    densefusion: DenseFusionSettings = DenseFusionSettings()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_name(cls, data: Any) -> Any:
+        """Take a name for the settings with that name, as in a file with ``network: simnet``."""
+        return {"name": data} if isinstance(data, str) else data
