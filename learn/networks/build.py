@@ -5,12 +5,14 @@ from __future__ import annotations
 import torch
 
 from ...core.errors import InputError
+from .baselines.densefusion import DenseFusion
+from .baselines.keypose import KeyPose
 from .baselines.simnet import SimNet
 from .mvtrans import MVTrans
 from .reference import ReferenceMVTrans
 from .settings import NetworkSettings
 
-Network = MVTrans | ReferenceMVTrans | SimNet
+Network = MVTrans | ReferenceMVTrans | SimNet | KeyPose | DenseFusion
 
 
 def build_network(settings: NetworkSettings) -> Network:
@@ -18,6 +20,10 @@ def build_network(settings: NetworkSettings) -> Network:
     released = settings.variant == "reference"
     if settings.name == "simnet":
         return SimNet(settings.simnet, released=released)
+    if settings.name == "keypose":
+        return KeyPose(settings.keypose, released=released)
+    if settings.name == "densefusion":
+        return DenseFusion(settings.densefusion, released=released)
     return ReferenceMVTrans() if released else MVTrans(settings)
 
 

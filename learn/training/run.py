@@ -22,7 +22,7 @@ from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
 from .checkpoint import Checkpoint, load_checkpoint, load_weights, save_checkpoint
 from .losses import total_loss
-from .methods import losses_of, outputs_of, with_own_views
+from .methods import losses_of, note_step, outputs_of, with_own_views
 from .out_folder import make_out_folder
 from .run_log import RunLog
 from .schedule import StepBatches, learning_rate_at
@@ -114,8 +114,9 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
             group["lr"] = learning_rate_at(step, settings.steps, settings.optimiser)
         batch = loaded.to(fabric.device)
         model.train()
-        outputs = outputs_of(model, batch, settings.network)
-        terms = losses_of(outputs, batch, settings)
+        progress = step / settings.steps
+        outputs = outputs_of(model, batch, settings.network, progress)
+        terms = losses_of(outputs, batch, settings, progress)
         total = total_loss(terms, settings.losses)
         _check_loss(total, terms, step, batch)
         optimiser.zero_grad(set_to_none=True)
@@ -123,6 +124,7 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
         norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
         _check_gradient(norm, step, batch)
         optimiser.step()
+        note_step(state.network, outputs)
         ema = _updated_ema(ema, state.network, settings.optimiser.ema)
         done = step + 1
         log.log_step(done, total, terms, optimiser.param_groups[0]["lr"], norm, batch, outputs)

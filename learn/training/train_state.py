@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
-from ..data.samples import SampleDataset
+from ..data.samples import Samples
 from ..networks.build import Network, build_network
 from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
@@ -34,8 +34,8 @@ class TrainState:
 
     fabric: Fabric
     settings: TrainSettings
-    train: SampleDataset
-    val: SampleDataset | None
+    train: Samples
+    val: Samples | None
     data: DatasetRecord
     network: Network
     optimiser: torch.optim.Optimizer
@@ -55,7 +55,7 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
     train = samples_of(settings, data, settings.train_split, augment=settings.augment, seed=settings.seed)
-    settings = with_data(settings, train)
+    settings, train = with_data(settings, train)
     val = None
     if settings.val_split != "none":
         val = samples_of(settings, data, settings.val_split, seed=_VALIDATION_SEED)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ....core.model import Model
+from ....core.user_text import UserPath
 
 _Side = Annotated[int, Field(ge=16, le=2048)]
 #: An order of keypoints, such as 1-0-2.
@@ -70,6 +71,9 @@ class DenseFusionSettings(Model):
         default="raw",
         description="Depth that it is given: raw, of semi-global matching of the two eyes, as a stereo camera has it; "
         "true, of the labels; completed, predicted by the network of `completion`",
+    )
+    completion: UserPath | None = Field(
+        default=None, description="Checkpoint of a network whose depth is the completed one"
     )
     points: int = Field(default=500, ge=8, le=10_000, description="Pixels of an object that are used")
     model_points: int = Field(default=500, ge=8, le=2000, description="Points of its surface that the loss compares")
