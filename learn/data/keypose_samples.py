@@ -187,7 +187,7 @@ class KeyPoseSamples(TorchDataset):
         points: np.ndarray,
         rng: np.random.Generator,
         mirrored: bool,
-    ) -> dict[str, np.ndarray]:
+    ) -> dict[str, np.ndarray | np.generic]:
         left, right = (np.stack([_projected(one, view.K) for one in points]) for view in windows)
         left_T_right = inverse_pose(windows[0].world_T_camera) @ windows[1].world_T_camera
         baseline = left_T_right[0, 3]

@@ -91,10 +91,10 @@ def samples_of(
     common = augment if network.name == "keypose" and network.keypose.augment == "common" else None
     # The loss of DenseFusion needs points of the surface, which come with the ground truth.
     base = SampleDataset(data, split, settings.views, encoding, augment=common, seed=seed, ground_truth=True)
-    told = {"released": released, "training": training, "seed": seed, "location": location, "findings": findings}
+    options = {"released": released, "training": training, "seed": seed, "location": location, "findings": findings}
     if network.name == "keypose":
-        return KeyPoseSamples(base, network.keypose, **told)
-    return DenseFusionSamples(base, network.densefusion, _depth_source(network), **told)
+        return KeyPoseSamples(base, network.keypose, **options)
+    return DenseFusionSamples(base, network.densefusion, _depth_source(network), **options)
 
 
 def with_data(settings: TrainSettings, train: Samples) -> tuple[TrainSettings, Samples]:

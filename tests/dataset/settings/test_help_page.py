@@ -49,7 +49,7 @@ def test_parsing_a_request_loads_no_library_that_takes_long():
 
 
 def test_every_short_name_stands_for_an_option():
-    assert set(SHORT.values()) <= set(option_names(RenderScene))
+    assert set(SHORT.values()) <= {*option_names(RenderScene), *option_names(TrainSettings)}
 
 
 def test_no_option_lacks_a_description_or_a_known_form():
