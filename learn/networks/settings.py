@@ -58,8 +58,14 @@ class NetworkSettings(Model):
         default=(3, 6, 3, 3), description="Residual blocks of the matching layers; PSMNet has 16 in the second"
     )
     volume_channels: int = Field(default=32, ge=2, le=256, description="Channels of the cost volume")
-    context: Depth = Field(default="resnet50", description="Context network, which sees the reference image")
-    context_width: int = Field(default=64, ge=4, le=256, description="Its first channels; 64 in torchvision")
+    context: Depth | Literal["efficientnet-lite0"] = Field(
+        default="resnet50",
+        description="Context network, which sees the reference image; efficientnet-lite0 begins with weights for "
+        "ImageNet (needs the extra `encoder`)",
+    )
+    context_width: int = Field(
+        default=64, ge=4, le=256, description="First channels of a ResNet there; 64 in torchvision"
+    )
     decoder_width: int = Field(
         default=64, ge=4, le=256, description="Channels of the context decoder at 1/4 of the image size"
     )

@@ -99,10 +99,10 @@ def _notes(what: Experiment, plan: Plan, results: Mapping[str, Result]) -> list[
     ]
     if what.name == "keypose":
         notes.append(
-            "KeyPose and DenseFusion are given the object's place (AUC, <2 cm and MAE: the true one; then one off by 20 "
-            "px, and that of a detector); the others find it, and an object that is not found has no keypoint "
-            "within any distance. MAE is over the objects that are found. All are compared on the middle of the top "
-            "and of the bottom of each object."
+            "KeyPose and DenseFusion are given the place of the object: the true one for AUC, <2 cm and MAE, then one "
+            "that is off by 20 px, and that of a detector. The others find it, and an object that is not found has no "
+            "keypoint within any distance. MAE is over the objects that are found. All are compared on the middle of "
+            "the top and of the bottom of each object."
         )
         notes += _dropped(results)
     titles = {row.name: row.title for row in what.rows}

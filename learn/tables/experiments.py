@@ -118,6 +118,7 @@ def _ablation_rows() -> tuple[Row, ...]:
         "linear": ("planes at equal steps of depth", {"network": {"spacing": "linear"}}),
         "inverse": ("planes at equal steps of 1 / depth", {"network": {"spacing": "inverse"}}),
         "windowed": ("depth around the best plane", {"network": {"readout": "windowed"}}),
+        "encoder": ("context by EfficientNet-Lite0, ImageNet", {"network": {"context": "efficientnet-lite0"}}),
         "visibility": ("3 views, weighted by visibility", {"network": {"fusion": "visibility"}, "views": {"count": 3}}),
         "3-views": ("3 views", {"views": {"count": 3}}),
         "5-views": ("5 views", {"views": {"count": 5}}),

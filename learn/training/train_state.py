@@ -14,6 +14,7 @@ from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
 from ..data.samples import Samples
 from ..networks.build import Network, build_network
+from ..networks.efficientnet import EfficientNet, load_efficientnet, published_weights
 from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
@@ -70,13 +71,16 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
 
 
 def load_pretrained_context(state: TrainState) -> None:
-    """Load the pretrained weights of the context network, where the settings name a file."""
+    """Load the pretrained weights of the context network: of the file that the settings name, or of its package."""
     path = state.settings.pretrained
-    if path is None:
-        return
-    if not isinstance(state.network, MVTrans):
-        raise InputError("pretrained", "none for the reference variant, whose weights come from its checkpoints", path)
-    load_pretrained(state.network.context, path)
+    context = state.network.context if isinstance(state.network, MVTrans) else None
+    if isinstance(context, EfficientNet):
+        load_efficientnet(context, path or published_weights())
+    elif path is not None:
+        if context is None:
+            expected = "none for the reference variant and for other networks, whose weights come from checkpoints"
+            raise InputError("pretrained", expected, path)
+        load_pretrained(context, path)
 
 
 def with_network_of(settings: TrainSettings, start: Checkpoint, where: Path) -> TrainSettings:
