@@ -10,7 +10,6 @@ import numpy as np
 import torch
 from torch.utils.data import Dataset as TorchDataset
 
-from ...core.errors import InputError
 from ...core.randomness import stream
 from ..networks.baselines.settings import DenseFusionSettings
 from ..targets.encoding import CORRECTED
@@ -48,7 +47,7 @@ class DenseFusionSamples(TorchDataset):
         Seed of the draws.
     location : str
         ``truth``: true masks; ``jitter``: true masks moved as KeyPose's windows are; ``detector``: those of
-        `findings`, without objects that were missed.
+        `findings`, without objects that were missed. Objects of other categories than the settings' are `unknown`.
     findings : mapping, optional
         Of a detector.
     """
@@ -73,8 +72,12 @@ class DenseFusionSamples(TorchDataset):
             case for case in every if self._findings is not None and (case.view, case.object_id) not in self._findings
         ]
         self.dropped: list[ObjectCase] = []
-        self.cases = [case for case in every if case not in self.missed]
-        if not self.missed:
+        every = [case for case in every if case not in self.missed]
+        # A network has an output for each category that it has learnt, and none for others.
+        known = settings.categories
+        self.unknown = [case for case in every if known and self._category(case) not in known]
+        self.cases = [case for case in every if case not in self.unknown]
+        if not (self.missed or self.unknown):
             check_has_cases(self.cases, str(base.root))
 
     def __len__(self) -> int:
@@ -89,9 +92,10 @@ class DenseFusionSamples(TorchDataset):
 
     def categories(self) -> tuple[str, ...]:
         """Return the categories of the objects, sorted."""
-        labels = {case.view: self.base.labels(case.view) for case in self.cases}
-        found = {object_of(labels[case.view], case, str(self.base.root)).category for case in self.cases}
-        return tuple(sorted(found))
+        return tuple(sorted({self._category(case) for case in self.cases}))
+
+    def _category(self, case: ObjectCase) -> str:
+        return object_of(self.base.labels(case.view), case, str(self.base.root)).category
 
     def __getitem__(self, item: tuple[int, int]) -> Sample:
         """Return the sample of an item (index, draw)."""
@@ -99,9 +103,6 @@ class DenseFusionSamples(TorchDataset):
         case, rng = self.cases[index], stream(self._seed, index, f"learn/densefusion/{draw}")
         loaded = self.base.load((case.view, draw))
         target = object_of(loaded.labels, case, loaded.name)
-        if target.category not in self._settings.categories:
-            found = f"{target.category} of {loaded.name}"
-            raise InputError("network.densefusion.categories", ", ".join(self._settings.categories), found)
         mask = self._mask(case, loaded, rng)
         depth = self._depth_of(loaded)
         usable = mask & (depth > 0.0) & np.isfinite(depth)

@@ -112,6 +112,7 @@ class SampleDataset(TorchDataset):
             raise InputError("views.count", "2 with the rule stereo", views.count)
         self.root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
+        self._last_labels: tuple[int, GroundTruth] | None = None
         self._surface_of: dict[int, dict[int, np.ndarray]] = {}
         self._objects_of: dict[int, ObjectsFile] = {}
         self._cameras_of: dict[int, list[CameraFile]] = {}
@@ -165,7 +166,15 @@ class SampleDataset(TorchDataset):
         return LoadedViews(str(reference.folder.relative_to(self.root)), tuple(views), labels)
 
     def labels(self, index: int) -> GroundTruth:
-        """Return the labels of a reference at the size of the samples, without augmentation."""
+        """Return the labels of a reference at the size of the samples, without augmentation.
+
+        The last ones are kept: those who ask do so for one object after another.
+        """
+        if self._last_labels is None or self._last_labels[0] != index:
+            self._last_labels = index, self._unmoved_labels(index)
+        return self._last_labels[1]
+
+    def _unmoved_labels(self, index: int) -> GroundTruth:
         scene, reference = self._references[index]
         return scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
 

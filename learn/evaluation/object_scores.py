@@ -87,7 +87,7 @@ def evaluate_objects(
     -------
     dict
         By location `report.object_metrics`, with how many objects were ``dropped`` by the border rule, ``lost``
-        without a depth, and ``missed`` by the detector; these count as failures but in ``kept``.
+        without a depth, ``missed`` by the detector, and of an ``unknown`` category; they are failures but in ``kept``.
     """
     eval_mode(network)
     found: dict[str, Any] = {}
@@ -150,13 +150,16 @@ def _measured(
                 say(f"object {len(scores)}/{count}")
     dropped = [_failed(samples.base.labels(case.view), case, settings) for case in samples.dropped]
     missed = [_failed(samples.base.labels(case.view), case, settings) for case in samples.missed]
+    cases = samples.unknown if isinstance(samples, DenseFusionSamples) else []
+    unknown = [_failed(samples.base.labels(case.view), case, settings) for case in cases]
     lost = sum(score.pose is None for score in scores)
     return {
-        **object_metrics([*scores, *dropped, *missed]),
+        **object_metrics([*scores, *dropped, *missed, *unknown]),
         "kept": object_metrics([score for score in scores if score.pose is not None])["keypoints"],
         "dropped": len(dropped),
         "missed": len(missed),
         "lost": lost,
+        "unknown": len(unknown),
     }
 
 

@@ -171,11 +171,23 @@ def tables(found: dict[str, Any]) -> list[Table]:
 
 
 def _object_tables(found: dict[str, Any]) -> list[Table]:
-    names = ("location", "objects", "AUC", "<2 cm", "MAE [m]", "dropped", "missed", "lost", "translation", "rotation")
+    names = (
+        "location",
+        "objects",
+        "AUC",
+        "<2 cm",
+        "MAE [m]",
+        "dropped",
+        "missed",
+        "lost",
+        "unknown",
+        "translation",
+        "rotation",
+    )
     rows = []
     for location, values in found["locations"].items():
         keypoints, pose = values["keypoints"], values["pose"]
-        counts = [values[name] for name in ("dropped", "missed", "lost")]
+        counts = [values[name] for name in ("dropped", "missed", "lost", "unknown")]
         of_points = [keypoints[name] for name in ("objects", "auc", "near", "mae")]
         rows.append([location, *of_points, *counts, pose["translation"], pose["rotation"]])
     kinds = ("objects", "found", "axis_mae", "auc", "near", "mae", "add_s", "translation", "rotation")

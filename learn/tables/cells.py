@@ -115,7 +115,7 @@ def _dropped(results: Mapping[str, Result]) -> list[str]:
     for name, result in results.items():
         for report in result.reports[:1]:
             for location, values in report.get("locations", {}).items():
-                counts = {kind: values[kind] for kind in ("dropped", "missed", "lost") if values[kind]}
+                counts = {kind: values[kind] for kind in ("dropped", "missed", "lost", "unknown") if values[kind]}
                 if counts:
                     shown = ", ".join(f"{count} {kind}" for kind, count in counts.items())
                     kept = values["kept"]["auc"]
