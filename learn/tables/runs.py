@@ -89,8 +89,8 @@ def make_plan(
     path = out / "plan.json"
     if path.is_file():
         plan = parsed(Plan, read_json(path), path)
-        asked = (what.name, digest, common, seeds, split, budget)
-        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget) != asked:
+        requested = (what.name, digest, common, seeds, split, budget)
+        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget) != requested:
             raise InputError(
                 path, "the plan of the same experiment, data, settings, seeds, split and budget", "another"
             )
