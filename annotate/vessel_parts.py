@@ -46,7 +46,7 @@ def vessel_parts(
     camera : Camera
         The camera; its left eye.
     turbid : sequence of int
-        Materials whose surfaces are opaque (`turbid_materials`).
+        Materials whose surfaces are opaque (`opaque_media`).
     """
     opaque = (layers.part == PARTS.index("opaque")) | np.isin(layers.material, turbid)
     opaque &= np.isfinite(layers.Z)

@@ -88,6 +88,11 @@ class LineOfSight:
     opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
 
 
+#: What was done about a region whose light from the irradiance cache is off: the whole scene is path traced, its
+#: object is, or others are and it is within the bound since then; null where nothing had to be done.
+Remedy = Literal["scene path traced", "object path traced", "other objects path traced"]
+
+
 @dataclass(frozen=True)
 class RegionCheck:
     """Comparison of pictures from the irradiance cache with path-traced ones, in random pixels of one region."""
@@ -99,6 +104,7 @@ class RegionCheck:
     pixels: int  #: pixels compared
     difference: float  #: mean difference of the cached pictures, over the region's mean radiance [1]
     standard_error: float  #: of the difference [1]
+    remedy: Remedy | None = None  #: what was done about a region that is listed as beyond the bound
 
 
 @dataclass(frozen=True)

@@ -183,8 +183,9 @@ def runnable(page: str) -> list[Block]:
 def write_inputs(folder: Path) -> None:
     """Write the files of a user's own that pages speak of: environment maps, meshes and textures."""
     rng = np.random.default_rng(20230213)
-    for name in ("hdri/a.hdr", "hdri/b.hdr", "textures/wood.png", "tops/oak.png"):
-        (folder / name).parent.mkdir(exist_ok=True)
+    pictures = ("textures/wood.png", "tops/oak.png", "rooms/walls/brick.png", "rooms/floors/tile.png")
+    for name in ("hdri/a.hdr", "hdri/b.hdr", *pictures):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
     ball = trimesh.creation.icosphere(subdivisions=1, radius=0.03)

@@ -10,7 +10,8 @@ import numpy as np
 from ...annotate.labels import Labels
 from ...annotate.stereo import BOTH, HIDDEN, NOTHING, OUTSIDE, PairVisibility
 from ...procedural.description.camera import Camera
-from ...procedural.description.scene import Scene, turbid_materials
+from ...procedural.description.material_list import opaque_media
+from ...procedural.description.scene import Scene
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format.exr import channel, read_exr
 from ..format.map_files import HEAT_STEPS, PAIR_SHIFTS, read_ids
@@ -134,7 +135,7 @@ def part_faults(path: Path, scene: Scene, geometry: Geometry, layers: Layers, mo
     """Compare the bits of vessels' parts with the layers, and with the mouths, (H, W) bool and where that is unsure."""
     bits = read_ids(path)
     vessels = [body.id for body in scene.vessels]
-    solid = ((layers.part == 0) | np.isin(layers.material, turbid_materials(scene))) & np.isfinite(layers.Z)
+    solid = ((layers.part == 0) | np.isin(layers.material, opaque_media(scene))) & np.isfinite(layers.Z)
     behind = np.cumsum(solid, axis=0) - solid > 0
     counted = np.isfinite(layers.Z) & ~behind & np.isin(layers.id, vessels)
     expected = np.zeros(bits.shape, int)

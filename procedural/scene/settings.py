@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -10,6 +10,7 @@ from ...core.model import Model, Ordered
 from ...core.units import Length
 from ...core.user_text import UserPath
 from ..description.picture import Picture
+from ..description.twin import TwinKind
 from ..materials.surface_files import PICTURE_SIDE
 from ..physics.settings import PhysicsSettings
 from ..placement.placement import PlacementSettings
@@ -51,6 +52,11 @@ class SceneSettings(Model):
         "the same number twice states it",
     )
     strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
+    twin: Literal["none"] | TwinKind = Field(
+        default="none",
+        description="Make a counterfactual twin of each scene: painted glass (opaque), vessels without liquid (empty), "
+        "no vessels (clean-plate), other light, or other glasses and liquids (media); all else is the same",
+    )
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()
     table: TableSettings = TableSettings()
