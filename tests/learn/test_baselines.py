@@ -10,8 +10,16 @@ import yaml
 
 from glassware.core.errors import InputError
 from glassware.dataset.commands.glassware import main
+from glassware.learn import build_network
+from glassware.learn.data.samples import collate
+from glassware.learn.decoding.keypoints import points_in_space
 from glassware.learn.evaluation.run import evaluate
+from glassware.learn.evaluation.score import score_sample
+from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.checkpoint import load_checkpoint, load_network
+from glassware.learn.training.losses import LossWeights, total_loss
+from glassware.learn.training.methods import losses_of, outputs_of, samples_of, with_data, with_own_views
+from glassware.learn.training.object_losses import model_distances
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import TrainSettings
 
@@ -105,34 +113,41 @@ def test_a_detector_says_where_objects_are(rendered, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "steps", "rate"), [("simnet", 260, 2e-3), ("keypose", 300, 3e-3), ("densefusion", 250, 2e-4)]
+    ("name", "steps", "rate"), [("simnet", 240, 2e-3), ("keypose", 300, 3e-3), ("densefusion", 150, 2e-4)]
 )
-def test_a_network_learns_one_sample_by_heart(rendered, split, copied, tmp_path, name, steps, rate):
-    """Few pictures, learnt until the network knows them; what a constant would reach is far away."""
-    split(copied, train=(0,))
-    chosen = settings(
-        name,
-        steps=steps,
-        batch=2,
-        val_split="none",
-        augment={"probability": 0.0},
-        optimiser={"learning_rate": rate, "warmup": 10, "weight_decay": 0.0},
-        save_every=1000,
-        log_every=50,
-        pictures_every=1000,
-    )
-    options = {
-        "simnet": {},
-        "keypose": {"keypose": SMALL["keypose"]["keypose"] | {"filters": 24, "augment": "common", "dither": 0.0}},
-        "densefusion": {"densefusion": SMALL["densefusion"]["densefusion"] | {"shift": 0.0, "refine_after": 0.7}},
-    }[name]
-    chosen = TrainSettings.model_validate(chosen.model_dump() | {"network": {"name": name, **options}})
-    train(chosen, copied, tmp_path, None, quiet)
-    found = evaluate(tmp_path / "last.safetensors", copied, "train", tmp_path / "report", quiet, worst=0)
-    if name == "simnet":
-        assert found["depth"]["full"]["objects"]["mae"] < 0.3 * found["floors"]["objects"]["constant"]["mae"]
-        assert found["pose"]["found"] > 0.5
-    elif name == "keypose":
-        assert found["locations"]["truth"]["keypoints"]["mae"] < 0.03
+def test_a_network_learns_one_sample_by_heart(rendered, name, steps, rate):
+    options = {"keypose": {"crop": [32, 48], "filters": 24}, "densefusion": {"depth": "true", "points": 64, "crop": 40}}
+    network = {"name": name, name: options.get(name, {})}
+    chosen = with_own_views(TrainSettings.model_validate({"network": network, "augment": {"probability": 0.0}}))
+    chosen, samples = with_data(chosen, samples_of(chosen, rendered, "train", ground_truth=True))
+    batch = collate([samples[(0, 0)]])
+    net = build_network(chosen.network).train()
+    optimiser = torch.optim.Adam(net.parameters(), lr=rate)
+    for step in range(steps):
+        outputs = outputs_of(net, batch, chosen.network, 0.0)
+        loss = total_loss(losses_of(outputs, batch, chosen, step / steps), LossWeights())
+        optimiser.param_groups[0]["lr"] = rate * (1.0 - step / steps)
+        optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(net.parameters(), 10.0)
+        optimiser.step()
+    with torch.inference_mode():
+        outputs = outputs_of(net.eval(), batch, chosen.network)
+    if name == "keypose":
+        found = points_in_space(outputs["keypoints"], batch.K, batch.targets["baseline"])
+        assert float((found - batch.targets["points"][:, 0]).norm(dim=2).max()) < 0.02
+    elif name == "densefusion":
+        distance = model_distances(
+            outputs["pose"][:, None],
+            batch.targets["model"],
+            batch.targets["model"] @ batch.targets["pose"][:, :3, :3].mT + batch.targets["pose"][:, None, :3, 3],
+            batch.targets["symmetric"],
+        )
+        assert float(distance) < 0.01
     else:
-        assert found["locations"]["truth"]["pose"]["add_s"] < 0.015
+        (labels,) = batch.ground_truths
+        score = score_sample("one", outputs, batch.K[0, 0], labels, CORRECTED)
+        # A tenth of a pixel of disparity is 7 mm here, and the means of batch norm follow the weights with a delay.
+        assert score.full["objects"] is not None
+        assert score.full["objects"].mae < 0.05
+        assert min(item.iou for item in score.objects) > 0.4
