@@ -83,8 +83,9 @@ PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA dev
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
 PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
-#: Python blocks that compile large kernels, by a line of theirs: run among the longer proofs alone.
-PYTHON_SLOW = ("trace_stokes(", "picture_and_gradients(", "refract(")
+#: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
+#: alone.
+PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")
@@ -207,7 +208,10 @@ def write_inputs(folder: Path) -> None:
             (ball.copy().apply_scale(1000.0) if name.startswith("bop") else ball).export(path)
     # A beaker in millimetres: 70 wide, 90 high, walls of 2.
     profile = np.array([(0, 0), (35, 0), (35, 90), (33, 90), (33, 2), (0, 2)], float)
-    trimesh.creation.revolve(profile, sections=64).export(folder / "beaker.obj")
+    beaker = trimesh.creation.revolve(profile, sections=64)
+    beaker.export(folder / "beaker.obj")
+    (folder / "keypose-objects").mkdir()
+    beaker.copy().apply_scale(1e-3).export(folder / "keypose-objects" / "mug_0.obj")
 
 
 @pytest.fixture(scope="module")

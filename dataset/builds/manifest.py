@@ -41,8 +41,9 @@ Folder = Literal[
     "vessel_dir",
     "cameras.poses",
     "vessels.media",
+    "sensors.depth",
 ]
-_SINGLE_FILES = ("cameras.poses", "vessels.media")
+_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth")
 #: Suffixes of meshes and of what they or their layouts refer to.
 _MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
@@ -152,7 +153,8 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
-    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
+    device = settings.sensors.depth if isinstance(settings.sensors.depth, Path) else None  # else one by its name
+    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media, device), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 
 

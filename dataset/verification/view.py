@@ -23,7 +23,7 @@ from ..format.map_files import read_pair
 from ..format.objects_file import ObjectsFile
 from ..stored_view import StoredView
 from . import layers as layer_checks
-from . import maps, objects, pictures, refraction, surfaces
+from . import maps, objects, pictures, refraction, sensors, surfaces
 from .description import camera_faults
 from .fault import Fault
 from .pinhole import Pinhole, pinhole_of
@@ -76,6 +76,7 @@ class ViewChecks:
             self._layers()
         if self._has(layout.REFRACTION):
             self._refraction()
+        self._check("sensor", ("depth", "ids"), self._sensor)
         self._maps()
         return self.faults
 
@@ -199,6 +200,9 @@ class ViewChecks:
                 ("refraction",),
                 lambda: refraction.refraction_faults(rays, camera, triangles, self._stream("refraction"), file),
             )
+
+    def _sensor(self) -> list[Fault]:
+        return sensors.sensor_faults(self.view, self.scene.depth_camera, self._geometry["left"])
 
     def _maps(self) -> None:
         folder, geometry, scene = self.view.folder, self._geometry, self.scene

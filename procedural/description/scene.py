@@ -38,6 +38,7 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
+from .depth_camera import DepthCamera
 from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
 from .rest import Rest
@@ -85,6 +86,9 @@ class Scene(Model):
     # Left out of files where there is none: scenes whose objects stand apart stay what they were.
     rest: Rest | None = Field(
         default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
+    )
+    depth_camera: DepthCamera | None = Field(
+        default=None, exclude_if=lambda device: device is None, description="Beside the left colour camera"
     )
     twin: Twin | None = Field(
         default=None, exclude_if=lambda twin: twin is None, description="Which scene it is a twin of, where it is one"

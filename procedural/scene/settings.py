@@ -15,6 +15,7 @@ from ..materials.surface_files import PICTURE_SIDE
 from ..physics.settings import PhysicsSettings
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
+from ..sensors.settings import SensorSettings
 from ..surroundings.camera_settings import CameraSettings
 from ..surroundings.settings import EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
@@ -65,6 +66,7 @@ class SceneSettings(Model):
     cameras: CameraSettings = CameraSettings()
     placement: PlacementSettings = PlacementSettings()
     physics: PhysicsSettings = PhysicsSettings()
+    sensors: SensorSettings = SensorSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
 

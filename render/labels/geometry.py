@@ -159,7 +159,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         stops = unblocked & surface.opaque
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
-        passed = _straight_transmittance(table, surface, ray, start_normal, unblocked)
+        passed = straight_transmittance(table, surface, ray, start_normal, unblocked)
         transmittance *= dr.select(unblocked, passed, 1.0)
         start_normal = mi.Normal3f(surface.ns)
 
@@ -176,7 +176,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 
 
-def _straight_transmittance(
+def straight_transmittance(
     table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
 ) -> mi.Color3f:
     """Return the Beer-Lambert factor of the segment times the Fresnel transmittance of the surface at its end.

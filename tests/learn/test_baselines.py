@@ -146,6 +146,7 @@ def test_a_network_learns_one_sample_by_heart(rendered, name, steps, rate):
         assert float(distance) < 0.01
     else:
         (labels,) = batch.ground_truths
+        assert labels is not None
         score = score_sample("one", outputs, batch.K[0, 0], labels, CORRECTED)
         # A tenth of a pixel of disparity is 7 mm here, and the means of batch norm follow the weights with a delay.
         assert score.full["objects"] is not None

@@ -23,6 +23,11 @@ WITHOUT_VIEWS = ("gltf", "mjcf", "urdf", "usd")
 FULL = 700
 
 
+def formats(quick: str):
+    """All formats; those that are not named are slow tests, because the machinery is the same."""
+    return [pytest.param(name, marks=() if name in quick.split() else pytest.mark.slow) for name in FORMATS]
+
+
 @pytest.fixture
 def two_scenes(made, head, stored, write_scene, add_sensor_depth):
     """The stored data set with a second scene, of one view, and a sensor's depth."""
@@ -37,7 +42,7 @@ def _files(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", formats("coco bop gltf keypose nerfstudio ply syn-todd webdataset"))
 def test_a_stopped_export_keeps_what_is_complete_and_ends_the_same(two_scenes, tmp_path, name):
     export(two_scenes, name, tmp_path / "whole")
     file = "objects.json" if name in WITHOUT_VIEWS else "000/labels.json" if name != "keypose" else "000/geometry.exr"
@@ -53,7 +58,7 @@ def test_a_stopped_export_keeps_what_is_complete_and_ends_the_same(two_scenes, t
     assert _files(tmp_path / "out") == _files(tmp_path / "whole")
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", formats("coco bop bop-webdataset gltf ply syn-todd webdataset"))
 def test_scenes_that_are_added_later_are_exported_as_well(
     made, head, stored, write_scene, add_sensor_depth, tmp_path, name
 ):
@@ -79,7 +84,7 @@ def test_a_damaged_picture_is_one_line_and_leaves_nothing_behind(stored, add_sen
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", formats("coco ply"))
 def test_a_full_disk_is_one_line_and_the_same_command_goes_on(two_scenes, tmp_path, capsys, name):
     export(two_scenes, name, tmp_path / "whole")
     request = [str(two_scenes), "--format", name, "--out", str(tmp_path / "out")]

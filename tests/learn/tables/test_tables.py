@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,7 +19,9 @@ from glassware.learn.tables.runs import Plan, Result, seeded_settings
 from glassware.learn.training.settings import TrainSettings
 
 #: A report of a network that is told where objects are, and of one that finds them.
-TOLD = {"keypoints": {"auc": 0.5, "near": 0.25, "mae": 0.0123, "accuracy": list(np.linspace(0.0, 1.0, 21))}}
+TOLD: dict[str, Any] = {
+    "keypoints": {"auc": 0.5, "near": 0.25, "mae": 0.0123, "accuracy": list(np.linspace(0.0, 1.0, 21))}
+}
 TOLD |= {"by_category": {"cup": {"axis_mae": 0.02}}, "kept": {"auc": 0.75}, "dropped": 2, "missed": 0, "lost": 0}
 TOLD |= {"unknown": 0}
 TOLD["keypoints"]["objects"] = 8

@@ -12,6 +12,7 @@ import pytest
 
 from glassware.core.errors import InputError
 from glassware.core.passed_over import Finding
+from glassware.procedural.description.material import UniformTexture
 from glassware.procedural.materials.surface_files import usable_surfaces
 from glassware.procedural.mesh_files.model import FilePart, Source
 from glassware.procedural.mesh_files.read import read_parts
@@ -129,9 +130,11 @@ def test_the_notch_of_a_polygon_and_the_colours_of_parts_are_those_of_the_file(t
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
     hull = float(np.prod(np.ptp(part.vertices, axis=0)))
     assert 0.1 * hull < volume < 0.95 * hull
-    box, knob = _parts("multi/knob.obj", tmp_path)
-    assert box.look.texture.colour[2] > 0.5 > box.look.texture.colour[0]
-    assert knob.look.texture.colour[0] > 0.5 > knob.look.texture.colour[2]
+    box, knob = (part.look.texture for part in _parts("multi/knob.obj", tmp_path))
+    assert isinstance(box, UniformTexture)
+    assert isinstance(knob, UniformTexture)
+    assert box.colour[2] > 0.5 > box.colour[0]
+    assert knob.colour[0] > 0.5 > knob.colour[2]
 
 
 @pytest.mark.parametrize(("folder", "maps"), [("ambientcg", 2), ("polyhaven", 3), ("tga", 0), ("tiff32", 0)])

@@ -44,6 +44,18 @@ def test_a_file_scores_one_against_itself(stored, tmp_path, kind):
     assert score.stats[0] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("kind", ["instances", "amodal"])
+def test_the_second_implementation_scores_the_same(stored, tmp_path, kind):
+    faster = pytest.importorskip("faster_coco_eval")
+    export(stored, "coco", tmp_path / "out")
+    path = tmp_path / "out" / "annotations" / f"{kind}_train.json"
+    truth = faster.COCO(json.loads(path.read_text()))
+    found = [annotation | {"score": 1.0} for annotation in truth.dataset["annotations"]]
+    score = faster.COCOeval_faster(truth, truth.loadRes(found), "segm")
+    score.run()
+    assert score.stats[0] == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("polygons", [False, True])
 def test_masks_are_the_same_to_the_bit(stored, tmp_path, polygons):
     export(stored, "coco", tmp_path / "out", polygons=polygons)
