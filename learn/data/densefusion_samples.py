@@ -184,7 +184,9 @@ def true_depth(loaded: LoadedViews) -> np.ndarray:
 
 
 def raw_depth(loaded: LoadedViews) -> np.ndarray:
-    """Return the depth that a stereo camera finds (`semi_global.semi_global_depth`)."""
+    """Return the depth of the data set's depth camera, or what a stereo camera would find (`semi_global_depth`)."""
+    if loaded.sensor_depth is not None:
+        return loaded.sensor_depth
     return semi_global_depth(loaded.views[0], loaded.views[1])
 
 

@@ -23,7 +23,7 @@ from ..targets.view import view_targets
 from .augment import augmented
 from .geometric_augment import moved_pixels
 from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
-from .scaling import fitted, fitted_K, scaled_ground_truth, scaled_view
+from .scaling import fitted, fitted_K, scaled_depth, scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
@@ -54,6 +54,7 @@ class LoadedViews:
     name: str
     views: tuple[CameraView, ...]  #: of one size; the reference first
     labels: GroundTruth
+    sensor_depth: np.ndarray | None = None  #: (H, W) [m], 0 for none; of a data set with depth cameras, where asked for
 
 
 class Samples(Protocol):
@@ -90,6 +91,8 @@ class SampleDataset(TorchDataset):
         Seed of the draws.
     ground_truth : bool
         Whether samples have their ground truth.
+    sensor_depth : bool
+        Whether `load` gives the depth of a depth camera, where the data set has one.
 
     Raises
     ------
@@ -107,11 +110,13 @@ class SampleDataset(TorchDataset):
         augment: AugmentSettings | None = None,
         seed: int = 0,
         ground_truth: bool = False,
+        sensor_depth: bool = False,
     ) -> None:
         if views.rule == "stereo" and views.count != 2:
             raise InputError("views.count", "2 with the rule stereo", views.count)
         self.root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
+        self._with_sensor_depth = sensor_depth
         self._last_labels: tuple[int, GroundTruth] | None = None
         self._surface_of: dict[int, dict[int, np.ndarray]] = {}
         self._objects_of: dict[int, ObjectsFile] = {}
@@ -163,7 +168,10 @@ class SampleDataset(TorchDataset):
         labels = scaled_ground_truth(labels, size, self._views.fit)
         if self._with_ground_truth:
             labels = replace(labels, surface=self._surface(scene))
-        return LoadedViews(str(reference.folder.relative_to(self.root)), tuple(views), labels)
+        sensor = None
+        if self._with_sensor_depth and reference.depth_camera() is not None:
+            sensor = scaled_depth(reference.sensor_depth(), size, self._views.fit)
+        return LoadedViews(str(reference.folder.relative_to(self.root)), tuple(views), labels, sensor)
 
     def labels(self, index: int) -> GroundTruth:
         """Return the labels of a reference at the size of the samples, without augmentation.

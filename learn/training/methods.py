@@ -90,7 +90,16 @@ def samples_of(
         )
     common = augment if network.name == "keypose" and network.keypose.augment == "common" else None
     # The loss of DenseFusion needs points of the surface, which come with the ground truth.
-    base = SampleDataset(data, split, settings.views, encoding, augment=common, seed=seed, ground_truth=True)
+    base = SampleDataset(
+        data,
+        split,
+        settings.views,
+        encoding,
+        augment=common,
+        seed=seed,
+        ground_truth=True,
+        sensor_depth=network.name == "densefusion",
+    )
     options = {"released": released, "training": training, "seed": seed, "location": location, "findings": findings}
     if network.name == "keypose":
         return KeyPoseSamples(base, network.keypose, **options)

@@ -69,8 +69,8 @@ class DenseFusionSettings(Model):
 
     depth: Literal["raw", "true", "completed"] = Field(
         default="raw",
-        description="Depth that it is given: raw, of semi-global matching of the two eyes, as a stereo camera has it; "
-        "true, of the labels; completed, predicted by the network of `completion`",
+        description="Depth that it is given: raw, of the data set's depth camera or else of semi-global "
+        "matching of the eyes; true, of the labels; completed, predicted by the network of `completion`",
     )
     completion: UserPath | None = Field(
         default=None, description="Checkpoint of a network whose depth is the completed one"

@@ -9,10 +9,11 @@ import pytest
 import torch
 from scipy.spatial import cKDTree
 
-from glassware.learn.data.densefusion_samples import DenseFusionSamples, true_depth
+from glassware.learn.data.densefusion_samples import DenseFusionSamples, raw_depth, true_depth
 from glassware.learn.data.keypose_samples import KeyPoseSamples
 from glassware.learn.data.object_cases import Finding, object_cases
 from glassware.learn.data.samples import SampleDataset
+from glassware.learn.data.scaling import scaled_depth
 from glassware.learn.data.semi_global import filled_depth, semi_global_depth
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.data.views import CameraView
@@ -137,6 +138,16 @@ def test_an_object_without_depth_is_lost_and_said_to_be(base):
     samples = densefusion(base, depth_of=lambda loaded: np.zeros_like(loaded.labels.Z))
     assert bool(samples[(0, 0)].targets["lost"])
     assert not bool(densefusion(base)[(0, 0)].targets["lost"])
+
+
+def test_raw_depth_is_that_of_the_depth_camera_where_there_is_one(base):
+    loaded = base.load((0, 0))
+    assert loaded.sensor_depth is None
+    matched = raw_depth(loaded)
+    assert (matched > 0.0).any()
+    measured = scaled_depth(np.array([[np.nan, 0.5], [0.7, 0.9]], np.float32), (4, 4))
+    np.testing.assert_allclose(measured[::2, ::2], [[0.0, 0.5], [0.7, 0.9]])
+    np.testing.assert_array_equal(raw_depth(replace(loaded, sensor_depth=measured)), measured)
 
 
 def test_objects_of_unknown_categories_are_counted(base):
