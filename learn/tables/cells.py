@@ -19,7 +19,7 @@ FACTS = {
     "gmac": ("GMAC", 2),
     "runs": ("runs", 0),
     "seen": ("samples seen", 0),
-    "evaluated": ("samples tested", 0),
+    "evaluated": ("pictures or objects tested", 0),
 }
 _LATEX = str.maketrans({"%": r"\%", "&": r"\&", "_": r"\_", "#": r"\#", "<": "$<$", "±": r"$\pm$"})
 
@@ -92,7 +92,7 @@ def _notes(what: Experiment, plan: Plan, results: Mapping[str, Result]) -> list[
     if plan.budget is not None:
         notes.append(f"Budget: {plan.budget:g} minutes for all runs together, spread so that each sees equally many.")
     notes += [
-        f"Trained on the split train, chosen by the split val, tested on {plan.split}; {plan.seeds} seeds.",
+        f"Trained on the split train, chosen by the split val, tested on {plan.split}; seeds: {plan.seeds}.",
         f"Machine: {plan.machine}. Data set: {plan.data[:12]}.",
         'Means over runs ± their standard deviation. "-": the network does not give this. Published figures: '
         "MVTrans, ICRA 2023, tables I and II; other data, so no figure of ours can be expected to equal them.",

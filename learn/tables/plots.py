@@ -11,7 +11,7 @@ from .experiments import Experiment
 from .runs import Result
 
 #: Size of a plot and its margins [px].
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 560, 300, 56, 190, 28, 40
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 576, 300, 72, 190, 28, 40
 #: Colours of the lines: those of Okabe & Ito ("Color Universal Design", 2008), which everyone can tell apart.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999")
 
@@ -116,7 +116,7 @@ def _frame(title: str, across: str, up: str, top: float) -> list[str]:
     ]
     for step in range(5):
         y = _TOP + tall * (1.0 - step / 4.0)
-        parts.append(_text(_LEFT - 6, y + 4, f"{top * step / 4.0:.3g}", "end"))
+        parts.append(_text(_LEFT - 6, y + 4, f"{top * step / 4.0:.4g}", "end"))
         parts.append(f'<path d="M{_LEFT} {y:.1f}H{right}" stroke="#ddd"/>')
     return parts
 
