@@ -174,7 +174,9 @@ class DenseFusionSamples(TorchDataset):
         return jittered(window, rng) if self._training else window
 
     def _model(self, loaded: LoadedViews, target: ViewObject, rng: np.random.Generator) -> np.ndarray:
-        surface = loaded.labels.surface[target.id]
+        # Converted data sets have no meshes; their keypoints stand for the surface.
+        surface = loaded.labels.surface.get(target.id, loaded.labels.keypoints[target.id])
+        surface = np.resize(surface, (max(len(surface), self._settings.model_points), 3))
         return surface[rng.permutation(len(surface))[: self._settings.model_points]]
 
 

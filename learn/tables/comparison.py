@@ -6,6 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from ...dataset.format import layout
+from ...dataset.format.conversion import Conversion
 from ...dataset.reader import Dataset, StoredView
 from .cells import Cell, TableData
 from .published import DATASETS
@@ -37,13 +38,16 @@ def comparison_table(folders: tuple[Path, ...]) -> TableData:
     ]
     notes = (
         "Objects of data sets that are given: instances over all scenes; every vessel of ours is drawn for its scene.",
-        "Annotations of data sets that are given: files that every view has.",
+        "Annotations of data sets that are given: files that every view has; of converted ones, labels that every view "
+        "has, and their categories as objects.",
     )
     return TableData("Data sets", _HEADS, tuple(rows), notes)
 
 
 def _counted(folder: Path) -> tuple[Cell, ...]:
     data = Dataset.open(folder)
+    if data.head.converted is not None:
+        return _converted(data, data.head.converted)
     kinds: Counter[str] = Counter()
     files: Counter[str] = Counter()
     views = 0
@@ -55,6 +59,17 @@ def _counted(folder: Path) -> tuple[Cell, ...]:
     common = ", ".join(name for name in _FILES if files[name] == views and views)
     objects = ", ".join(f"{kinds[kind]:,} {kind}" for kind in ("transparent", "opaque"))
     values = (data.head.name, f"{views:,}", objects, f"{len(data.scenes):,}", common, f"files of {folder.name}")
+    return tuple(map(Cell, values))
+
+
+def _converted(data: Dataset, record: Conversion) -> tuple[Cell, ...]:
+    """Return the row of another project's data set that was converted: what every one of its views has."""
+    categories = {
+        item.category for scene in data.scenes for view in scene.views for item in view.partial_labels().objects or ()
+    }
+    common = ", ".join(kind for kind, count in record.has.items() if count == record.views)
+    source = f"files of {record.folder}"
+    values = (record.title, f"{record.views:,}", f"{len(categories):,}", f"{len(data.scenes):,}", common, source)
     return tuple(map(Cell, values))
 
 
