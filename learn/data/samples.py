@@ -239,7 +239,7 @@ class SampleDataset(TorchDataset):
 
     def focal_baseline(self) -> float:
         """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""
-        baselines = [read_camera(view).baseline for _, view in self._references]
+        baselines = [read_camera(view).baseline or 0.0 for _, view in self._references]
         focal = (float(self.fitted_camera(index)[0][0, 0]) for index in range(len(self)))
         return max(length * baseline for length, baseline in zip(focal, baselines, strict=True))
 
