@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterable, Iterator, Sequence
 
+import torch
 from torch.utils.data import DataLoader
 from torch.utils.data import Dataset as TorchDataset
 
@@ -55,6 +56,8 @@ def load_batches(samples: Samples, order: Iterable[list[tuple[int, int]]], worke
         collate_fn=_collate_or_error,
         num_workers=workers,
         worker_init_fn=_ignore_signals,
+        # Otherwise the loader of a resumed run would draw from the generator that dropout draws from.
+        generator=torch.Generator(),
     )
     try:
         for found in loader:

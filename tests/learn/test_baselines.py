@@ -132,7 +132,8 @@ def test_a_network_learns_one_sample_by_heart(rendered, name, steps, rate):
         torch.nn.utils.clip_grad_norm_(net.parameters(), 10.0)
         optimiser.step()
     with torch.inference_mode():
-        outputs = outputs_of(net.eval(), batch, chosen.network)
+        # SimNet by the statistics of the batch: at one picture and a falling rate the averages come late.
+        outputs = outputs_of(net.train(name == "simnet"), batch, chosen.network)
     if name == "keypose":
         found = points_in_space(outputs["keypoints"], batch.K, batch.targets["baseline"])
         assert float((found - batch.targets["points"][:, 0]).norm(dim=2).max()) < 0.02
@@ -148,7 +149,7 @@ def test_a_network_learns_one_sample_by_heart(rendered, name, steps, rate):
         (labels,) = batch.ground_truths
         assert labels is not None
         score = score_sample("one", outputs, batch.K[0, 0], labels, CORRECTED)
-        # A tenth of a pixel of disparity is 7 mm here, and the means of batch norm follow the weights with a delay.
+        # A tenth of a pixel of disparity is 7 mm here.
         assert score.full["objects"] is not None
-        assert score.full["objects"].mae < 0.05
-        assert min(item.iou for item in score.objects) > 0.4
+        assert score.full["objects"].mae < 0.04
+        assert min(item.iou for item in score.objects) > 0.5
