@@ -28,7 +28,8 @@ from glassware.core.randomness import stream
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.loading import load_batches
 from glassware.learn.data.samples import Batch
-from glassware.learn.training.losses import LossWeights, losses, total_loss
+from glassware.learn.training.loss_weights import LossWeights
+from glassware.learn.training.losses import losses, total_loss
 from glassware.learn.training.methods import losses_of, outputs_of, samples_of, with_data, with_own_views
 from glassware.learn.training.settings import TrainSettings
 

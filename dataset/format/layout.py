@@ -25,6 +25,8 @@ from pathlib import Path
 DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW, REPORT = "dataset.json", "views.parquet", "preview.png", "report.html"
+#: A first look at a scene that is being rendered, gone when it is done.
+DRAFT = "draft.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
 #: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"

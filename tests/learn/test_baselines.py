@@ -17,7 +17,8 @@ from glassware.learn.evaluation.run import evaluate
 from glassware.learn.evaluation.score import score_sample
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.checkpoint import load_checkpoint, load_network
-from glassware.learn.training.losses import LossWeights, total_loss
+from glassware.learn.training.loss_weights import LossWeights
+from glassware.learn.training.losses import total_loss
 from glassware.learn.training.methods import losses_of, outputs_of, samples_of, with_data, with_own_views
 from glassware.learn.training.object_losses import model_distances
 from glassware.learn.training.run import train
