@@ -35,6 +35,7 @@ _PURPOSES = {
     "train": "train a network that finds glass in pictures (needs the extra `learn`)",
     "evaluate": "measure a network against the labels of a data set (needs the extra `learn`)",
     "predict": "objects and depth in pictures of your own (needs the extra `learn`)",
+    "tables": "the paper's tables: networks trained, compared and written up (needs the extra `learn`)",
 }
 
 
