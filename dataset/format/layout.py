@@ -2,7 +2,7 @@
 
 ::
 
-    dataset.json  views.parquet  preview.png
+    dataset.json  views.parquet  preview.png  report.html  view.html
     manifest.json  splits.json  build.jsonl           (only of builds)
     assets/<sha16>-<name>
     scenes/000007/
@@ -22,7 +22,8 @@ from pathlib import Path
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
-DATASET, VIEWS, PREVIEW, REPORT = "dataset.json", "views.parquet", "preview.png", "report.html"
+DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
+REPORT, PAGE, RECORDING = "report.html", "view.html", "view.rrd"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
 #: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"
