@@ -31,7 +31,7 @@ from .show import open_file
 _DESCRIPTION = """Look at a data set: pictures, every label over them, cameras, boxes, meshes and points in 3D.
 
   glassware view out
-  glassware view out --save out.html --scenes 0:4 --views 8
+  glassware view out --save out.html --scenes 0:4 --most-views 8
   glassware view out --rerun
   glassware view out --save out.rrd
 
@@ -52,10 +52,10 @@ class View(Model):
     )
     rerun: bool = Field(default=False, description="Open Rerun instead of a browser (needs the extra `view`)")
     scenes: str | None = Field(default=None, description="Scenes such as 0:4 or 3,7; evenly spaced ones by default")
-    views: int = Field(
-        default=8, ge=1, le=500, description="Most views in all; each takes 1 to 2 MB at 640x480 px, a scene 1 MB"
+    most_views: int = Field(default=8, ge=1, le=500, description="Views at most; each takes 1 to 4 MB at 640x480 px")
+    most_columns: int = Field(
+        default=640, ge=16, le=4096, description="Columns of pictures at most [px]; larger ones are reduced"
     )
-    width: int = Field(default=640, ge=16, le=4096, description="Most columns of pictures and labels [px]")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -86,7 +86,7 @@ def _view(arguments: Sequence[str]) -> None:
 def _write(request: View, out: Path, rerun: bool, console: Console) -> int:
     """Write the file, whole or not at all; return the number of views."""
     dataset = Dataset.open(request.directory)
-    choices = chosen(dataset, parse_scenes(request.scenes) if request.scenes else (), request.views)
+    choices = chosen(dataset, parse_scenes(request.scenes) if request.scenes else (), request.most_views)
     try:
         with atomic_file(out) as partial:
             if rerun:
@@ -94,12 +94,12 @@ def _write(request: View, out: Path, rerun: bool, console: Console) -> int:
                     partial,
                     dataset.head,
                     choices,
-                    request.width,
+                    request.most_columns,
                     lambda all: tracked(all, "scenes", len(choices), console),
                 )
             else:
                 with partial.open("w", encoding="utf-8") as file:
-                    parts = page_parts(dataset.head, choices, request.width)
+                    parts = page_parts(dataset.head, choices, request.most_columns)
                     total = 2 + sum(1 + len(choice.views) for choice in choices)
                     file.writelines(tracked(parts, "views", total, console))
     except OSError as error:

@@ -17,6 +17,10 @@ class Choice:
     scene: StoredScene
     views: tuple[StoredView, ...]
 
+    def following(self, place: int) -> StoredView | None:
+        """Return the view after one, the first after the last; None where there is no other."""
+        return self.views[(place + 1) % len(self.views)] if len(self.views) > 1 else None
+
 
 def chosen(dataset: Dataset, wanted: Sequence[int], most: int) -> list[Choice]:
     """Return scenes with at most so many views in all, evenly spaced: of many scenes the first view of each.

@@ -148,8 +148,7 @@ def _pinhole(camera: Camera, eye: Eye) -> dict[str, Any]:
 
 def _view(choice: Choice, place: int, width: int) -> dict[str, Any]:
     view = choice.views[place]
-    following = choice.views[(place + 1) % len(choice.views)] if len(choice.views) > 1 else None
-    camera, (maps, absent) = view.camera(), view_maps(view, following)
+    camera, (maps, absent) = view.camera(), view_maps(view, choice.following(place))
     shown = min(width, camera.width)
     height = max(1, round(camera.height * shown / camera.width))
     shapes = {"left": view_shapes(view.labels(), camera)}

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...annotate.labels import Labels
 from ...core.errors import InputError
-from ...core.images import id_colour
+from ...core.images import NOTHING, id_colour
 from ...procedural.description.camera import Camera
 from ...procedural.description.scene import TABLE_ID, Prop, Scene
 from ...render.frame import EYES, Eye
@@ -38,6 +38,8 @@ _STATES = {
     "occluded": (240, 75, 65),
     "outside": (250, 190, 50),
 }
+#: An id with its name and colour.
+_Class = tuple[int, str, tuple[int, int, int]]
 _INSTALL = "the library of Rerun, as in pip install 'glassware[view]'"
 
 
@@ -78,8 +80,9 @@ def write_recording(
         Where the library is missing, or a file of the data set is missing or damaged.
     """
     rr = rerun_library()
-    recording = rr.RecordingStream("glassware", recording_id=f"{head.name}-{head.seed}")
-    names = _map_names(choices)
+    recording = rr.RecordingStream("glassware")
+    names, classes = _map_names(choices[0]), _classes(choices)
+    recording.send_recording_name(head.name)
     recording.save(path, default_blueprint=_blueprint(names))
     recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     count = 0
@@ -92,18 +95,15 @@ def write_recording(
         _log_scene(rr, recording, scene)
         for number, view in enumerate(choice.views):
             recording.set_time("view", sequence=count)
-            following = choice.views[(number + 1) % len(choice.views)] if len(choice.views) > 1 else None
-            _log_view(rr, recording, view, following, width)
+            _log_view(rr, recording, view, choice.following(number), width, classes)
             count += 1
     recording.flush()
     recording.disconnect()
 
 
-def _map_names(choices: Sequence[Choice]) -> list[str]:
-    """Return the maps of the first view by name: which of them there are decides the blueprint."""
-    choice = choices[0]
-    following = choice.views[1] if len(choice.views) > 1 else None
-    return [one.name for one in view_maps(choice.views[0], following)[0]]
+def _map_names(choice: Choice) -> list[str]:
+    """Return the maps of a scene's first view by name: which of them there are decides the blueprint."""
+    return [one.name for one in view_maps(choice.views[0], choice.following(0))[0]]
 
 
 def _blueprint(names: Sequence[str]) -> Any:
@@ -123,7 +123,7 @@ def _blueprint(names: Sequence[str]) -> Any:
     world = blueprint.Spatial3DView(
         origin="world",
         name="world",
-        contents=["$origin/**", *(f"- world/{name}/**" for name in names if name != "left/depth")],
+        contents=["$origin/**", *(f"- world/{name}/**" for name in names)],
     )
     pictures = blueprint.Tabs(*(picture(eye) for eye in EYES), name="pictures")
     layout_ = blueprint.Horizontal(world, blueprint.Vertical(pictures, blueprint.Tabs(*maps, name="labels")))
@@ -131,16 +131,18 @@ def _blueprint(names: Sequence[str]) -> Any:
 
 
 def _log_scene(rr: ModuleType, recording: Any, scene: Scene) -> None:
-    """Log the table and the objects: poses, surfaces, boxes, and names and colours of ids."""
-    classes = [(0, "nothing", (45, 45, 48)), (TABLE_ID, "table", id_colour(TABLE_ID))]
-    classes += [(item.id, item.name, id_colour(item.id)) for item in scene.objects]
-    recording.log("world", rr.AnnotationContext(classes))
+    """Log the table and the objects: poses, surfaces, boxes."""
     _log_mesh(rr, recording, "world/table", scene.table.mesh, (*id_colour(TABLE_ID), 255))
     for item in scene.objects:
         entity, colour = f"world/objects/{item.name}", id_colour(item.id)
         pose = np.asarray(item.world_T_object)
         recording.log(entity, rr.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3]))
-        box = rr.Boxes3D(half_sizes=[np.asarray(item.size) / 2], colors=[colour], labels=[f"{item.id} {item.category}"])
+        box = rr.Boxes3D(
+            half_sizes=[np.asarray(item.size) / 2],
+            colors=[colour],
+            labels=[f"{item.id} {item.category}"],
+            fill_mode="majorwireframe",
+        )
         recording.log(f"{entity}/box", box)
         if isinstance(item, Prop):
             _log_mesh(rr, recording, f"{entity}/surface", item.mesh, (*colour, 255))
@@ -150,12 +152,34 @@ def _log_scene(rr: ModuleType, recording: Any, scene: Scene) -> None:
             _log_mesh(rr, recording, f"{entity}/{interface.part}-{number}", interface.mesh, (*colour, alpha))
 
 
+def _classes(choices: Sequence[Choice]) -> list[_Class]:
+    """Return number, name and colour of each id; one that means other objects in other scenes is named by its number.
+
+    Rerun takes the colours of segmentations from contexts that do not change with time.
+    """
+    names: dict[int, set[str]] = {}
+    for choice in choices:
+        for item in choice.scene.objects().objects:
+            names.setdefault(item.id, set()).add(item.name)
+    classes = [(0, "nothing", NOTHING), (TABLE_ID, "table", id_colour(TABLE_ID))]
+    for number, found in sorted(names.items()):
+        classes.append((number, found.pop() if len(found) == 1 else f"object {number}", id_colour(number)))
+    return classes
+
+
 def _log_mesh(rr: ModuleType, recording: Any, entity: str, mesh: Any, colour: tuple[int, ...]) -> None:
     vertices, faces = simplified(mesh, MOST_TRIANGLES)
     recording.log(entity, rr.Mesh3D(vertex_positions=vertices, triangle_indices=faces, albedo_factor=colour))
 
 
-def _log_view(rr: ModuleType, recording: Any, view: StoredView, following: StoredView | None, width: int) -> None:
+def _log_view(
+    rr: ModuleType,
+    recording: Any,
+    view: StoredView,
+    following: StoredView | None,
+    width: int,
+    classes: list[_Class],
+) -> None:
     """Log both cameras of a view, their pictures and maps, and the cloud of what the left one sees."""
     camera = view.camera()
     shown = min(width, camera.width)
@@ -172,6 +196,8 @@ def _log_view(rr: ModuleType, recording: Any, view: StoredView, following: Store
         if eye == "left" or (view.folder / layout.RIGHT_LABELS).is_file():
             _log_labels(rr, recording, entity, view.labels(eye), scale)
     for one in view_maps(view, following)[0]:
+        if one.kind == "ids":  # a view of one map knows only what is logged at the map itself
+            recording.log(f"world/{one.name}", rr.AnnotationContext(classes), static=True)
         _log_map(rr, recording, one, reduced(one, shown, height))
     points, colours, ids = view_points(view, camera)
     cloud = rr.Points3D(points, colors=colours, radii=_POINT, class_ids=ids)
@@ -197,8 +223,8 @@ def _log_labels(rr: ModuleType, recording: Any, entity: str, labels: Labels, sca
         found = [(label.id, getattr(label.box2d, name)) for label in labels.objects]
         boxes = [(number, (np.array(box) + 0.5) * scale) for number, box in found if box is not None]
         places = np.array([box for _, box in boxes]).reshape(-1, 4)
-        ids = [number for number, _ in boxes]
-        drawn = rr.Boxes2D(array=places, array_format=rr.Box2DFormat.XYXY, class_ids=ids, show_labels=False)
+        colours = [id_colour(number) for number, _ in boxes]
+        drawn = rr.Boxes2D(array=places, array_format=rr.Box2DFormat.XYXY, colors=colours)
         recording.log(f"{entity}/{'boxes' if name == 'modal' else name}", drawn)
     points = [point for label in labels.objects for point in label.keypoints if point.pixel is not None]
     pixels = (np.array([point.pixel for point in points]).reshape(-1, 2) + 0.5) * scale
