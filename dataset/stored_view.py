@@ -14,6 +14,7 @@ from ..annotate.flow import flow_visibility, optical_flow
 from ..annotate.heatmap import view_heatmap
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
+from ..annotate.mattes import Mattes
 from ..annotate.outlines import fill_lines, openings
 from ..annotate.projection import disparity, project, transformed, unproject
 from ..annotate.stereo import PairVisibility
@@ -30,6 +31,8 @@ from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
 from .format.exr import channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
+from .format.matte_files import read_mattes
+from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 
@@ -182,6 +185,13 @@ class StoredView:
     def vessel_parts(self) -> dict[str, VesselParts]:
         """Return the masks of each vessel's parts in the left picture, by name; it needs ``--write layers``."""
         return parts_of(self.scene(), self.layers(), self.camera())
+
+    def mattes(self) -> Mattes:
+        """Return the soft mattes of the left picture's objects; they need ``--write mattes``."""
+        self._of_kind(layout.MATTES, "mattes")
+        path = self.folder.parent / layout.OBJECTS
+        records = read_record(ObjectsFile, path, OBJECTS_SCHEMA).objects
+        return read_mattes(self.folder, [(one.id, one.name, one.material.kind == "glass") for one in records])
 
     def openings(self) -> dict[str, tuple[np.ndarray, ...]]:
         """Return the mouths of vessels in the left picture as polygons, by name, each (n, 2) [px]."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +21,16 @@ _LARGEST_HALF = 65504
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
-def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
+def write_exr(path: Path, channels: dict[str, np.ndarray], attributes: Mapping[str, str] | None = None) -> None:
     """Write channels, each (H, W), with ZIP compression; the same channels give the same bytes.
 
     Float16 arrays are written as half, everything else as float32. Infinities and NaN survive. The header has no date
-    and no name, so that files can be compared.
+    and no name, so that files can be compared; `attributes` are added to it.
     """
     shapes = {values.shape for values in channels.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2:
         raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage} | dict(attributes or {})
     stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
     try:
         OpenEXR.File(header, stored).write(str(path))
@@ -53,6 +54,17 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         if values.dtype not in (np.float32, np.float16):
             raise InputError(f"{path}: channel {name}", "float32 or half", values.dtype)
     return channels
+
+
+def exr_attributes(path: Path) -> dict[str, str]:
+    """Return the texts in a file's header; InputError where the file is missing or damaged."""
+    if not path.is_file():
+        raise InputError(path, "a readable EXR file", "none")
+    try:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
+            return {name: value for name, value in file.header().items() if isinstance(value, str)}
+    except (RuntimeError, ValueError) as error:
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
 
 
 def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:

@@ -13,6 +13,7 @@ pictures, depth, normals, ids, masks, poses and boxes, with which networks are t
 ``heatmap``       ``heatmap.png``: where objects are, as the networks learn it
 ``coordinates``   ``coordinates.exr``: object coordinates of first surfaces and back walls
 ``vessel-parts``  ``vessel_parts.png``: glass, wet wall, liquid surface, content, opening
+``mattes``        ``mattes.exr`` and ``cryptomatte.exr``: soft edges, and what each object lets through
 ================  ========================================================================================
 """
 
@@ -35,6 +36,7 @@ FileKind = Literal[
     "heatmap",
     "coordinates",
     "vessel-parts",
+    "mattes",
 ]
 KINDS: tuple[FileKind, ...] = get_args(FileKind)
 #: The kinds of data sets that do not say which they have: those of earlier versions.
@@ -58,6 +60,7 @@ KIND_BYTES: dict[str, float] = {
     "heatmap": 0.6,
     "coordinates": 0.6,
     "vessel-parts": 0.02,
+    "mattes": 0.5,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6

@@ -11,7 +11,7 @@
             camera.json  labels.json  instances.png
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
             right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
-            heatmap.png  coordinates.exr  vessel_parts.png
+            heatmap.png  coordinates.exr  vessel_parts.png  mattes.exr  cryptomatte.exr
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 RIGHT_LABELS, RIGHT_INSTANCES, RIGHT_GEOMETRY = "right_labels.json", "right_instances.png", "right_geometry.exr"
 DISPARITY, PAIR, HEATMAP = "disparity.exr", "pair.png", "heatmap.png"
 COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
+MATTES, CRYPTOMATTE = "mattes.exr", "cryptomatte.exr"
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")

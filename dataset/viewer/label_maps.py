@@ -158,12 +158,22 @@ def _refraction_maps(view: StoredView) -> Iterator[LabelMap]:
     yield _colour("left/refracted-transmittance", "transmittance", "refraction", rays.transmittance)
 
 
+def _matte_maps(view: StoredView) -> Iterator[LabelMap]:
+    mattes = view.mattes()
+    for number, coverage, passed in zip(mattes.ids, mattes.coverage, mattes.transmittance, strict=True):
+        if coverage.any():
+            yield _unit_number(f"left/coverage-{number}", f"coverage of {number}", "mattes", coverage)
+            if (passed[coverage > 0.0] > 0.0).any():
+                yield _colour(f"left/passes-{number}", "... what it passes on", "mattes", passed)
+
+
 #: Files on request: the file, the kind of `--write`, what it holds, and its maps.
 _REQUESTED: tuple[tuple[str, str, str, Callable[[StoredView], Iterator[LabelMap]]], ...] = (
     (layout.DISPARITY, "disparity", "the right camera's disparity, and what both cameras see", _pair_maps),
     (layout.VESSEL_PARTS, "vessel-parts", "glass, wet wall, liquid surface, content and opening", _part_maps),
     (layout.LAYERS, "layers", "every surface along the rays", _layer_maps),
     (layout.REFRACTION, "refraction", "where refracted rays end", _refraction_maps),
+    (layout.MATTES, "mattes", "soft edges, and what each object lets through", _matte_maps),
 )
 
 
