@@ -138,7 +138,8 @@ class StoredView:
             path = self.folder / layout.RIGHT_GEOMETRY
             if not path.is_file():
                 raise _absent(stored, "disparity")
-        Z, camera = channel(read_exr(path), "background.Z" if background else "Z", path), self.camera()
+        name, camera = "background.Z" if background else "Z", self.camera()
+        Z = channel(read_exr(path, (name,)), name, path)
         return disparity(Z, camera.fx, camera.baseline).astype(np.float32)
 
     def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
@@ -210,7 +211,7 @@ class StoredView:
 
     def _depth(self) -> np.ndarray:
         path = self.folder / layout.GEOMETRY
-        return channel(read_exr(path), "Z", path)
+        return channel(read_exr(path, ("Z",)), "Z", path)
 
     def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
         """Return a file that is written on request, with its kind; InputError where it was not."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -41,13 +41,17 @@ def write_exr(path: Path, channels: dict[str, np.ndarray], attributes: Mapping[s
         raise OSError(number, os.strerror(number), str(path)) from error
 
 
-def read_exr(path: Path) -> dict[str, np.ndarray]:
-    """Return the channels of a file, each (H, W) float32 or float16; InputError where it is missing or damaged."""
+def read_exr(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
+    """Return the channels of a file, each (H, W) float32 or float16; InputError where it is missing or damaged.
+
+    With `names` only those of them that are there: the others are not copied, which takes as long as to inflate them.
+    """
     if not path.is_file():
         raise InputError(path, "a readable EXR file", "none")
     try:
         with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+            found = file.channels().items()
+            channels = {name: np.array(one.pixels) for name, one in found if names is None or name in names}
     except (RuntimeError, ValueError) as error:  # a truncated file raises either
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
     for name, values in channels.items():

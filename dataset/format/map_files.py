@@ -85,7 +85,8 @@ def write_disparity(path: Path, camera: Camera, geometry: Geometry, right: Geome
 
 def read_disparity(path: Path, eye: Eye, background: bool) -> np.ndarray:
     """Return a map of ``disparity.exr``, (H, W) float32 [px]."""
-    return channel(read_exr(path), f"{eye}.background" if background else eye, path)
+    name = f"{eye}.background" if background else eye
+    return channel(read_exr(path, (name,)), name, path)
 
 
 def write_pair(path: Path, stereo: StereoLabels) -> None:
