@@ -28,7 +28,7 @@ from ..procedural.scene.scene_file import load_scene
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
-from .format.exr import channel, read_exr, stacked
+from .format.exr import channel, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
 from .format.matte_files import read_mattes
@@ -139,7 +139,7 @@ class StoredView:
             if not path.is_file():
                 raise _absent(stored, "disparity")
         name, camera = "background.Z" if background else "Z", self.camera()
-        Z = channel(read_exr(path, (name,)), name, path)
+        Z = read_channel(path, name)
         return disparity(Z, camera.fx, camera.baseline).astype(np.float32)
 
     def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
@@ -211,7 +211,7 @@ class StoredView:
 
     def _depth(self) -> np.ndarray:
         path = self.folder / layout.GEOMETRY
-        return channel(read_exr(path, ("Z",)), "Z", path)
+        return read_channel(path, "Z")
 
     def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
         """Return a file that is written on request, with its kind; InputError where it was not."""

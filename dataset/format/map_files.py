@@ -30,7 +30,7 @@ from ...procedural.description.camera import Camera
 from ...procedural.description.scene import Scene, turbid_materials
 from ...render.frame import Eye, Frame, Geometry, Layers
 from . import layout
-from .exr import channel, read_exr, stacked, unstacked, write_exr
+from .exr import read_channel, read_exr, stacked, unstacked, write_exr
 from .pictures import read_png, write_png
 
 #: Place of the two bits of each map in ``pair.png``.
@@ -85,8 +85,7 @@ def write_disparity(path: Path, camera: Camera, geometry: Geometry, right: Geome
 
 def read_disparity(path: Path, eye: Eye, background: bool) -> np.ndarray:
     """Return a map of ``disparity.exr``, (H, W) float32 [px]."""
-    name = f"{eye}.background" if background else eye
-    return channel(read_exr(path, (name,)), name, path)
+    return read_channel(path, f"{eye}.background" if background else eye)
 
 
 def write_pair(path: Path, stereo: StereoLabels) -> None:

@@ -119,7 +119,9 @@ async function showPicture() {
   canvas.style.opacity = state.opacity;
   byId("opacity").value = state.opacity;
   if (map) await paint(canvas, map, colours, RAMP);
-  byId("legend").replaceChildren(...(map ? legend(map) : []));
+  const states = listed("show").has("keypoints") ? Object.entries(KEYPOINTS) : [];
+  byId("legend").replaceChildren(...(map ? legend(map) : []), ...states.map(([name, colour]) =>
+    element("span", {}, element("i", {class: "dot", style: `background:${colour}`}), name.replace("_", " "))));
   drawOverlay();
   await read();
 }

@@ -13,7 +13,7 @@ from ...annotate.symmetries import Symmetry
 from ...core.errors import InputError
 from ...core.randomness import stream
 from ...dataset.format import layout
-from ...dataset.format.exr import channel, read_exr
+from ...dataset.format.exr import read_channel
 from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
 from ...dataset.format.pictures import read_png
 from ...dataset.reader import StoredView
@@ -56,7 +56,7 @@ def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, i
         Height and width of its images [px].
     """
     path = view.folder / layout.GEOMETRY
-    Z = channel(read_exr(path, ("Z",)), "Z", path)
+    Z = read_channel(path, "Z")
     instances = read_png(view.folder / layout.INSTANCES)
     for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
         if values.shape != size:
