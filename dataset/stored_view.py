@@ -192,7 +192,7 @@ class StoredView:
         self._of_kind(layout.MATTES, "mattes")
         path = self.folder.parent / layout.OBJECTS
         records = read_record(ObjectsFile, path, OBJECTS_SCHEMA).objects
-        return read_mattes(self.folder, [(one.id, one.name, one.material.kind == "glass") for one in records])
+        return read_mattes(self.folder, records)
 
     def openings(self) -> dict[str, tuple[np.ndarray, ...]]:
         """Return the mouths of vessels in the left picture as polygons, by name, each (n, 2) [px]."""
@@ -225,17 +225,17 @@ class StoredView:
 
     def _masks(self, eye: Eye, field: str, shape: tuple[int, ...]) -> np.ndarray:
         path = self.folder / (layout.LABELS if eye == "left" else layout.RIGHT_LABELS)
-        masks = np.zeros((0, *shape), bool)
+        masks = [np.zeros((0, *shape), bool)]
         for label in self.labels(eye).objects:
             rle = getattr(label, field)
             where = f"{path}: object {label.id} {field}"
             if rle.size != shape:
                 raise InputError(where, f"size {shape}", rle.size)
             try:
-                masks = np.concatenate([masks, decode_mask(rle.counts, rle.size)[None]])
+                masks.append(decode_mask(rle.counts, rle.size)[None])
             except ValueError as error:
                 raise InputError(where, "a mask", error) from error
-        return masks
+        return np.concatenate(masks)
 
 
 def _same_scene(view: StoredView, other: object) -> StoredView:

@@ -52,7 +52,7 @@ class View(Model):
     )
     rerun: bool = Field(default=False, description="Open Rerun instead of a browser (needs the extra `view`)")
     scenes: str | None = Field(default=None, description="Scenes such as 0:4 or 3,7; evenly spaced ones by default")
-    most_views: int = Field(default=8, ge=1, le=500, description="Views at most; each takes 1 to 4 MB at 640x480 px")
+    most_views: int = Field(default=8, ge=1, le=500, description="Views at most; each takes 1 to 3 MB at 640x480 px")
     most_columns: int = Field(
         default=640, ge=16, le=4096, description="Columns of pictures at most [px]; larger ones are reduced"
     )

@@ -85,16 +85,15 @@ def write_cryptomatte(path: Path, coverage: Mapping[str, np.ndarray], shape: tup
 def read_cryptomatte(path: Path) -> dict[str, np.ndarray]:
     """Return the coverage by name, each (H, W) float32, of a file of `write_cryptomatte`."""
     channels, manifest = read_exr(path), _manifest(path)
-    ranks = []
+    shape = channel(channels, f"{LAYER}00.R", path).shape
+    found = {name: np.zeros(shape, np.float32) for name in manifest}
     for level in range(len(channels) // 4):
-        for id_letter, coverage_letter in ("RG", "BA"):
-            pair = (channel(channels, f"{LAYER}{level:02d}.{letter}", path) for letter in (id_letter, coverage_letter))
-            ranks.append(tuple(pair))
-    found = {}
-    for name, number in manifest.items():
-        bits = np.uint32(int(number, 16))
-        parts = [np.where(ids.view(np.uint32) == bits, part, 0.0) for ids, part in ranks]
-        found[name] = np.sum(parts, axis=0, dtype=np.float32)
+        for letters in ("RG", "BA"):
+            ids, part = (channel(channels, f"{LAYER}{level:02d}.{letter}", path) for letter in letters)
+            bits = np.ascontiguousarray(ids, np.float32).view(np.uint32)
+            for name, number in manifest.items() if part.any() else ():
+                mine = bits == np.uint32(int(number, 16))
+                found[name][mine] += part[mine]
     return found
 
 

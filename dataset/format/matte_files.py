@@ -21,6 +21,7 @@ from ...procedural.description.surroundings import FIRST_ROOM_ID, ROOM_IDS
 from . import layout
 from .cryptomatte import read_cryptomatte, write_cryptomatte
 from .exr import channel, read_exr, stacked, unstacked, write_exr
+from .objects_file import ObjectRecord
 
 #: Room surfaces of one kind have up to so many ids [1] (`procedural.description.surroundings`).
 _ROOM_STEP = 32
@@ -44,15 +45,15 @@ def write_mattes(folder: Path, scene: Scene, mattes: Mattes) -> None:
     write_cryptomatte(folder / layout.CRYPTOMATTE, found, shape)
 
 
-def read_mattes(folder: Path, objects: Sequence[tuple[int, str, bool]]) -> Mattes:
+def read_mattes(folder: Path, objects: Sequence[ObjectRecord]) -> Mattes:
     """Return the mattes of a view.
 
     Parameters
     ----------
     folder : Path
         The view's folder.
-    objects : sequence of (int, str, bool)
-        Id and name of each object, and whether it is transparent, by ascending id.
+    objects : sequence of ObjectRecord
+        Those of ``objects.json``.
 
     Raises
     ------
@@ -64,21 +65,21 @@ def read_mattes(folder: Path, objects: Sequence[tuple[int, str, bool]]) -> Matte
     shape = channel(channels, "A", path).shape
     coverage = np.zeros((len(objects), *shape), np.float32)
     transmittance = np.ones((len(objects), *shape, 3), np.float32)
-    for place, (number, _, transparent) in enumerate(objects):
-        coverage[place] = channel(channels, f"coverage.{number}", path)
+    for place, item in enumerate(objects):
+        coverage[place] = channel(channels, f"coverage.{item.id}", path)
         covers = coverage[place] > 0.0
-        if transparent and covers.any():
-            transmittance[place] = stacked(channels, f"transmittance.{number}.RGB", path)
+        if item.material.kind == "glass" and covers.any():
+            transmittance[place] = stacked(channels, f"transmittance.{item.id}.RGB", path)
         else:
             transmittance[place][covers] = 0.0
-    ids = {name: number for number, name, _ in objects} | {"table": TABLE_ID}
+    ids = {item.name: item.id for item in objects} | {"table": TABLE_ID}
     ids |= {_surroundings(first): first for first in ROOM_IDS.values()}
     first = {}
     for name, values in read_cryptomatte(folder / layout.CRYPTOMATTE).items():
         if name not in ids or values.shape != shape:
             raise InputError(folder / layout.CRYPTOMATTE, f"objects of the scene, {shape} px", f"{name} {values.shape}")
         first[ids[name]] = values
-    return Mattes(tuple(number for number, _, _ in objects), first, coverage, transmittance)
+    return Mattes(tuple(item.id for item in objects), first, coverage, transmittance)
 
 
 def _surroundings(number: int) -> str:

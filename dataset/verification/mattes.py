@@ -37,10 +37,11 @@ def matte_contradictions(mattes: Mattes, total: np.ndarray, geometry: Geometry) 
     """
     file, shape = layout.MATTES, geometry.Z.shape
     for values, name in ((mattes.coverage, "coverage"), (mattes.transmittance, "transmittance"), (total[None], "A")):
-        outside: np.ndarray = ~((values >= 0.0) & (values <= 1.0 + _HALF))
-        wrong = outside.reshape(len(values), *shape, -1).any(axis=(0, 3))
-        if wrong.any():
-            return at_pixels(f"mattes {name}", file, wrong, "numbers from 0 to 1", np.moveaxis(values, 0, 2))
+        if values.min(initial=0.0) >= 0.0 and values.max(initial=0.0) <= 1.0 + _HALF:  # false of NaN as well
+            continue
+        outside = ~((values >= 0.0) & (values <= 1.0 + _HALF)).reshape(len(values), *shape, -1)
+        wrong = np.asarray(outside.any(axis=(0, 3)))
+        return at_pixels(f"mattes {name}", file, wrong, "numbers from 0 to 1", np.moveaxis(values, 0, 2))
     for place, number in enumerate(mattes.ids):
         coverage, mask = mattes.coverage[place], geometry.reached[place]
         inside, outside = _all_alike(mask), _all_alike(~mask)
@@ -93,18 +94,19 @@ def matte_faults(mattes: Mattes, camera: Pinhole, triangles: Triangles, rng: np.
 
 def _product_faults(mattes: Mattes, geometry: Geometry) -> list[Fault]:
     """Compare the product of what all transparent objects pass on with the transmittance of the pixel's centre."""
-    covered = mattes.coverage
-    clear = (mattes.transmittance > 0.0).any(axis=(1, 2, 3))
-    product = np.prod(np.where(clear[:, None, None, None], mattes.transmittance, 1.0), axis=0)
-    whole = ((covered < _HALF) | (covered > 1.0 - _HALF)).all(axis=0)
-    # Over a pixel the transmittance lies between its neighbours', but where something changes.
-    low, high = (
-        np.stack([change(geometry.transmittance[..., c], np.ones((3, 3))) for c in range(3)], axis=-1)
-        for change in (cv2.erode, cv2.dilate)
-    )
-    slack = 0.02 + (high - low)
+    covered, passed = mattes.coverage, mattes.transmittance
+    clear = [place for place in range(len(passed)) if (passed[place] > 0.0).any()]
     # A turbid liquid is opaque: its own vessel passes on nothing, but the ray has reached it.
-    checked = whole & (geometry.id > 1) & ~np.isin(geometry.background_id, np.array(mattes.ids)[clear])
+    checked = (geometry.id > 1) & ~np.isin(geometry.background_id, [mattes.ids[place] for place in clear])
+    for coverage in covered:
+        checked &= (coverage < _HALF) | (coverage > 1.0 - _HALF)
+    product = np.ones(geometry.transmittance.shape, np.float32)
+    for place in clear:
+        product[checked] *= passed[place][checked]
+    # Over a pixel the transmittance lies between its neighbours', but where something changes.
+    kernel = np.ones((3, 3))
+    low, high = (change(geometry.transmittance, kernel) for change in (cv2.erode, cv2.dilate))
+    slack = 0.02 + (high - low)
     wrong = checked & ((product < low - slack) | (product > high + slack)).any(axis=-1)
     if wrong.sum() <= _THIN * checked.sum() + 2:
         return []

@@ -19,8 +19,9 @@ from ...procedural.description.scene import Scene
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format import layout
 from ..format.camera_file import CAMERA_SCHEMA, CameraFile
-from ..format.exr import channel, read_exr
+from ..format.exr import read_channel
 from ..format.map_files import read_pair
+from ..format.matte_files import read_mattes
 from ..format.objects_file import ObjectsFile
 from ..stored_view import StoredView
 from . import layers as layer_checks
@@ -248,7 +249,7 @@ class ViewChecks:
 
     def _mattes(self) -> None:
         path, geometry = self.view.folder / layout.MATTES, self._geometry["left"]
-        stored, total = self.view.mattes(), channel(read_exr(path), "A", path)
+        stored, total = read_mattes(self.view.folder, self.records.objects), read_channel(path, "A")
         needs = ("ids", "masks", "background", "transmittance")
         self._check("mattes", needs, lambda: mattes.matte_contradictions(stored, total, geometry))
         self._check(
