@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..procedural.description.scene import Prop, Scene, SceneObject, materials_of
+from ..procedural.description.material_list import materials_of
+from ..procedural.description.scene import Prop, Scene, SceneObject
 from ..render.frame import Geometry, Transmission
 from ..render.renderer import MAX_LAYERS, Renderer
 

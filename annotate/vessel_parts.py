@@ -46,7 +46,7 @@ def vessel_parts(
     camera : Camera
         The camera; its left eye.
     turbid : sequence of int
-        Materials whose surfaces are opaque (`turbid_materials`).
+        Materials whose surfaces are opaque (`opaque_media`).
     """
     shape = (layers.count.shape[0], layers.count.shape[1])
     there = (layers.id == object_id).any(axis=0)  # rays that meet it, a few percent of the picture

@@ -35,13 +35,14 @@ def main() -> None:
         iio.imwrite(request.path, sheet(pictures))
 
 
-def rendered(seed: int, width: int, spp: int) -> np.ndarray:
-    """Return the picture of a seed, (H, W, 3) uint8; path-traced."""
+def rendered(seed: int, width: int, spp: int, **settings: object) -> np.ndarray:
+    """Return the picture of a seed, (H, W, 3) uint8, with some more settings; path-traced."""
     start = process_time()
     scene = gw.draw(
         seed=seed,
         cameras={"views": 1, "width": width, "height": 3 * width // 4},
         picture={"spp": spp, "light": "path", "layers": 0, "refraction": False},
+        **settings,
     )
     drawn = process_time()
     frame = gw.Renderer(scene).frame(0)

@@ -1,10 +1,10 @@
 """Whether filters change what has no noise: clean against noisy pixels that see the surroundings directly.
 
-    python bench/surroundings.py --seeds $(seq 1 120) --views 5 --spp 6
+    python bench/surroundings.py --seeds $(seq 1 40) --views 15 --spp 6 --width 96 --height 72
     python bench/surroundings.py --seeds $(seq 1 40)
 
-Each seed is drawn with the preset `fast`, and its first views are path traced with the preset's samples, or with
-`--spp`, and filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the
+Each seed is drawn with the preset `fast`, and its views are path traced with the preset's samples, or with `--spp`, and
+filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the
 filters must not change them. Pixels at outlines, within one pixel of another id, are left out. Light from the
 irradiance cache does not reach these pixels, so it is not stored.
 """
@@ -41,7 +41,7 @@ class Options(Output):
     seeds: tuple[int, ...] = tuple(range(1, 41))
     """Seeds that are drawn."""
     views: int = 1
-    """Views of each, from the first one."""
+    """Views of each."""
     spp: int | None = None
     """Samples per pixel instead of the preset's."""
     width: int = 160
@@ -74,10 +74,10 @@ def _span(seeds: tuple[int, ...]) -> str:
 def changes_of(seed: int, options: Options) -> list[np.ndarray]:
     """Return by how many sRGB levels the filters change each pixel of the surroundings, (n,) for each view."""
     picture: dict = {"light": "path"} | ({} if options.spp is None else {"spp": options.spp})
-    cameras = {"width": options.width, "height": options.height}
+    cameras = {"width": options.width, "height": options.height, "views": options.views}
     scene = draw(seed, preset="fast", picture=picture, cameras=cameras)
     loaded = load(scene)
-    return [_change(loaded, view) for view in range(min(options.views, len(scene.cameras)))]
+    return [_change(loaded, view) for view in range(len(scene.cameras))]
 
 
 def _change(loaded: LoadedScene, view: int) -> np.ndarray:

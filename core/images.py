@@ -142,19 +142,31 @@ def srgb_curve(value: np.ndarray) -> np.ndarray:
     return np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
 
 
-def depth_colours(Z: np.ndarray, ids: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
+def depth_colours(
+    Z: np.ndarray, ids: np.ndarray, limits: tuple[float, float] | None = None
+) -> tuple[np.ndarray, tuple[float, float]]:
     """Return depth as colours, (H, W, 3) uint8, and their range [m]: of the visible objects, else of all surfaces."""
     hit = np.isfinite(Z)
     objects = hit & (ids >= _FIRST_OBJECT_ID) & (ids < _FIRST_ROOM_ID)
     shown = objects if objects.any() else hit
     if not shown.any():
         return np.full((*Z.shape, 3), NOTHING, np.uint8), (0.0, 0.0)
-    near, far = float(Z[shown].min()), float(Z[shown].max())
+    near, far = limits or (float(Z[shown].min()), float(Z[shown].max()))
     level = (far - np.where(hit, Z, far)) / max(far - near, 1e-6)
     level = np.rint(255 * np.clip(level, 0.0, 1.0)).astype(np.uint8)
     colours = cv2.applyColorMap(level, cv2.COLORMAP_VIRIDIS)[..., ::-1].copy()
     colours[~hit] = NOTHING
     return colours, (near, far)
+
+
+def difference_colours(difference: np.ndarray, most: float) -> np.ndarray:
+    """Return differences as colours, (H, W, 3) uint8: blue below 0, white at 0, red above; those of `most` are pure."""
+    known = np.isfinite(difference)
+    level = np.clip(np.where(known, difference, 0.0) / most, -1.0, 1.0)[..., None]
+    colour = np.where(level > 0.0, np.array([178, 24, 43]), np.array([33, 102, 172]))  # of ColorBrewer's RdBu
+    colours = np.rint(255.0 + np.abs(level) * (colour - 255.0)).astype(np.uint8)
+    colours[~known] = NOTHING
+    return colours
 
 
 def normal_colours(normal: np.ndarray) -> np.ndarray:

@@ -130,4 +130,4 @@ def _outcome(file: F, check: Callable[[F], Checked]) -> Checked:
 
 def _short(text: str, path: Path, root: Path) -> str:
     """Return a reason without the file's own path, and with other paths below the folder."""
-    return text.removeprefix(f"{path}: ").replace(f"{root}/", "")
+    return text.removeprefix(f"{path}: ").replace(f"{root.absolute()}/", "").replace(f"{root}/", "")

@@ -87,9 +87,12 @@ def write_scene(
             with stopwatch.stage("writing"):
                 picture = writer.add(frame, labels, stereo, mattes)
             with stopwatch.stage("checking"):
-                check_written(StoredView(writer.folder / layout.view_name(view), view), scene, writer.records)
+                stored = StoredView(writer.folder / layout.view_name(view), view)
+                check_written(stored, scene, writer.records)
             if view in previews:
-                shown.append(PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels))
+                sensor = None if scene.depth_camera is None else stored.sensor_depth()
+                row = PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels, sensor)
+                shown.append(row)
     return WrittenScene(writer.rows, shown, renderer.light_check)
 
 

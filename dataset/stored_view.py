@@ -22,12 +22,15 @@ from ..annotate.vessel_parts import VesselParts
 from ..core.arguments import check_type, described
 from ..core.errors import InputError
 from ..core.json_file import read_record
+from ..core.randomness import stream
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.scene.scene_file import load_scene
+from ..procedural.sensors.depth_cameras import depth_camera
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
+from .depth_cameras.from_labels import painted
 from .format import layout
-from .format.camera_file import CAMERA_SCHEMA, CameraFile, camera_of
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of
 from .format.exr import channel, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
@@ -35,6 +38,7 @@ from .format.matte_files import read_mattes
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
+from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
 
 _Frame = Literal["camera", "world"]
 
@@ -145,6 +149,56 @@ class StoredView:
     def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
         """Return how the other camera sees the points of one; it needs ``--write disparity``."""
         return read_pair(self._of_kind(layout.PAIR, "disparity")[0], _checked_eye(eye))
+
+    def depth_camera(self) -> DepthCameraRecord | None:
+        """Return the depth camera beside the left colour camera: unit, range, place; None where there is none."""
+        return read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA).depth_camera
+
+    def sensor_depth(self) -> np.ndarray:
+        """Return the depth that a depth camera reports in the left picture's pixels, (H, W) float32 [m]; NaN: none.
+
+        It needs a data set made with the setting `sensors.depth`.
+        """
+        return read_sensor_depth(self.folder / layout.SENSOR_DEPTH, self._sensor().unit)
+
+    def sensor_valid(self) -> np.ndarray:
+        """Return why each pixel has a sensor depth or none, (H, W) uint16: places in `depth_camera().reasons`."""
+        self._sensor()
+        return read_numbers(self.folder / layout.SENSOR_VALID)
+
+    def infrared(self, eye: Eye = "left") -> np.ndarray:
+        """Return an infrared picture of the depth camera, (h, w) uint16; it needs ``--write infrared``."""
+        self._sensor()
+        return read_numbers(self._of_kind(IR_FILES[_checked_eye(eye)], "infrared")[0])
+
+    def painted_sensor_depth(self, device: str = "d435", seed: int = 0) -> np.ndarray:
+        """Return true depth with a depth camera's kinds of faults painted onto it, (H, W) float32 [m]; NaN for none.
+
+        It needs no other rendering and takes milliseconds. Noise, shadows and patches on glass are drawn at random
+        (`dataset.depth_cameras.from_labels`); what light and matching do on glass is in `sensor_depth`.
+
+        Parameters
+        ----------
+        device : str
+            A device by its name, or a YAML file (`sensors.depth`).
+        seed : int
+            Of the faults.
+        """
+        known = depth_camera(device, "device")
+        if known is None:
+            raise InputError("device", "a depth camera", device)
+        records = read_record(ObjectsFile, self.folder.parent / layout.OBJECTS, OBJECTS_SCHEMA)
+        geometry = self.geometry()
+        glass = np.isin(geometry.id, [item.id for item in records.objects if item.material.kind == "glass"])
+        rng = stream(seed, int(self.folder.parent.name), f"sensors/{self.number}/painted")
+        return painted(known, self.camera(), geometry, glass, rng)[0]
+
+    def _sensor(self) -> DepthCameraRecord:
+        device = self.depth_camera()
+        if device is None:
+            expected = "a data set with a depth camera, made with --sensors.depth d435"
+            raise InputError(self.folder / layout.CAMERA, expected, "one without")
+        return device
 
     def heatmap(self) -> np.ndarray:
         """Return the heatmap of the left picture's objects, as the networks learn it, (H, W) float32 in [0, 1]."""

@@ -38,7 +38,8 @@ from .format.matte_files import write_mattes
 from .format.objects_file import ObjectsFile, objects_file
 from .format.pictures import stored_radiance, write_png
 from .format.ray_files import write_layers, write_refraction
-from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, write_views_table
+from .format.sensor_files import write_sensor
+from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, with_sensor, write_views_table
 from .output_checks import check_output
 from .settings.scene_ranges import format_scenes, parse_scenes
 
@@ -137,7 +138,7 @@ class SceneWriter:
         """Write all files of a view; return its left picture, (H, W, 3) uint8."""
         folder = self.folder / layout.view_name(frame.view)
         picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo, mattes=mattes)
-        self.rows.append(view_row(self._scene, frame.view, frame, labels))
+        self.rows.append(with_sensor(view_row(self._scene, frame.view, frame, labels), folder, frame.geometry))
         return picture
 
 
@@ -232,6 +233,7 @@ def write_view(
             channels |= unstacked(stored_radiance(noisy, exposure), "noisy.RGB")
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
+    depth_camera = write_sensor(folder, scene, frame, files)
     left = write_developed(
         folder,
         scene.cameras[frame.view],
@@ -239,6 +241,7 @@ def write_view(
         frame.geometry.Z,
         development or development_of(scene),
         (scene.scene_id, frame.view),
+        depth_camera,
     )
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)

@@ -11,6 +11,7 @@ from pydantic import Field
 from ..core.html import html_images
 from ..core.images import LINEAR, Tone, common_tone, depth_colours, id_colours, normal_colours, srgb8
 from ..core.model import Model
+from ..procedural.description.camera import Camera
 
 #: One eye of a stereo camera.
 Eye = Literal["left", "right"]
@@ -84,6 +85,20 @@ class Refraction:
     transmittance: np.ndarray  #: (H, W, 3) float16, Fresnel times absorption along the ray
 
 
+@dataclass(frozen=True, eq=False)
+class Infrared:
+    """What the two infrared cameras of a depth camera see, left and right (h x w pixels)."""
+
+    pair: Camera  #: the two cameras
+    #: (h, w) float32 each, radiance of the projector's light [W/(m^2 sr)]
+    dots: tuple[np.ndarray, np.ndarray]
+    #: (h, w) float32 each, radiance of ambient light in the unit of the pictures, 1 kcd/m^2 in drawn scenes
+    ambient: tuple[np.ndarray, np.ndarray]
+    Z: np.ndarray  #: (h, w) float32, planar depth of the left camera's first surfaces [m]; +inf for nothing
+    lit: np.ndarray  #: (h, w) bool, whether nothing opaque is between them and the projector
+    shared: np.ndarray  #: (h, w) bool, whether nothing opaque is between them and the right camera
+
+
 class PictureNoise(Model):
     """Samples and noise of one eye's picture before the denoiser."""
 
@@ -101,6 +116,11 @@ class LineOfSight:
     opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
 
 
+#: What was done about a region whose light from the irradiance cache is off: the whole scene is path traced, its
+#: object is, or others are and it is within the bound since then; null where nothing had to be done.
+Remedy = Literal["scene path traced", "object path traced", "other objects path traced"]
+
+
 @dataclass(frozen=True)
 class RegionCheck:
     """Comparison of pictures from the irradiance cache with path-traced ones, in random pixels of one region."""
@@ -112,6 +132,7 @@ class RegionCheck:
     pixels: int  #: pixels compared
     difference: float  #: mean difference of the cached pictures, over the region's mean radiance [1]
     standard_error: float  #: of the difference [1]
+    remedy: Remedy | None = None  #: what was done about a region that is listed as beyond the bound
 
 
 @dataclass(frozen=True)
@@ -157,6 +178,7 @@ class Frame:
     sampling: tuple[PictureNoise, PictureNoise] | None = None  #: of left and right; None without pictures
     layers: Layers | None = None  #: of the left camera; None if not requested
     refraction: Refraction | None = None  #: of the left camera; None if not requested
+    infrared: Infrared | None = None  #: of the depth camera; None without one
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
     tone: Tone = LINEAR  #: white balance and highlights, for display
     scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand

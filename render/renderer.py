@@ -21,7 +21,7 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Eye, Frame, Geometry, LightCheck, LineOfSight, SurfaceLight, Transmission
+from .frame import EYES, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight, Transmission
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -217,6 +217,27 @@ class Renderer:
         with self._active():
             return line_of_sight(self.loaded, origin, targets)
 
+    def infrared(self, view: int) -> Infrared:
+        """Trace what the depth camera's infrared cameras see of one view; in scenes with one, every frame has it.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or no depth camera.
+        """
+        from .infrared.pictures import trace_infrared
+
+        device, number = self.scene.depth_camera, self._view(view)
+        if device is None:
+            raise InputError("scene, depth_camera", "one, as sensors.depth draws it", "none")
+        with self._active():
+            return trace_infrared(self.loaded, number, device, self._tracer)
+
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
         if self._cache is None:
@@ -254,6 +275,10 @@ class Renderer:
             geometry, layers = trace_straight(self.loaded, camera, picture.layers)
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
+        infrared = None
+        if scene.depth_camera is not None:
+            with stopwatch.stage("infrared"):
+                infrared = self.infrared(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(
@@ -267,6 +292,7 @@ class Renderer:
             sampling=(left.sampling, right.sampling),
             layers=layers if picture.layers else None,
             refraction=refraction,
+            infrared=infrared,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,

@@ -123,6 +123,12 @@ def numpy_tracer() -> ModuleType:
     return _module("numpy_tracer")
 
 
+@pytest.fixture(scope="session")
+def planes() -> ModuleType:
+    """The module `tests/infrared_planes.py`: what a depth camera sees of planes, by closed forms."""
+    return _module("infrared_planes")
+
+
 def _module(stem: str) -> ModuleType:
     """Import a module beside this file by its path, as all test files are."""
     name = f"glassware_tests_{stem}"

@@ -82,9 +82,13 @@ PARSED_ONLY = {
 #: Commands that a page shows to be refused, and what the page says of them.
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
-PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
-#: Python blocks that compile large kernels, by a line of theirs: run among the longer proofs alone.
-PYTHON_SLOW = ("trace_stokes(", "picture_and_gradients(", "refract(")
+PYTHON_NOT_RUN = {
+    "load_reference(": "needs the weights that the authors of MVTrans released",
+    "from cryptomatte_api": "needs the extra `formats`; tests/dataset/format/test_cryptomatte.py reads such files",
+}
+#: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
+#: alone.
+PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")
@@ -183,8 +187,9 @@ def runnable(page: str) -> list[Block]:
 def write_inputs(folder: Path) -> None:
     """Write the files of a user's own that pages speak of: environment maps, meshes and textures."""
     rng = np.random.default_rng(20230213)
-    for name in ("hdri/a.hdr", "hdri/b.hdr", "textures/wood.png", "tops/oak.png"):
-        (folder / name).parent.mkdir(exist_ok=True)
+    pictures = ("textures/wood.png", "tops/oak.png", "rooms/walls/brick.png", "rooms/floors/tile.png")
+    for name in ("hdri/a.hdr", "hdri/b.hdr", *pictures):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         pixels = rng.uniform(0.5, 1.0, (8, 16, 3)).astype(np.float32)
         assert cv2.imwrite(str(folder / name), pixels if name.endswith(".hdr") else (255 * pixels).astype(np.uint8))
     ball = trimesh.creation.icosphere(subdivisions=1, radius=0.03)
@@ -206,7 +211,10 @@ def write_inputs(folder: Path) -> None:
             (ball.copy().apply_scale(1000.0) if name.startswith("bop") else ball).export(path)
     # A beaker in millimetres: 70 wide, 90 high, walls of 2.
     profile = np.array([(0, 0), (35, 0), (35, 90), (33, 90), (33, 2), (0, 2)], float)
-    trimesh.creation.revolve(profile, sections=64).export(folder / "beaker.obj")
+    beaker = trimesh.creation.revolve(profile, sections=64)
+    beaker.export(folder / "beaker.obj")
+    (folder / "keypose-objects").mkdir()
+    beaker.copy().apply_scale(1e-3).export(folder / "keypose-objects" / "mug_0.obj")
 
 
 @pytest.fixture(scope="module")

@@ -279,7 +279,7 @@ def test_another_scene_is_replaced_only_by_name(scene, renderer, tmp_path):
         (lambda s, r: gw.draw("7"), "draw: seed: expected a whole number from 0 to "),
         (
             lambda s, r: gw.draw(7, preset="quick"),
-            "draw: preset: expected one of fast, keypose, standard, syn-todd, found 'quick'",
+            "draw: preset: expected one of fast, keypose, standard, syn-todd, train, found 'quick'",
         ),
     ],
 )

@@ -3,15 +3,18 @@
 For each file of a folder that both read, silhouettes along the three axes are compared, and the mean colours of parts
 of the same material by area. A file counts as alike where the silhouettes overlap by `LEAST_OVERLAP` and the colours
 differ by at most `MOST_DIFFERENCE`; the others are listed with what differs. A file that differs and needs something
-that trimesh does not do (`LACKING`) is counted by itself.
+that trimesh does not do (`LACKING`) is counted by itself. With `--assimp` it is compared with a third reader, the
+command of the Open Asset Import Library (Debian's `assimp-utils`), as OBJ files that it writes.
 
-    python bench/studies/mesh_files.py FOLDER
+    python bench/studies/mesh_files.py FOLDER [--assimp assimp]
 """
 
 from __future__ import annotations
 
 import argparse
 import logging
+import shutil
+import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -40,7 +43,7 @@ LACKING = {
     "opacity in pictures": b"map_d ",
 }
 #: How outcomes begin that are counted by themselves.
-KINDS = ("alike", "refused", "only read here", "beyond the other reader")
+KINDS = ("alike", "as assimp reads it", "refused", "only read here", "beyond the other reader")
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,16 +182,47 @@ def _not_convex(content: bytes) -> bool:
     return False
 
 
-def compared(path: Path, root: Path, pictures: Path) -> str:
+def theirs_by_assimp(command: str, path: Path) -> Surface | None:
+    """Return a file's surface as assimp's command reads it and trimesh its OBJ file; None where it fails."""
+    with tempfile.TemporaryDirectory() as folder:
+        for file in path.parent.iterdir():
+            if file.is_file():
+                shutil.copy(file, folder)
+        out = Path(folder) / "written-by-assimp.obj"  # beside the pictures
+        words = [command, "export", str(path), str(out), "--triangulate", "--transform-uv-coords"]
+        if subprocess.run(words, capture_output=True, timeout=60, check=False).returncode:
+            return None
+        materials = out.with_suffix(".mtl")
+        if materials.is_file():
+            # Names of pictures keep the separators of another system, which trimesh does not know.
+            materials.write_text(materials.read_text(errors="replace").replace("\\", "/").replace(" ./", " "))
+        return theirs(out)
+
+
+def compared(path: Path, root: Path, pictures: Path, assimp: str | None = None) -> str:
     """Return "alike", or what differs, or who does not read the file and why."""
     try:
         first = ours(path, root, pictures)
     except InputError as error:
         return f"refused: {error}".replace(f"{path}: ", "")
     try:
-        second = theirs(path)
+        faults = differences(first, theirs(path))
+        missing = lacking(path) if faults else []
+        outcome = f"beyond the other reader ({', '.join(missing)}): " if missing else ""
+        outcome = outcome + "; ".join(faults) or "alike"
     except Exception as error:  # whatever the other reader raises
-        return f"only read here ({type(error).__name__})"
+        outcome = f"only read here ({type(error).__name__})"
+    if outcome == "alike" or assimp is None:
+        return outcome
+    third = theirs_by_assimp(assimp, path)
+    if third is None:
+        return f"{outcome}; assimp does not read it"
+    faults = differences(first, third)
+    return f"{outcome}; by assimp: {'; '.join(faults)}" if faults else f"as assimp reads it, by trimesh {outcome}"
+
+
+def differences(first: Surface, second: Surface) -> list[str]:
+    """Return what differs between two readings of a file."""
     faults = []
     if (found := overlap(first, second)) < LEAST_OVERLAP:
         faults.append(f"silhouettes overlap by {found:.3f}")
@@ -197,21 +231,22 @@ def compared(path: Path, root: Path, pictures: Path) -> str:
         difference = np.abs(here - there).max()
         if np.isfinite(difference) and difference > MOST_DIFFERENCE:
             faults.append(f"{name or 'colour'} {np.round(here, 2).tolist()}, there {np.round(there, 2).tolist()}")
-    missing = lacking(path) if faults else []
-    return (f"beyond the other reader ({', '.join(missing)}): " if missing else "") + "; ".join(faults) or "alike"
+    return faults
 
 
 def main() -> int:
     """Compare all files of a folder, and print the counts and the differences."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="folder of mesh files, searched with its subfolders")
-    folder = parser.parse_args().folder
+    parser.add_argument("--assimp", help="command of the Open Asset Import Library, for what trimesh does not do")
+    request = parser.parse_args()
+    folder = request.folder
     logging.disable()
     files = sorted(path for path in folder.rglob("*") if path.suffix.lower() in MESH_SUFFIXES and path.is_file())
     counts: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as pictures:
         for path in files:
-            outcome = compared(path, folder, Path(pictures))
+            outcome = compared(path, folder, Path(pictures), request.assimp)
             kind = next((kind for kind in KINDS if outcome.startswith(kind)), "different")
             counts[kind] = counts.get(kind, 0) + 1
             if outcome != "alike":

@@ -122,7 +122,8 @@ def _develop_view(view: StoredView, scene_folder: Path, development: Development
     Z = channel(read_exr(path), "Z", path)
     pair = (view.radiance("left"), view.radiance("right"))
     folder = scene_folder / layout.view_name(view.number)
-    write_developed(folder, view.camera(), pair, Z, development, (scene, view.number))
+    place, device = (scene, view.number), view.depth_camera()
+    write_developed(folder, view.camera(), pair, Z, development, place, device)
 
 
 def _views(source: Path) -> Iterator[StoredView]:

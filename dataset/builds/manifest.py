@@ -33,9 +33,17 @@ from ..format.layout import MANIFEST
 MANIFEST_SCHEMA = "glassware/manifest/1"
 
 Folder = Literal[
-    "hdri_dir", "mesh_dir", "texture_dir", "table.texture_dir", "vessel_dir", "cameras.poses", "vessels.media"
+    "hdri_dir",
+    "mesh_dir",
+    "texture_dir",
+    "table.texture_dir",
+    "environment.texture_dir",
+    "vessel_dir",
+    "cameras.poses",
+    "vessels.media",
+    "sensors.depth",
 ]
-_SINGLE_FILES = ("cameras.poses", "vessels.media")
+_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth")
 #: Suffixes of meshes and of what they or their layouts refer to.
 _MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
@@ -69,6 +77,7 @@ def asset_paths(settings: SceneSettings) -> dict[tuple[Folder, str], Path]:
         ("mesh_dir", settings.mesh_dir and root_of(settings.mesh_dir), _MESH_FILES, True),
         ("texture_dir", settings.texture_dir, SURFACE_SUFFIXES, True),
         ("table.texture_dir", settings.table.texture_dir, SURFACE_SUFFIXES, True),
+        ("environment.texture_dir", settings.environment.texture_dir, SURFACE_SUFFIXES, True),
     )
     found: dict[tuple[Folder, str], Path] = {
         (name, path.relative_to(folder).as_posix()): path
@@ -144,7 +153,8 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
-    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media), strict=True))
+    device = settings.sensors.depth if isinstance(settings.sensors.depth, Path) else None  # else one by its name
+    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media, device), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 
 
@@ -154,7 +164,11 @@ def _asset_path(settings: SceneSettings, folder: str, name: str) -> Path:
         return single.get(folder, Path(name)).with_name(name)
     if folder == "vessel_dir" and settings.vessel_dir is not None and settings.vessel_dir.is_file():
         return settings.vessel_dir
-    places = {"hdri_dir": settings.environment.hdri_dir, "table.texture_dir": settings.table.texture_dir}
+    places = {
+        "hdri_dir": settings.environment.hdri_dir,
+        "table.texture_dir": settings.table.texture_dir,
+        "environment.texture_dir": settings.environment.texture_dir,
+    }
     return Path((places[folder] if folder in places else getattr(settings, folder)) or "", name)
 
 

@@ -70,7 +70,8 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
 
 
 def _folders_are_there(settings: SceneSettings) -> bool:
-    folders = (settings.environment.hdri_dir, settings.mesh_dir, settings.texture_dir, settings.table.texture_dir)
+    light = settings.environment
+    folders = (light.hdri_dir, light.texture_dir, settings.mesh_dir, settings.texture_dir, settings.table.texture_dir)
     poses, vessels = settings.cameras.poses, settings.vessel_dir
     there = all(folder is None or folder.exists() for folder in folders) and (vessels is None or vessels.exists())
     return there and (poses is None or poses.is_file())

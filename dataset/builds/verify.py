@@ -24,6 +24,7 @@ from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
 from ..format.file_kinds import LAYERED, FileKinds
+from ..format.sensor_files import IR_FILES
 from ..format.split_file import read_splits
 from ..format.views_table import SCHEMA, read_scene_views, scene_views
 from ..reader import StoredScene, StoredView
@@ -153,7 +154,8 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
 
 
 def _view_faults(scene: Scene, view: StoredView, files: FileKinds) -> Iterator[str]:
-    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files)):
+    sensor = _sensor_files(files) if scene.depth_camera is not None else ()
+    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *sensor):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
             return
@@ -174,6 +176,12 @@ def _extra_files(picture: Picture, files: FileKinds) -> Iterator[str]:
     for kind, names in REQUESTED.items():
         if kind in files and (kind not in LAYERED or picture.layers):
             yield from names
+
+
+def _sensor_files(files: FileKinds) -> tuple[str, ...]:
+    """Return the files that a view has by its depth camera."""
+    always = (layout.SENSOR_DEPTH, layout.SENSOR_VALID)
+    return (*always, *IR_FILES.values()) if "infrared" in files else always
 
 
 def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:

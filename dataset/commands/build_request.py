@@ -29,7 +29,9 @@ class BuildDataset(Model):
     seed: int = Field(default=0, ge=0, le=2**63 - 1, description="Seed of the data set, 0 to 2^63 - 1")
     out: UserPath = Field(default=Path("data"), description="Output folder: absent, empty, or a data set to continue")
     name: UserText = Field(default="glassware", description="Name of the data set")
-    preset: str = Field(default="fast", description="Settings to start from: fast, keypose, standard or syn-todd")
+    preset: str = Field(
+        default="fast", description="Settings to start from: fast, keypose, standard, syn-todd or train"
+    )
     config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
     write: Annotated[FileKinds, Words(*KINDS, ALL, NONE)] = Field(default=(), description=costs())
     yes: bool = Field(default=False, description="Build even where the disk is likely to fill up, without asking")

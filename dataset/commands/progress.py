@@ -16,7 +16,7 @@ from ...core.stopwatch import Stopwatch
 from ...procedural.description.scene import TABLE_ID
 
 if TYPE_CHECKING:  # the first line is printed before the renderer's types are loaded
-    from ...render.frame import LightCheck
+    from ...render.frame import LightCheck, Remedy
     from ..builds.messages import Attempt
 
 T = TypeVar("T")
@@ -177,21 +177,26 @@ def light_line(check: LightCheck) -> str:
     )
 
 
+#: What was done about regions beyond the bound, in words.
+_REMEDIES: dict[Remedy | None, str] = {
+    "scene path traced": "the whole scene is path traced instead",
+    "object path traced": "they are path traced instead",
+    "other objects path traced": "they are within it once the objects above are path traced",
+    None: "nothing was done about it",
+}
+
+
 def failed_lines(check: LightCheck) -> list[str]:
     """Return a line for each remedy of regions where the irradiance cache differs too much, with these regions."""
-    remedies: dict[str, list[str]] = {}
+    remedies: dict[Remedy | None, list[str]] = {}
     for region in check.failed:
-        if check.mode == "path":
-            remedy = "the whole scene is path traced instead"
-        elif region.id in check.traced:
-            remedy = "they are path traced instead"
-        else:
-            remedy = "they are within it once the objects above are path traced"
         name = "the table" if region.id == TABLE_ID else f"object {region.id}"
         place = name + ("" if region.part == "all" else f" ({region.part} part)")
-        remedies.setdefault(remedy, []).append(f"{place} {region.difference:+.1%} +- {region.standard_error:.1%}")
+        places = remedies.setdefault(region.remedy, [])
+        places.append(f"{place} {region.difference:+.1%} +- {region.standard_error:.1%}")
     return [
-        f"checked: the irradiance cache is off by more than {check.bound:.0%} at {', '.join(places)}; {remedy}"
+        f"checked: the irradiance cache is off by more than {check.bound:.0%} at {', '.join(places)}; "
+        f"{_REMEDIES[remedy]}"
         for remedy, places in remedies.items()
     ]
 

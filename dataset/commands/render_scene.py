@@ -18,7 +18,8 @@ _DESCRIPTION = """Render one labelled scene of glass on a table: pictures, depth
   render-scene --seed 7 --out out
   render-scene --preset standard --seed 8 --out out-8 --views 3 --hdri-dir hdri
 
-Settings come from a preset (fast, keypose, standard, syn-todd), then a YAML file (--config), then these options."""
+Settings come from a preset (fast, keypose, standard, syn-todd, train), then a YAML file (--config), then these
+options."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -22,7 +22,9 @@ class RenderScene(Model):
     scene: int = Field(default=0, ge=0, le=999_999, description="Number of the scene in the data set, 0 to 999999")
     out: UserPath = Field(default=Path("out"), description="Folder of the data set: absent, empty, or one made before")
     name: UserText = Field(default="glassware", description="Name of the data set")
-    preset: str = Field(default="fast", description="Settings to start from: fast, keypose, standard or syn-todd")
+    preset: str = Field(
+        default="fast", description="Settings to start from: fast, keypose, standard, syn-todd or train"
+    )
     config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
     write: Annotated[FileKinds, Words(*KINDS, ALL, NONE)] = Field(default=(), description=costs())
     verbose: bool = Field(default=False, description="Print the time of each stage, and the check of the light")

@@ -17,3 +17,8 @@ def depth_picture(Z: np.ndarray) -> tuple[np.ndarray, float]:
     scale = next((scale for scale in DEPTH_SCALES if np.rint(mm.max() / scale) < 1 << 16), DEPTH_SCALES[-1])
     steps = np.rint(mm / scale)
     return np.where(steps < 1 << 16, steps, 0).astype(np.uint16), scale
+
+
+def known_depth(Z: np.ndarray) -> np.ndarray:
+    """Return depth with 0 where there is none, (H, W) float32 [m]."""
+    return np.where(np.isfinite(Z), Z, 0.0).astype(np.float32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -10,8 +11,12 @@ import cv2
 import numpy as np
 
 from ...core.atomic_io import atomic_file, link_or_copy
+from ...core.errors import InputError, cause_of
 from ..format.pictures import read_png
 from .job import Job
+
+#: Quality of JPEG files [1 to 100]: Syn-TODD's released archive has 90.
+_QUALITY = 95
 
 
 def add_picture(job: Job, source: Path, target: Path) -> None:
@@ -42,3 +47,30 @@ def grey_png(picture: np.ndarray) -> bytes:
 def compact_json(data: object) -> str:
     """Return JSON on one line; floats read back exactly, NaN and infinity are refused."""
     return json.dumps(data, ensure_ascii=False, allow_nan=False)
+
+
+def whole_png(path: Path) -> bytes:
+    """Return the bytes of a PNG file; InputError where it is damaged."""
+    read_png(path)
+    return read_bytes(path)
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the bytes of a file; InputError where it cannot be read."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(path, "a readable file", cause_of(error)) from error
+
+
+def plain_name(text: str) -> str:
+    """Return a name for a file of letters, digits, `-` and `_`, whatever a category is called."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", text) or "_"
+
+
+def write_jpeg(path: Path, picture: np.ndarray) -> None:
+    """Write a picture, (H, W, 3) uint8 sRGB, as JPEG; little is lost, and nothing that a network could see."""
+    done, data = cv2.imencode(".jpg", np.ascontiguousarray(picture[..., ::-1]), [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+    if not done:
+        raise ValueError(f"{path}: the picture could not be encoded")
+    path.write_bytes(data.tobytes())

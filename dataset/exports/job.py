@@ -27,9 +27,18 @@ class ExportOptions(Model):
 
     split: Split | None = Field(default=None, description="Only the scenes of this split; all by default")
     eye: Eyes = Field(default="left", description="Pictures of the left camera, the right one, or both")
+    labels: tuple[str, ...] | None = Field(
+        default=None, description="Only these of the labels that a format can leave out; all by default"
+    )
     vessels_only: bool = Field(default=False, description="Leave out opaque props")
+    liquids: bool = Field(
+        default=False, description="Of bop and bop-webdataset: liquids as objects of their own beside the glass"
+    )
     polygons: bool = Field(default=False, description="Of coco: masks as polygons instead of run lengths")
     layers: bool = Field(default=False, description="Of ply: all surfaces along the rays; needs --write layers")
+    licence: str | None = Field(
+        default=None, description="Of webdataset: licence of your data set for its card, such as cc-by-4.0"
+    )
     copy_pictures: bool = Field(default=False, description="Copy pictures instead of making hard links")
 
 
@@ -62,6 +71,10 @@ class Job:
         """Return the cameras of a pair whose pictures are exported."""
         return ("left", "right") if self.options.eye == "both" else (self.options.eye,)
 
+    def has(self, label: str) -> bool:
+        """Return whether one of the labels that a format can leave out is exported."""
+        return self.options.labels is None or label in self.options.labels
+
     @cached_property
     def _splits(self) -> dict[int, Split]:
         if not (self.dataset.root / layout.SPLITS).is_file():
@@ -79,6 +92,11 @@ class Exporter:
     write: Callable[[Job, StoredScene], None]  #: write the files of a scene
     finish: Callable[[Job, Sequence[StoredScene]], None]  #: write what describes all scenes
     eyes: bool = False  #: whether the format can hold the right camera
+    labels: tuple[str, ...] = ()  #: what can be left out, by the names of `--labels`
+
+
+def write_nothing(job: Job, scenes: Sequence[StoredScene]) -> None:
+    """Write nothing at the end: each scene stands by itself."""
 
 
 def vessel_ids(objects: ObjectsFile) -> set[int]:

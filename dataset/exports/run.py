@@ -23,6 +23,13 @@ from .job import Exporter, ExportOptions, Job
 
 #: Most threads: pictures are read and compressed in parallel, the rest is Python.
 _MOST_THREADS = 8
+#: Options that some formats alone have.
+_OF_FORMATS = {
+    "liquids": ("bop", "bop-webdataset"),
+    "polygons": ("coco",),
+    "layers": ("ply",),
+    "licence": ("webdataset",),
+}
 #: Passes on finished scenes one by one, and may show how many there are of a total.
 Track = Callable[[Iterable[object], int], Iterable[object]]
 
@@ -51,7 +58,7 @@ def export(
     track : callable, optional
         (finished scenes, their total) -> the same, to show progress.
     options
-        The fields of `ExportOptions`: split, eye, vessels_only, polygons, layers, copy_pictures.
+        The fields of `ExportOptions`: split, eye, labels, vessels_only, liquids, polygons, layers, copy_pictures.
 
     Raises
     ------
@@ -68,14 +75,14 @@ def export(
     if known is not None and known.finished == numbers:
         return Exported(len(scenes), 0)
     _begin(job.out)
-    write_record(job.out, record)
     try:
+        write_record(job.out, record)
         written = _write(job, exporter, scenes, track)
+        exporter.finish(job, scenes)
+        write_record(job.out, record.model_copy(update={"finished": numbers}))
     except BaseException:
         _forget_if_empty(job.out)
         raise
-    exporter.finish(job, scenes)
-    write_record(job.out, record.model_copy(update={"finished": numbers}))
     return Exported(len(scenes), written)
 
 
@@ -97,9 +104,21 @@ def _checked(options: dict[str, Any]) -> ExportOptions:
 def _check_options(job: Job, name: str, exporter: Exporter) -> None:
     if job.options.eye != "left" and not exporter.eyes:
         raise InputError("--eye", f"left, because {name} holds labels, which are the left camera's", job.options.eye)
-    for option, format_name in (("polygons", "coco"), ("layers", "ply")):
-        if getattr(job.options, option) and name != format_name:
-            raise InputError(f"--{option}", f"the format {format_name}", name)
+    _check_labels(job.options.labels, name, exporter)
+    for option, formats in _OF_FORMATS.items():
+        if getattr(job.options, option) and name not in formats:
+            raise InputError(f"--{option}", f"the format {' or '.join(formats)}", name)
+
+
+def _check_labels(labels: tuple[str, ...] | None, name: str, exporter: Exporter) -> None:
+    if labels is None:
+        return
+    if not exporter.labels:
+        raise InputError("--labels", f"none for {name}, whose labels belong together", ", ".join(labels))
+    wrong = next((label for label in labels if label not in exporter.labels), None)
+    if wrong is not None or not labels:
+        hint = suggest(wrong, [*exporter.labels]) if wrong is not None else ""
+        raise InputError("--labels", f"some of {', '.join(exporter.labels)}{hint}", described(wrong))
 
 
 def _begin(out: Path) -> None:

@@ -9,6 +9,7 @@ from pydantic import Field
 from ...annotate.labels import Rle
 from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
+from ...procedural.description.depth_camera import DepthCamera, along_x
 from ..cameras.model import Distortion
 
 CAMERA_SCHEMA = "glassware/camera/1"
@@ -24,6 +25,24 @@ CONVENTIONS = {
 }
 
 Row3 = tuple[float, float, float]
+
+
+class DepthCameraRecord(Model):
+    """The depth camera of a view: its place, its infrared cameras, and what the numbers in its files mean."""
+
+    name: str = Field(description="Of the device")
+    unit: float = Field(gt=0.0, description="Of the numbers in `sensor_depth.png` [m]")
+    range: tuple[float, float] = Field(description="Smallest and largest reported depth [m]")
+    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both infrared cameras [px]")
+    width: int = Field(ge=1, description="[px]")
+    height: int = Field(ge=1, description="[px]")
+    baseline: float = Field(gt=0.0, description="Between the infrared cameras [m]")
+    camera_T_left: Matrix4 = Field(description="Pose of the left infrared camera in the left colour camera's frame")
+    camera_T_right: Matrix4 = Field(description="Pose of the right infrared camera")
+    camera_T_projector: Matrix4 = Field(description="Pose of the projector, which looks along z")
+    exposure: float = Field(gt=0.0, description="Of the infrared pictures [s]")
+    gain: float = Field(ge=1.0, description="Of the infrared pictures")
+    reasons: tuple[str, ...] = Field(description="Names of the numbers 0, 1, 2 ... in `sensor_valid.png`")
 
 
 class CameraFile(Model):
@@ -61,7 +80,32 @@ class CameraFile(Model):
     grid_index: int | None = Field(
         description="Position in the 57-view grid: 0 zenith, then 4 rings of 14; null off the grid"
     )
+    depth_camera: DepthCameraRecord | None = Field(
+        default=None, exclude_if=lambda record: record is None, description="Of `sensor_depth.png`; absent without one"
+    )
     conventions: dict[str, str] = Field(description="What the numbers mean")
+
+
+def depth_camera_record(
+    device: DepthCamera, exposure: float, gain: float, reasons: tuple[str, ...]
+) -> DepthCameraRecord:
+    """Return the record of a depth camera: `exposure` [s] and `gain` are those of its infrared pictures."""
+    first, second, third = (tuple(row) for row in device.K.tolist())
+    return DepthCameraRecord(
+        name=device.name,
+        unit=device.unit,
+        range=device.range,
+        K=(first, second, third),
+        width=device.imager.width,
+        height=device.imager.height,
+        baseline=device.baseline,
+        camera_T_left=along_x(device.place),
+        camera_T_right=along_x(device.place + device.baseline),
+        camera_T_projector=along_x(device.place + device.projector.place),
+        exposure=exposure,
+        gain=gain,
+        reasons=reasons,
+    )
 
 
 def camera_file(camera: Camera) -> CameraFile:

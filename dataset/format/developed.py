@@ -16,7 +16,7 @@ from ..cameras.develop import PairLight, develop, lost_pixels
 from ..cameras.lens import Lens, check_distortion
 from ..cameras.presets import CAMERAS
 from . import layout
-from .camera_file import camera_file
+from .camera_file import DepthCameraRecord, camera_file
 from .dataset_file import Development
 from .pictures import write_png
 
@@ -28,6 +28,7 @@ def write_developed(
     Z: np.ndarray,
     development: Development,
     place: tuple[int, int],
+    depth_camera: DepthCameraRecord | None = None,
 ) -> np.ndarray:
     """Write ``left.png``, ``right.png`` and ``camera.json`` of a view into its folder; return the left picture.
 
@@ -45,6 +46,8 @@ def write_developed(
         The colour camera, and the seed of its errors and noise.
     place : (int, int)
         Numbers of scene and view: those of the random streams.
+    depth_camera : DepthCameraRecord, optional
+        The depth camera beside the left one.
     """
     optics = optics_of(camera)
     light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone)
@@ -57,6 +60,7 @@ def write_developed(
         update={
             "colour_camera": None if lens.ideal else lens.name,
             "distortion": "none" if lens.rectified or lens.distortion.absent else lens.distortion,
+            "depth_camera": depth_camera,
             "lost": None if lost is None else Rle(size=(camera.height, camera.width), counts=encode_mask(lost)),
         }
     )

@@ -14,6 +14,7 @@ pictures, depth, normals, ids, masks, poses and boxes, with which networks are t
 ``coordinates``   ``coordinates.exr``: object coordinates of first surfaces and back walls
 ``vessel-parts``  ``vessel_parts.png``: glass, wet wall, liquid surface, content, opening
 ``mattes``        ``mattes.exr`` and ``cryptomatte.exr``: soft edges, and what each object lets through
+``infrared``      ``ir_left.png``, ``ir_right.png``: a depth camera's infrared pictures, with `sensors.depth`
 ================  ========================================================================================
 """
 
@@ -37,6 +38,7 @@ FileKind = Literal[
     "coordinates",
     "vessel-parts",
     "mattes",
+    "infrared",
 ]
 KINDS: tuple[FileKind, ...] = get_args(FileKind)
 #: The kinds of data sets that do not say which they have: those of earlier versions.
@@ -61,6 +63,7 @@ KIND_BYTES: dict[str, float] = {
     "coordinates": 0.6,
     "vessel-parts": 0.02,
     "mattes": 0.5,
+    "infrared": 1.4,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.
 SCENE_BYTES = 4.2e6

@@ -12,6 +12,7 @@
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
             right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
             heatmap.png  coordinates.exr  vessel_parts.png  mattes.exr  cryptomatte.exr
+            sensor_depth.png  sensor_valid.png  ir_left.png  ir_right.png
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ RIGHT_LABELS, RIGHT_INSTANCES, RIGHT_GEOMETRY = "right_labels.json", "right_inst
 DISPARITY, PAIR, HEATMAP = "disparity.exr", "pair.png", "heatmap.png"
 COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
 MATTES, CRYPTOMATTE = "mattes.exr", "cryptomatte.exr"
+SENSOR_DEPTH, SENSOR_VALID = "sensor_depth.png", "sensor_valid.png"  # with the setting sensors.depth
+IR_LEFT, IR_RIGHT = "ir_left.png", "ir_right.png"
 
 _SCENE_NAME = re.compile(r"[0-9]{6,}")
 _VIEW_NAME = re.compile(r"[0-9]{3,}")

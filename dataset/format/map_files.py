@@ -27,7 +27,8 @@ from ...annotate.stereo import PairVisibility, StereoLabels
 from ...annotate.vessel_parts import VesselParts, part_bits, vessel_parts
 from ...core.errors import InputError
 from ...procedural.description.camera import Camera
-from ...procedural.description.scene import Scene, turbid_materials
+from ...procedural.description.material_list import opaque_media
+from ...procedural.description.scene import Scene
 from ...render.frame import Eye, Frame, Geometry, Layers
 from . import layout
 from .exr import read_channel, read_exr, stacked, unstacked, write_exr
@@ -67,7 +68,7 @@ def write_maps(folder: Path, scene: Scene, frame: Frame, labels: Labels, files: 
 
 def parts_of(scene: Scene, layers: Layers, camera: Camera) -> dict[str, VesselParts]:
     """Return the masks of the parts of each vessel of a scene, by name, from the layers of a camera's view."""
-    found, turbid = {}, turbid_materials(scene)
+    found, turbid = {}, opaque_media(scene)
     for body in scene.vessels:
         mouths = [transformed(body.world_T_object, mouth) for mouth in openings(body)]
         found[body.name] = vessel_parts(layers, body.id, mouths, camera, turbid)

@@ -13,6 +13,7 @@ from ...annotate.symmetries import symmetry_of
 from ...core.mesh import volume_of
 from ...core.model import Matrix4, Model, Vector3
 from ...procedural.description.material import OpaqueMaterial
+from ...procedural.description.material_list import materials_of
 from ...procedural.description.rest import Rest, touched
 from ...procedural.description.scene import (
     Content,
@@ -24,7 +25,6 @@ from ...procedural.description.scene import (
     SceneObject,
     Vessel,
     glass_solid,
-    materials_of,
 )
 from ...procedural.optics.medium import Medium
 from ...procedural.physics.bodies import Mechanics, mechanics_of

@@ -59,6 +59,8 @@ def _unseen(settings: SceneSettings, files: AssetFiles, seed: int) -> dict[str, 
     }
     if settings.table.texture_dir is not None:
         names["table.texture_dir"] = tuple(item.name for item in held.table_textures)
+    if settings.environment.texture_dir is not None:
+        names["environment.texture_dir"] = tuple(item.name for item in held.room_textures)
     return {folder: found for folder, found in names.items() if found}
 
 

@@ -11,20 +11,25 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pydantic import Field
 
 from ...annotate.labels import Labels
 from ...core.assets import Asset
 from ...core.atomic_io import atomic_file
 from ...core.errors import InputError
-from ...core.json_file import parsed, read_json
+from ...core.json_file import parsed, read_json, read_record
 from ...core.model import Model
 from ...procedural.description.rest import Rest
 from ...procedural.description.scene import Scene
 from ...procedural.surroundings.photometry import Photometry
-from ...render.frame import Frame, LightCheck
+from ...render.frame import Frame, Geometry, LightCheck
+from ..depth_cameras.errors import DepthErrors, depth_errors
 from . import layout
+from .camera_file import CAMERA_SCHEMA, CameraFile
+from .sensor_files import read_sensor_depth
 
 #: Scenes per row group of the index: with Syn-TODD's 57 views about 4,000 rows.
 SCENES_A_GROUP = 64
@@ -52,9 +57,17 @@ SCHEMA = pa.schema(
         ("spp_right", pa.int32()),
         ("noise_left", pa.float64()),
         ("noise_right", pa.float64()),
+        ("sensor_depth", pa.string()),
+        ("sensor_measured", pa.float64()),
+        *((f"sensor_{name}", pa.list_(pa.float64())) for name in DepthErrors._fields),
     ],
     metadata={"schema_version": "glassware/views/1"},
 )
+
+
+def _absent(description: str) -> Any:
+    """Return a field that files leave out where it is None."""
+    return Field(default=None, exclude_if=lambda value: value is None, description=description)
 
 
 class ViewRow(Model):
@@ -80,6 +93,14 @@ class ViewRow(Model):
     spp_right: int | None
     noise_left: float | None  #: relative error before the denoiser, estimated (`render.frame.Sampling`); null: unknown
     noise_right: float | None
+    #: What a depth camera reported; absent without one. Lists run over objects, as those above; null: too few pixels.
+    sensor_depth: str | None = _absent("relative path")
+    sensor_measured: float | None = _absent("fraction of the pixels that have a depth")
+    sensor_missing: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
+    sensor_right: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
+    sensor_behind: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
+    sensor_front: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
+    sensor_rim: tuple[float | None, ...] | None = _absent("ratio of `DepthErrors`")
 
 
 class SceneViews(Model):
@@ -116,6 +137,25 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
         seen_through_fractions=tuple(one and one.seen_through for one in fractions),
         **_sampling(frame),
     )
+
+
+def with_sensor(row: ViewRow, folder: Path, geometry: Geometry) -> ViewRow:
+    """Return a row with what the depth camera reported of the view in a folder; the same row where it has none."""
+    path = folder / layout.CAMERA
+    device = read_record(CameraFile, path, CAMERA_SCHEMA).depth_camera
+    if device is None:
+        return row
+    reported = read_sensor_depth(folder / layout.SENSOR_DEPTH, device.unit)
+    errors = [depth_errors(reported, geometry.Z, geometry.id == number) for number in row.object_ids]
+    columns = {
+        f"sensor_{name}": tuple(None if np.isnan(one[k]) else one[k] for one in errors)
+        for k, name in enumerate(DepthErrors._fields)
+    }
+    values = {
+        "sensor_depth": f"{row.path}/{layout.SENSOR_DEPTH}",
+        "sensor_measured": float(np.isfinite(reported).mean()),
+    }
+    return row.model_copy(update=values | columns)
 
 
 def _sampling(frame: Frame) -> dict[str, Any]:

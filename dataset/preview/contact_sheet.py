@@ -11,7 +11,7 @@ import numpy as np
 from ...annotate.boxes import EDGES
 from ...annotate.labels import Labels, ObjectLabel
 from ...annotate.projection import project_camera
-from ...core.images import depth_colours, id_colour, id_colours, normal_colours
+from ...core.images import depth_colours, difference_colours, id_colour, id_colours, normal_colours
 from ...procedural.description.camera import Camera
 from ...render.frame import Geometry
 
@@ -23,6 +23,9 @@ _BACKGROUND, _TEXT_COLOUR, _EMPTY = (24, 24, 27), (225, 225, 228), (45, 45, 48)
 _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
+_SENSOR_COLUMNS = ("sensor depth", "sensor depth - Z")
+#: Difference of depths at the ends of its colours [m]: what a depth camera sees through glass is some 50 mm behind it.
+_DIFFERENCE = 0.05
 #: Font sizes of an instance's number; the first that fits its region is used. The last is the smallest readable one.
 _NUMBER_SIZES = (0.5, 0.42, 0.35, 0.3)
 #: Radius of a keypoint's disc, and width of the dark ring around it [px].
@@ -40,6 +43,7 @@ class PreviewRow:
     camera: Camera
     geometry: Geometry
     labels: Labels
+    sensor: np.ndarray | None = None  #: (H, W) float32, what a depth camera reports [m]; NaN for none
 
 
 def chosen_views(count: int, limit: int = MAX_VIEWS) -> list[int]:
@@ -51,13 +55,16 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
     """Return the sheet of some views, (H, W, 3) uint8.
 
     Columns: left picture; depth over the objects' range, bright is near; normals (x red, up green, towards the camera
-    blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility.
+    blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility. Where a row has
+    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two.
     """
-    bands = [_header(title)]
+    sensor = any(row.sensor is not None for row in rows)
+    columns = _COLUMNS + _SENSOR_COLUMNS if sensor else _COLUMNS
+    bands = [_header(title, columns)]
     for row in rows:
         cells = _cells(row)
         height = cells[0].shape[0]
-        band = np.full((height + _GAP, _sheet_width(), 3), _BACKGROUND, np.uint8)
+        band = np.full((height + _GAP, _left(len(columns)), 3), _BACKGROUND, np.uint8)
         _text(band, row.name, (10, height // 2 + 5))
         for column, cell in enumerate(cells):
             band[:height, _left(column) : _left(column) + _CELL] = cell
@@ -109,13 +116,25 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
     for label in row.labels.objects:
         _draw_axes(boxes, label, camera, scale)
         _draw_keypoints(points, label, scale)
-    return [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
+    cells = [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
+    return cells if row.sensor is None else [*cells, *_sensor_cells(geometry, row.sensor, scale)]
 
 
-def _header(title: str) -> np.ndarray:
-    band = np.full((2 * _CAPTION + 8, _sheet_width(), 3), _BACKGROUND, np.uint8)
+def _sensor_cells(geometry: Geometry, sensor: np.ndarray, scale: float) -> list[np.ndarray]:
+    """Return a sensor's depth in the colours of the true one, and how much farther it is: red behind, blue in front."""
+    _, (near, far) = depth_colours(geometry.Z, geometry.id)
+    reported = np.where(np.isfinite(sensor), sensor, np.inf)
+    colours, _ = depth_colours(reported, geometry.id, (near, far))
+    difference = difference_colours(sensor - geometry.Z, _DIFFERENCE)
+    cells = [_resized(colours, scale), _resized(difference, scale)]
+    _tag(cells[1], f"-{1e3 * _DIFFERENCE:g} mm to {1e3 * _DIFFERENCE:g} mm")
+    return cells
+
+
+def _header(title: str, columns: tuple[str, ...]) -> np.ndarray:
+    band = np.full((2 * _CAPTION + 8, _left(len(columns)), 3), _BACKGROUND, np.uint8)
     _text(band, title, (10, 24), 0.6)
-    for column, caption in enumerate(_COLUMNS):
+    for column, caption in enumerate(columns):
         _text(band, caption, (_left(column) + 2, _CAPTION + 28))
     x = _left(len(_COLUMNS) - 1) + 90
     for state, colour in _STATES.items():
@@ -217,7 +236,3 @@ def _text(
 
 def _left(column: int) -> int:
     return _GUTTER + column * (_CELL + _GAP)
-
-
-def _sheet_width() -> int:
-    return _left(len(_COLUMNS))

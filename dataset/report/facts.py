@@ -16,11 +16,12 @@ from ...core.errors import InputError
 from ...procedural.description.rest import Rest
 from ...procedural.optics.dyes import DYES
 from ...procedural.optics.medium import Medium
+from ..depth_cameras.errors import DepthErrors
 from ..format import layout
 from ..format.checksums import read_checksums
 from ..format.objects_file import ObjectRecord, ObjectsFile
 from ..format.scene_outline import SceneOutline
-from ..format.views_table import SceneViews, scene_views
+from ..format.views_table import SceneViews, ViewRow, scene_views
 from ..reader import StoredScene
 
 #: How the catalogue begins the names of solutions.
@@ -153,6 +154,19 @@ def _view_numbers(
                 yield from (("depth", float(depth)), ("visible", visible), ("seen_through", through))
         yield from (("spp", spp) for spp in (row.spp_left, row.spp_right) if spp is not None)
         yield from (("noise", noise) for noise in (row.noise_left, row.noise_right) if noise is not None)
+        yield from _sensor_numbers(row, {item.id for item in objects.objects if _is_vessel(item)})
+
+
+def _sensor_numbers(row: ViewRow, vessels: set[int]) -> Iterator[tuple[str, float]]:
+    """Yield what a depth camera reported of a view: of all pixels, and of each vessel."""
+    if row.sensor_measured is None:
+        return
+    yield "sensor_measured", row.sensor_measured
+    for name in DepthErrors._fields:
+        values = getattr(row, f"sensor_{name}") or ()
+        for number, value in zip(row.object_ids, values, strict=True):
+            if number in vessels and value is not None:
+                yield f"sensor_{name}", value
 
 
 def _names(objects: ObjectsFile, outline: SceneOutline) -> Iterator[tuple[str, str]]:

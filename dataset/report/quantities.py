@@ -18,6 +18,7 @@ SECTIONS = {
     "views": "Views",
     "light": "Light and exposure",
     "pictures": "Pictures",
+    "sensor": "Depth camera",
     "work": "Time and size",
 }
 
@@ -72,6 +73,16 @@ QUANTITIES: dict[str, Quantity] = {
     "noise": Quantity(
         "pictures", "Noise before the denoiser", "%", 1e2, "log", note="relative error, estimated, of each picture"
     ),
+    "sensor_measured": Quantity("sensor", "Pixels with a depth", "%", 1e2, "percent", note="of a view"),
+    "sensor_missing": Quantity(
+        "sensor", "Missing on vessels", "%", 1e2, "percent", note="of a vessel's visible pixels"
+    ),
+    "sensor_right": Quantity(
+        "sensor", "Right on vessels", "%", 1e2, "percent", note="within 10 mm, of those with a depth"
+    ),
+    "sensor_behind": Quantity("sensor", "Behind vessels", "%", 1e2, "percent", note="by more than 20 mm, likewise"),
+    "sensor_front": Quantity("sensor", "In front of vessels", "%", 1e2, "percent", note="by more than 20 mm, likewise"),
+    "sensor_rim": Quantity("sensor", "Missing at rims over inside", note="within 7 px of the silhouette, and the rest"),
     "seconds": Quantity("work", "Time of a scene", "s", axis="log", note="of the attempt that made it"),
     "bytes": Quantity("work", "Size of a scene", "MB", 1e-6, "log", note="all files of its folder"),
 }

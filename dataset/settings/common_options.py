@@ -39,7 +39,8 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
     ),
     "glassware export": (
         ("export", ("DIRECTORY", "--format", "--out")),
-        ("what of it", ("--split", "--vessels-only", "--eye", "--copy-pictures", "--polygons", "--layers")),
+        ("what of it", ("--split", "--labels", "--vessels-only", "--eye", "--copy-pictures")),
+        ("of some formats", ("--liquids", "--polygons", "--layers", "--licence")),
     ),
     "glassware train": (
         ("run", ("DATA", "--config", "--out", "--resume")),

@@ -26,7 +26,7 @@ def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Sc
     scene : int
         Number of the scene in the data set.
     preset : str
-        Settings to start from: ``"fast"``, ``"keypose"``, ``"standard"`` or ``"syn-todd"``.
+        Settings to start from: ``"fast"``, ``"keypose"``, ``"standard"``, ``"syn-todd"`` or ``"train"``.
     **settings
         Groups of settings on top of the preset, by name, as in a YAML file of settings (docs/settings.md), such as
         ``vessels={"categories": ["bottle"]}`` or ``cameras={"views": 2}``.

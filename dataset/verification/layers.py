@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...procedural.description.scene import Scene, materials_of, turbid_materials
+from ...procedural.description.material_list import materials_of, turbid_media
+from ...procedural.description.scene import Scene
 from ...render.frame import Geometry, Layers
 from .fault import Fault, at_pixels
 from .surfaces import DEPTH, RELATIVE
@@ -45,7 +46,7 @@ def alternation_faults(scene: Scene, layers: Layers, file: str) -> list[Fault]:
     """
     found: list[Fault] = []
     whole, known = layers.count <= len(layers.Z), materials_of(scene)
-    turbid = turbid_materials(scene)
+    turbid = turbid_media(scene)
     walls = (layers.part == OUTSIDE) | (layers.part == WET_WALL)
     for body in scene.vessels:
         own = (layers.id == body.id) & walls & np.isfinite(layers.Z)

@@ -10,7 +10,8 @@ import numpy as np
 from ...annotate.labels import Labels
 from ...annotate.stereo import BOTH, HIDDEN, NOTHING, OUTSIDE, PairVisibility
 from ...procedural.description.camera import Camera
-from ...procedural.description.scene import Scene, turbid_materials
+from ...procedural.description.material_list import opaque_media
+from ...procedural.description.scene import Scene
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format.exr import channel, read_exr
 from ..format.map_files import HEAT_STEPS, PAIR_SHIFTS, read_ids
@@ -138,7 +139,7 @@ def part_faults(path: Path, scene: Scene, geometry: Geometry, layers: Layers, mo
     on[[number for number in vessels if number < len(on)]] = True
     there = on[layers.id].any(axis=0)  # rays that meet a vessel, a tenth of the picture
     Z, ids, part, material = (x[:, there] for x in (layers.Z, layers.id, layers.part, layers.material))
-    solid = ((part == 0) | np.isin(material, turbid_materials(scene))) & np.isfinite(Z)
+    solid = ((part == 0) | np.isin(material, opaque_media(scene))) & np.isfinite(Z)
     behind = np.cumsum(solid, axis=0) - solid > 0
     counted = np.isfinite(Z) & ~behind & on[ids]
     expected = np.zeros(bits.shape, int)

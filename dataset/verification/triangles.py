@@ -9,6 +9,7 @@ import numpy as np
 from ...core.mesh import Mesh, turned
 from ...procedural.description.scene import TABLE_ID, Interface, Prop, Scene
 from ...procedural.description.surroundings import ROOM_IDS, AreaLight, RoomEnvironment
+from ...procedural.surroundings.room_bodies import room_bodies, world_T_room
 
 #: Kinds of surfaces, in the order of the codes of ``layers.exr``; lamps, which labels leave out, come last.
 OPAQUE, OUTSIDE, WET_WALL, LIQUID_SURFACE, LIQUID_INTERFACE, CONTENT, LAMP = range(7)
@@ -48,7 +49,12 @@ def triangles_of(scene: Scene) -> Triangles:
             # Opaque surfaces turn their front to the medium that they are seen from.
             mesh, sides = (turned(part.mesh), (back, front)) if part.seen_from_back else (part.mesh, (front, back))
             rows.append(_row(mesh, pose, item.id, _KINDS[part.part], part.opaque is not None, sides))
-    rows += [_lamp(light) for light in scene.lights]
+    room = scene.environment if isinstance(scene.environment, RoomEnvironment) else None
+    in_place = room is not None and not room.at_infinity and not scene.picture.spectral
+    if room is not None and in_place:
+        pose = world_T_room(room)
+        rows += [_row(body.mesh, pose, ROOM_IDS[body.part], OPAQUE, True, (-1, -1)) for body in room_bodies(room)]
+    rows += [_lamp(light, in_place) for light in scene.lights]
     columns = [np.concatenate(column) for column in zip(*rows, strict=True)]
     return Triangles(*columns, media=tuple(media))
 
@@ -95,8 +101,10 @@ def _row(
     return corners, normals, np.full(n, number), np.full(n, kind), np.full(n, opaque), np.tile(sides, (n, 1))
 
 
-def _lamp(light: AreaLight) -> tuple[np.ndarray, ...]:
+def _lamp(light: AreaLight, in_place: bool) -> tuple[np.ndarray, ...]:
     x, y = 0.5 * light.size[0], 0.5 * light.size[1]
     corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
     mesh = Mesh("lamp", corners, np.array([[0, 1, 2], [0, 2, 3]]))
-    return _row(mesh, np.asarray(light.world_T_light), 0, LAMP, False, (-1, -1))
+    # A lamp in a room in its place is one of the room's; others have no depth.
+    number, kind = (ROOM_IDS["lamp"], OPAQUE) if in_place else (0, LAMP)
+    return _row(mesh, np.asarray(light.world_T_light), number, kind, in_place, (-1, -1))

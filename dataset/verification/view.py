@@ -25,7 +25,7 @@ from ..format.matte_files import read_mattes
 from ..format.objects_file import ObjectsFile
 from ..stored_view import StoredView
 from . import layers as layer_checks
-from . import maps, mattes, objects, pictures, refraction, surfaces
+from . import maps, mattes, objects, pictures, refraction, sensors, surfaces
 from .description import camera_faults
 from .fault import Fault
 from .pinhole import Pinhole, pinhole_of
@@ -78,6 +78,7 @@ class ViewChecks:
             self._layers()
         if self._has(layout.REFRACTION):
             self._refraction()
+        self._check("sensor", ("depth", "ids"), self._sensor)
         self._maps()
         if self._has(layout.MATTES):
             self._mattes()
@@ -203,6 +204,9 @@ class ViewChecks:
                 ("refraction",),
                 lambda: refraction.refraction_faults(rays, camera, triangles, self._stream("refraction"), file),
             )
+
+    def _sensor(self) -> list[Fault]:
+        return sensors.sensor_faults(self.view, self.scene.depth_camera, self._geometry["left"])
 
     def _maps(self) -> None:
         folder, geometry, scene = self.view.folder, self._geometry, self.scene

@@ -28,6 +28,7 @@ _PAIR = (
 )
 _ENDS = (("surroundings", "#4696eb"), ("surface", "#46c864"), ("lost", "#e65046"))
 _PART_COLOURS = ("#7896b4", "#46c8c8", "#4696eb", "#f5822d", "#fabe32")
+_REASON_COLOURS = ("#46c864", "#e65046", "#fabe32", "#4696eb", "#b969e1", "#f5822d", "#46c8c8", "#c8c8c8")
 _LAYER_COLOURS = ("#8c8c8c", "#46c8c8", "#4696eb", "#b969e1", "#fabe32", "#f5822d")
 
 
@@ -87,6 +88,8 @@ def view_maps(view: StoredView, following: StoredView | None) -> tuple[list[Labe
             found += maps(view)
         else:
             absent[kind] = purpose
+    if view.depth_camera() is not None:
+        found += _sensor_maps(view)
     if following is not None:
         found.append(_flow("left/flow", "optical flow to the next view", "motion", view.flow(following)))
     return found, absent
@@ -156,6 +159,18 @@ def _refraction_maps(view: StoredView) -> Iterator[LabelMap]:
     bounces = np.minimum(rays.bounces, 255).astype(np.uint8)
     yield LabelMap("left/bounces", "interfaces", "refraction", "number", bounces, high=max(int(bounces.max()), 1))
     yield _colour("left/refracted-transmittance", "transmittance", "refraction", rays.transmittance)
+
+
+def _sensor_maps(view: StoredView) -> Iterator[LabelMap]:
+    """Yield what a depth camera reports in the left picture's pixels, and why it reports nothing."""
+    device, Z = view.depth_camera(), np.nan_to_num(view.sensor_depth())
+    assert device is not None
+    yield _depth(
+        "left/sensor-depth", "depth of the sensor", "depth camera", np.where(Z > 0.0, Z, np.inf), view.geometry().id
+    )
+    codes = view.sensor_valid().astype(np.uint8)
+    names = tuple((name, _REASON_COLOURS[i % len(_REASON_COLOURS)]) for i, name in enumerate(device.reasons))
+    yield LabelMap("left/sensor-valid", "why it has none", "depth camera", "class", codes, none=None, names=names)
 
 
 def _matte_maps(view: StoredView) -> Iterator[LabelMap]:

@@ -149,6 +149,13 @@ Texture = Annotated[
 ]
 
 
+class Emission(Model):
+    """Light that a surface sends out from its front side, the same in all directions."""
+
+    colour: Annotated[UniformTexture | PictureTexture, Field(discriminator="kind")]
+    radiance: float = Field(gt=0.0, le=1e6, description="Of the colour 1 [kcd/m^2]")
+
+
 class OpaqueMaterial(Model):
     """An opaque surface: Disney's principled model (Burley 2012) without transmission."""
 
@@ -169,6 +176,7 @@ class OpaqueMaterial(Model):
     metallic_map: ChannelMap | None = Field(default=None, exclude_if=_is_none)
     normal_map: NormalMap | None = Field(default=None, exclude_if=_is_none, description="Goes before a bump map")
     bump_map: BumpMap | None = Field(default=None, exclude_if=_is_none)
+    emission: Emission | None = Field(default=None, exclude_if=_is_none, description="What shines by itself")
 
     @property
     def is_mapped(self) -> bool:

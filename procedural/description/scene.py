@@ -23,7 +23,7 @@ from ...core.setting_errors import suggest
 from ...core.user_text import counted
 from ..optics.catalogue import dyed, glass_named
 from ..optics.draw import liquid_named
-from ..optics.medium import AIR, Medium
+from ..optics.medium import Medium
 from .bodies import FIRST_OBJECT_ID as FIRST_OBJECT_ID
 from .bodies import TABLE_ID as TABLE_ID
 from .bodies import Cavity as Cavity
@@ -38,11 +38,12 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
+from .depth_camera import DepthCamera
 from .edits import check_place, made_unique, moved_with_parts, surrounded
-from .material import OpaqueMaterial
 from .picture import Picture
 from .rest import Rest
 from .surroundings import AreaLight, Environment, Table
+from .twin import Twin
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"
@@ -85,6 +86,12 @@ class Scene(Model):
     # Left out of files where there is none: scenes whose objects stand apart stay what they were.
     rest: Rest | None = Field(
         default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
+    )
+    depth_camera: DepthCamera | None = Field(
+        default=None, exclude_if=lambda device: device is None, description="Beside the left colour camera"
+    )
+    twin: Twin | None = Field(
+        default=None, exclude_if=lambda twin: twin is None, description="Which scene it is a twin of, where it is one"
     )
 
     @property
@@ -361,28 +368,3 @@ def _check_upright(body: GlassBody) -> None:
     if upright < UPRIGHT:
         found = f"one tilted by {np.degrees(np.arccos(max(upright, -1.0))):.0f} degrees"
         raise InputError(f"{body.name}, liquid", "a vessel that stands upright, as liquids are level", found)
-
-
-def materials_of(scene: Scene) -> tuple[Medium | OpaqueMaterial, ...]:
-    """Return the materials of a scene, each once: air, the table's, then those of the objects by their ids.
-
-    Labels name them by their place in this list. Of a glass body, the glass comes before the liquid.
-    """
-    found: list[Medium | OpaqueMaterial] = [AIR]
-    for material in [scene.table.material, *(part for item in scene.objects for part in _materials_of_object(item))]:
-        if material not in found:
-            found.append(material)
-    return tuple(found)
-
-
-def turbid_materials(scene: Scene) -> tuple[int, ...]:
-    """Return the places of turbid liquids in the list of materials: their surfaces are opaque."""
-    media = [liquid.medium for body in scene.vessels for liquid in body.liquids if liquid.turbid]
-    return tuple(number for number, material in enumerate(materials_of(scene)) if material in media)
-
-
-def _materials_of_object(item: SceneObject) -> list[Medium | OpaqueMaterial]:
-    if isinstance(item, Prop):
-        return [piece.material for piece in item.pieces]
-    media = [medium for interface in item.interfaces for medium in (interface.back, interface.front)]
-    return [item.glass, *(liquid.medium for liquid in item.liquids), *media]

@@ -8,8 +8,9 @@ from pydantic import Field
 
 from ...core.assets import Asset
 from ...core.model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
-from .material import OpaqueMaterial
+from .material import OpaqueMaterial, PictureTexture
 
+PositiveSide = Annotated[float, Field(gt=0.0, le=100.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
 
@@ -89,6 +90,13 @@ class Detail(Model):
     finish: Literal["plain", "wood"] = Field(default="plain", description="One colour, or wood of that mean colour")
 
 
+class RoomPicture(Model):
+    """A picture that covers walls or floor of a room: their reflectance, from place to place."""
+
+    texture: PictureTexture
+    size: tuple[PositiveSide, PositiveSide] = Field(description="Width and height of what the picture shows [m]")
+
+
 class RoomEnvironment(Model):
     """A box-shaped room with windows, lamps and furniture, around the table or as a map at infinity."""
 
@@ -105,6 +113,10 @@ class RoomEnvironment(Model):
     )
     floor_tile: float = Field(
         default=0.0, ge=0.0, exclude_if=lambda side: side == 0.0, description="Side of the floor's tiles [m]; 0: none"
+    )
+    wall_picture: RoomPicture | None = Field(default=None, exclude_if=lambda picture: picture is None)
+    floor_picture: RoomPicture | None = Field(
+        default=None, exclude_if=lambda picture: picture is None, description="Goes before boards and tiles"
     )
     size: Vector3 = Field(description="Inner extent along x, y, z [m]")
     eye: Vector3 = Field(description="Where the table's centre is in the room, from a corner [m]")

@@ -17,7 +17,7 @@ from ..materials.picture_files import read_opacity
 from .cutouts import cutout
 from .embedded import kept_picture
 from .gltf_file import BROKEN, Gltf, uri_content, view_content
-from .model import Cutout, GlassLook, Look
+from .model import Cutout, GlassLook, Glow, Look
 from .references import picture
 
 #: Reflectance of a dielectric at normal incidence that the standard assumes [1] (section 3.9.2, index 1.5).
@@ -59,8 +59,8 @@ def look_of(gltf: Gltf, number: int | None) -> tuple[Look, int, np.ndarray]:
         look, first = _metallic_roughness(gltf, record, name)
     if "KHR_materials_unlit" in extensions:
         look = replace(look, roughness=1.0, metallic=0.0, maps={})
-    if any(value > 0.0 for value in _numbers(gltf, record, "emissiveFactor", 3, 0.0)):
-        gltf.source.notes.say(f"{name!r} emits light, which is not rendered")
+    glow, first = _glow(gltf, record, extensions, first, name)
+    look = replace(look, glow=glow)
     look = _with_normals(gltf, record, look, first, name)
     look = replace(look, glass=_glass(gltf, record, extensions))
     return _with_opacity(gltf, record, look, name), first.uv_set, first.uv_T_uv
@@ -117,6 +117,27 @@ def _metal_of(diffuse: np.ndarray, specular: np.ndarray) -> tuple[float, np.ndar
     of_diffuse = diffuse * rest / (1.0 - _DIELECTRIC) / max(1.0 - metallic, 1e-6)
     of_specular = (specular - _DIELECTRIC * (1.0 - metallic)) / max(metallic, 1e-6)
     return metallic, np.clip(of_diffuse + (of_specular - of_diffuse) * metallic**2, 0.0, 1.0)
+
+
+def _glow(
+    gltf: Gltf, record: dict[str, Any], extensions: dict[str, Any], first: _Picture, name: str
+) -> tuple[Glow | None, _Picture]:
+    """Return the emission of a material (section 3.9.3, KHR_materials_emissive_strength), and how its picture lies.
+
+    Where no other picture says how pictures lie, that of the emission does.
+    """
+    factor = np.array(_numbers(gltf, record, "emissiveFactor", 3, 0.0))
+    strength = extensions.get("KHR_materials_emissive_strength", {})
+    (stated,) = _signed(gltf, strength, "emissiveStrength", 1, 1.0)
+    brightest = float(factor.max())
+    if brightest * stated <= 0.0:
+        return None, first
+    found = _picture_of(gltf, record.get("emissiveTexture"), f"the emission of {name!r}")
+    if found is not None and first.texture is None:
+        first = found
+    if found is not None and not _same_place(gltf, found, first, name):
+        return None, first
+    return Glow(_coloured(found, tuple((factor / brightest).tolist())), brightest * stated), first
 
 
 def _with_normals(gltf: Gltf, record: dict[str, Any], look: Look, first: _Picture, name: str) -> Look:

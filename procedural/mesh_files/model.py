@@ -41,6 +41,14 @@ class Cutout:
 
 
 @dataclass(frozen=True)
+class Glow:
+    """What a file says of the light that a surface sends out."""
+
+    texture: PictureTexture | UniformTexture
+    strength: float  #: factor on the texture [1]; 1 is the white of the screen that the file was made at
+
+
+@dataclass(frozen=True)
 class Look:
     """The material of a part; what the file does not say is None."""
 
@@ -52,6 +60,7 @@ class Look:
     glass: GlassLook | None = None
     cutout: Cutout | None = None
     plain: tuple[float, float, float] | None = None  #: colour where there are no texture coordinates for a picture
+    glow: Glow | None = None
 
     @property
     def is_bare(self) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..description.material import UniformTexture
 from .cutouts import cutout
-from .model import Cutout, GlassLook, Look, Source, content_of
+from .model import Cutout, GlassLook, Glow, Look, Source, content_of
 from .references import named_file, picture
 
 #: Arguments of the options before a picture's name: fewest and most.
@@ -98,8 +98,6 @@ def look_of(source: Source, file: Path, entries: Entries, name: str) -> Look:
     if opacity is not None and opacity <= GLASS_OPACITY:
         index = _number(source, entries, "ni", name)
         glass = GlassLook(index=index if index is not None and 1.0 < index <= 4.0 else 1.5)
-    if _emits(entries.get("ke", "0")):
-        source.notes.say(f"material {name!r} emits light, which is not rendered")
     return Look(
         name=name,
         texture=texture,
@@ -108,6 +106,7 @@ def look_of(source: Source, file: Path, entries: Entries, name: str) -> Look:
         glass=glass,
         cutout=_cutout(source, file, entries, name),
         plain=colour,
+        glow=_glow(source, file, entries, name),
     )
 
 
@@ -215,8 +214,21 @@ def _unit(value: float | None) -> float | None:
     return None if value is None else min(max(value, 0.0), 1.0)
 
 
-def _emits(value: str) -> bool:
-    return any(_is_number(word) and float(word) > 0.0 for word in value.split())
+def _glow(source: Source, file: Path, entries: Entries, name: str) -> Glow | None:
+    """Return ``Ke`` and ``map_Ke`` as emission; a picture alone is unscaled, and beside black it is a default's."""
+    words = entries.get("ke", "0").split()
+    values = [float(word) for word in words[:3] if _is_number(word)]
+    colour = np.maximum(values if len(values) == 3 else values[:1] * 3 or [0.0] * 3, 0.0)
+    brightest = float(colour.max())
+    if "map_ke" in entries:
+        path = _picture_file(source, file, entries["map_ke"], f"the emission of material {name!r}")
+        found = picture(source, path, f"material {name!r}")
+        if found is not None:
+            return Glow(found, brightest if 0.0 < brightest < math.inf else 1.0)
+    if not 0.0 < brightest < math.inf:
+        return None
+    red, green, blue = (colour / brightest).tolist()
+    return Glow(UniformTexture(colour=(red, green, blue)), brightest)
 
 
 def _is_number(word: str) -> bool:

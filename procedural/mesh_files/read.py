@@ -56,13 +56,21 @@ def _with_usable(part: FilePart) -> FilePart:
 
 def _in_plain_colour(source: Source, part: FilePart) -> FilePart:
     """Return a part with a picture but no texture coordinates in its plain colour, or in the picture's mean colour."""
-    texture = part.look.texture
+    texture, glow = part.look.texture, part.look.glow
+    if glow is not None and isinstance(glow.texture, PictureTexture) and (part.uv is None or part.colours is not None):
+        # Colours of vertices are rendered as a picture with coordinates of its own.
+        glow = replace(glow, texture=_mean_colour(glow.texture))
+        part = replace(part, look=replace(part.look, glow=glow))
     if part.uv is not None or not isinstance(texture, PictureTexture):
         return part
     source.notes.say(f"material {part.look.name!r} has a picture, but its faces have no texture coordinates")
-    red, green, blue = part.look.plain or np.clip(bake(texture).mean((0, 1)), 0.0, 1.0).tolist()
-    look = replace(part.look, texture=UniformTexture(colour=(red, green, blue)), maps={}, cutout=None)
-    return replace(part, look=look)
+    plain = _mean_colour(texture) if part.look.plain is None else UniformTexture(colour=part.look.plain)
+    return replace(part, look=replace(part.look, texture=plain, maps={}, cutout=None))
+
+
+def _mean_colour(texture: PictureTexture) -> UniformTexture:
+    red, green, blue = np.clip(bake(texture).mean((0, 1)), 0.0, 1.0).tolist()
+    return UniformTexture(colour=(red, green, blue))
 
 
 def _read_stl(source: Source) -> list[FilePart]:

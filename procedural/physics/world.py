@@ -28,10 +28,10 @@ _CONTACT = (0.01, 1.0)
 #: millimetre on (MuJoCo's documentation, "Solver parameters").
 _IMPEDANCE = (0.95, 0.99, 5e-4, 0.5, 2.0)
 #: Stiffness of friction over that of contacts [1]: what leans does not creep.
-_FRICTION_STIFFNESS = 100.0
+FRICTION_STIFFNESS = 100.0
 #: Directions in which a contact resists: with friction against sliding, and against turning and rolling as well. A pair
 #: has the larger of both. Parts of one body touch another in many places, which keep each other from turning.
-_SLIDING, _ROLLING = 3, 6
+SLIDING, ROLLING = 3, 6
 #: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling in a second
 #: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
 _DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
@@ -42,7 +42,7 @@ _TOP = 0.1
 #: Height and distance of places where bodies wait [m], beyond every table.
 _WAITING = (20.0, 2.0)
 #: Kinds of geometry that meet: bodies with bodies, hulls with the table.
-_BODIES, _TABLE = 1, 2
+MEETS_BODIES, MEETS_TABLE = 1, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +90,11 @@ def build_world(bodies: Sequence[RigidBody], board: np.ndarray, friction: float)
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.gravity = FALL_STEP, [0.0, 0.0, -GRAVITY]
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, _FRICTION_STIFFNESS
+    spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, FRICTION_STIFFNESS
     spec.compiler.balanceinertia = True
     half = np.abs(board).max(0)
     table = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": [*half, 0.5 * _TOP], "pos": [0.0, 0.0, -0.5 * _TOP]}
-    spec.worldbody.add_geom(**table, **_contact(friction, (_TABLE, 0)))
+    spec.worldbody.add_geom(**table, **contact_settings(friction, (MEETS_TABLE, 0)))
     for number, body in enumerate(bodies):
         _add_body(spec, number, body)
     model = spec.compile()
@@ -189,10 +189,10 @@ def _add_body(spec: Any, number: int, body: RigidBody) -> None:
     frame.fullinertia = [rows[0, 0], rows[1, 1], rows[2, 2], rows[0, 1], rows[0, 2], rows[1, 2]]
     friction = body.mechanics.friction
     # The table meets the hull alone, which touches a plane where the body does; bodies meet each other's parts.
-    meets = _TABLE if body.parts.parts else _TABLE | _BODIES
-    kind = 0 if body.parts.parts else _BODIES
-    _add_part(spec, frame, f"hull-{number}", ConvexPart(body.parts.hull), _contact(friction, (kind, meets)))
-    touch = _contact(friction, (_BODIES, _BODIES)) | {"condim": _SLIDING}
+    meets = MEETS_TABLE if body.parts.parts else MEETS_TABLE | MEETS_BODIES
+    kind = 0 if body.parts.parts else MEETS_BODIES
+    _add_part(spec, frame, f"hull-{number}", ConvexPart(body.parts.hull), contact_settings(friction, (kind, meets)))
+    touch = contact_settings(friction, (MEETS_BODIES, MEETS_BODIES)) | {"condim": SLIDING}
     for index, part in enumerate(body.parts.parts):
         _add_part(spec, frame, f"part-{number}-{index}", part, touch)
 
@@ -212,12 +212,12 @@ def _add_part(spec: Any, frame: Any, name: str, part: ConvexPart, contact: dict[
         )
 
 
-def _contact(friction: float, kinds: tuple[int, int]) -> dict[str, Any]:
+def contact_settings(friction: float, kinds: tuple[int, int]) -> dict[str, Any]:
     """Return what a geometry does in contacts: its kind, and the kinds that it meets."""
     return {
         "contype": kinds[0],
         "conaffinity": kinds[1],
-        "condim": _ROLLING,
+        "condim": ROLLING,
         "friction": [friction, TURNING_ARM, ROLLING_ARM],
         "margin": CONTACT_GAP,  # a pair keeps the sum of both
         "solref": _CONTACT,

@@ -9,14 +9,19 @@ from pathlib import Path
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..description.material import OpaqueMaterial
+from ..description.material import Emission, OpaqueMaterial
 from ..description.scene import GlassBody, Interface, Origin, Prop, PropPart
 from ..materials.draw import draw_material, draw_plain_material, whole_repeats
 from ..materials.surface_files import SurfaceFiles
-from ..mesh_files.model import GlassLook, Look
+from ..mesh_files.model import GlassLook, Glow, Look
 from ..optics.medium import AIR
 from .glass import medium_of, roughness_of
 from .mesh_files import Z_UP, FileMesh, MeshFile, box_mapped, read_mesh
+
+#: Radiance of what a file calls an emission of 1 [kcd/m^2]: white on the reference display of IEC 61966-2-1 (sRGB),
+#: 80 cd/m^2, as files are made to look right on a screen. (The unit of glTF 2.0, section 3.9.3, is 1 cd/m^2, by which
+#: nothing that people export would shine in a lit room.)
+SCREEN_WHITE = 0.08
 
 
 def prop_from_file(
@@ -111,14 +116,19 @@ def _material(file: MeshFile, look: Look, plain: OpaqueMaterial) -> OpaqueMateri
             "base_colour": look.texture,
             "roughness": plain.roughness if look.roughness is None else look.roughness,
             "metallic": look.metallic or 0.0,
+            "emission": _emission(look.glow),
             **look.maps,
         }
     )
 
 
 def _with_look(material: OpaqueMaterial, look: Look) -> OpaqueMaterial:
-    fields = {"roughness": look.roughness, "metallic": look.metallic}
+    fields = {"roughness": look.roughness, "metallic": look.metallic, "emission": _emission(look.glow)}
     return material.model_copy(update={name: value for name, value in fields.items() if value is not None})
+
+
+def _emission(glow: Glow | None) -> Emission | None:
+    return None if glow is None else Emission(colour=glow.texture, radiance=min(SCREEN_WHITE * glow.strength, 1e6))
 
 
 def _motions(file: MeshFile, found: FileMesh) -> tuple[np.ndarray, ...]:

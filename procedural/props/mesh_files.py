@@ -23,7 +23,7 @@ from ..mesh_files.read import MESH_SUFFIXES, read_parts
 from .pieces import Piece, joined_pieces, sewn, without_ground
 
 #: Number of the check; what was remembered of another one is forgotten.
-CHECK_VERSION = 6
+CHECK_VERSION = 7
 #: A file of unknown unit whose longest side is in this range is taken to be in metres and keeps its size [m]: objects
 #: on tables. Any other such file gets a drawn size.
 TRUE_SIZES = (0.01, 0.5)
@@ -320,7 +320,8 @@ def _check_glass(file: MeshFile, mesh: Mesh) -> None:
 def _kind(look: Look) -> str:
     if look.glass is not None:
         return "glass"
-    return "no material" if look.texture is None else look.texture.kind
+    kind = "no material" if look.texture is None else look.texture.kind
+    return kind if look.glow is None else f"{kind} that shines"
 
 
 def _size_fault(file: MeshFile, longest: float) -> str | None:

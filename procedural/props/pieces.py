@@ -106,7 +106,9 @@ def sewn(parts: Sequence[FilePart]) -> list[FilePart]:
 
 def _key(part: FilePart) -> str:
     look = part.look
-    return repr((look.texture, look.roughness, look.metallic, look.maps, look.glass, look.texture and look.name))
+    return repr(
+        (look.texture, look.roughness, look.metallic, look.maps, look.glass, look.glow, look.texture and look.name)
+    )
 
 
 def _few(groups: dict[str, list[FilePart]]) -> list[list[FilePart]]:
@@ -116,8 +118,9 @@ def _few(groups: dict[str, list[FilePart]]) -> list[list[FilePart]]:
         return every
     rest, plain = [], []
     for group in every:
-        texture = group[0].look.texture
-        if isinstance(texture, UniformTexture) and group[0].look.glass is None:
+        look = group[0].look
+        texture = look.texture
+        if isinstance(texture, UniformTexture) and look.glass is None and look.glow is None:
             plain += [replace(part, colours=np.tile(texture.colour, (len(part.vertices), 1))) for part in group]
         else:
             rest.append(group)

@@ -17,6 +17,7 @@ from ..props.mesh_files import MeshFile, usable_meshes
 from ..surroundings.camera_poses import poses_of
 from ..surroundings.hdri import usable_hdris
 from ..surroundings.pose_files import FilePose
+from ..surroundings.room_pictures import usable_room_pictures
 from ..surroundings.shipped_light import shipped_maps
 from ..vessels.media import own_media
 from .asset_places import check_asset_places
@@ -34,6 +35,7 @@ class AssetFiles:
     meshes: tuple[MeshFile, ...] = ()
     textures: tuple[SurfaceFiles, ...] = ()
     table_textures: tuple[SurfaceFiles, ...] = ()  #: those of the props, unless the table has a folder of its own
+    room_textures: tuple[SurfaceFiles, ...] = ()
     vessels: tuple[VesselFile, ...] = ()
     poses: tuple[FilePose, ...] = ()
     media: Mapping[str, Medium] = field(default_factory=lambda: NO_MEDIA)
@@ -64,8 +66,9 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
     if settings.table.texture_dir is not None:
         name = "table.texture_dir"
         tables, of_tables = usable_surfaces(settings.table.texture_dir, settings.texture_size, progress, name)
+    rooms, of_rooms = usable_room_pictures(settings.environment.texture_dir, settings.texture_size, progress)
     vessels, of_vessels = usable_vessels(settings.vessel_dir, settings.vessels, progress)
-    findings = (*of_light, *of_meshes, *of_vessels, *of_textures, *of_tables)
+    findings = (*of_light, *of_meshes, *of_vessels, *of_textures, *of_tables, *of_rooms)
     if settings.strict:
         check_strict(findings)
     return AssetFiles(
@@ -73,6 +76,7 @@ def asset_files(settings: SceneSettings, progress: Progress | None = None) -> As
         meshes=meshes,
         textures=textures,
         table_textures=tables,
+        room_textures=rooms,
         vessels=vessels,
         poses=poses_of(settings.cameras),
         media=own_media(settings.vessels),
@@ -94,6 +98,7 @@ def files_for(settings: SceneSettings, files: AssetFiles, seed: int, split: Spli
         meshes=kept(files.meshes, lambda file: file.name),
         textures=kept(files.textures, lambda item: item.name),
         table_textures=kept(files.table_textures, lambda item: item.name),
+        room_textures=kept(files.room_textures, lambda item: item.name),
         vessels=kept(files.vessels, lambda file: file.name),
         shipped=kept(files.shipped, lambda path: path.name),
     )

@@ -13,6 +13,7 @@ _FOLDERS = {
     "mesh_dir": "a folder of meshes, or a mesh file",
     "texture_dir": "a folder of pictures and materials",
     "table.texture_dir": "a folder of pictures and materials",
+    "environment.texture_dir": "a folder of pictures and materials",
     "vessel_dir": "a folder of vessels, or a mesh file",
 }
 

@@ -5,20 +5,16 @@ from __future__ import annotations
 from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..props.draw import PropSettings
-from ..surroundings.camera_poses import draw_cameras, reach
-from ..surroundings.environments import bake_environment, draw_environment
-from ..surroundings.furnished_rooms import room_in_place, with_loose_things
-from ..surroundings.lights import draw_lights
-from ..surroundings.photographer import camera_exposure, toned_cameras
-from ..surroundings.shipped_light import with_shipped_light
+from ..sensors.depth_cameras import depth_camera
 from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
 from .arrange import arranged
 from .asset_files import AssetFiles, asset_files, files_for
+from .draw_surroundings import draw_surroundings
 from .draw_vessels import draw_vessels
 from .settings import SceneSettings
-from .solids import workspace
 from .splits import families_of, split_of
+from .twins import twin_of
 
 
 def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFiles | None = None) -> Scene:
@@ -54,32 +50,21 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
     objects, rest = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
 
-    space = workspace(objects, table)
-    environment = draw_environment(stream(seed, scene_id, "environment"), settings.environment, files.environments)
-    environment = with_shipped_light(
-        stream(seed, scene_id, "environment/shipped"), settings.environment, environment, files.shipped
-    )
-    far = reach(settings.cameras, space, files.poses)
-    rng = stream(seed, scene_id, "environment/room")
-    environment = room_in_place(rng, settings.environment, environment, table, far)
-    pixels = bake_environment(environment)
-    lights = draw_lights(stream(seed, scene_id, "lights"), settings.lights, far, environment, pixels)
-    exposed, light = camera_exposure(table, environment, pixels, lights)
-    cameras = draw_cameras(stream(seed, scene_id, "cameras"), settings.cameras, space, exposed, files.poses)
-    cameras = toned_cameras(settings.cameras, cameras, light)
-    environment = with_loose_things(rng, environment, table, lights, cameras, space)
-    return Scene(
+    around = draw_surroundings(settings, seed, scene_id, files, table, objects)
+    scene = Scene(
         seed=seed,
         scene_id=scene_id,
         table=table,
         vessels=tuple(item for item in objects if isinstance(item, GlassBody)),
         props=tuple(item for item in objects if isinstance(item, Prop)),
-        environment=environment,
-        lights=lights,
-        cameras=cameras,
+        environment=around.environment,
+        lights=around.lights,
+        cameras=around.cameras,
         picture=settings.picture,
         rest=rest,
+        depth_camera=depth_camera(settings.sensors.depth),
     )
+    return scene if settings.twin == "none" else twin_of(scene, settings.twin, settings, files)
 
 
 def _props(

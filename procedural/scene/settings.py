@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -10,10 +10,12 @@ from ...core.model import Model, Ordered
 from ...core.units import Length
 from ...core.user_text import UserPath
 from ..description.picture import Picture
+from ..description.twin import TwinKind
 from ..materials.surface_files import PICTURE_SIDE
 from ..physics.settings import PhysicsSettings
 from ..placement.placement import PlacementSettings
 from ..props.draw import PropSettings
+from ..sensors.settings import SensorSettings
 from ..surroundings.camera_settings import CameraSettings
 from ..surroundings.settings import EnvironmentSettings, LightSettings
 from ..surroundings.table import TableSettings
@@ -51,6 +53,11 @@ class SceneSettings(Model):
         "the same number twice states it",
     )
     strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
+    twin: Literal["none"] | TwinKind = Field(
+        default="none",
+        description="Make a counterfactual twin of each scene: painted glass (opaque), vessels without liquid (empty), "
+        "no vessels (clean-plate), other light, or other glasses and liquids (media); all else is the same",
+    )
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()
     table: TableSettings = TableSettings()
@@ -59,6 +66,7 @@ class SceneSettings(Model):
     cameras: CameraSettings = CameraSettings()
     placement: PlacementSettings = PlacementSettings()
     physics: PhysicsSettings = PhysicsSettings()
+    sensors: SensorSettings = SensorSettings()
     splits: SplitSettings = SplitSettings()
     picture: Picture = Picture()
 

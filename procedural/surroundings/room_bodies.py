@@ -100,7 +100,7 @@ def _bodies(parts: dict[tuple[RoomPart, Finish], list[Patch]], mean: np.ndarray)
         if finish.kind == "plain":
             plain[part] += [(finish, patch) for patch in patches]
             continue
-        bodies.append(_joined(len(bodies), part, patches, mean, finish.pixels(), finish.tile))
+        bodies.append(_joined(len(bodies), part, patches, mean, finish.pixels(), finish.sides))
     for part, items in plain.items():
         colours = list(dict.fromkeys(finish.colour for finish, _ in items))
         patches = []
@@ -113,7 +113,12 @@ def _bodies(parts: dict[tuple[RoomPart, Finish], list[Patch]], mean: np.ndarray)
 
 
 def _joined(
-    number: int, part: RoomPart, patches: list[Patch], mean: np.ndarray, pixels: np.ndarray, tile: float = 1.0
+    number: int,
+    part: RoomPart,
+    patches: list[Patch],
+    mean: np.ndarray,
+    pixels: np.ndarray,
+    tile: np.ndarray | float = 1.0,
 ) -> RoomBody:
     counts = np.cumsum([0, *(len(patch.points) for patch in patches)])
     faces = np.concatenate([patch.faces + first for patch, first in zip(patches, counts[:-1], strict=True)])

@@ -10,9 +10,10 @@ import numpy as np
 
 from ...core.model import Reflectance
 from ..description.material import ProceduralTexture
-from ..description.surroundings import RoomEnvironment
+from ..description.surroundings import RoomEnvironment, RoomPicture
 from ..materials.noise import fractal_gradient_noise, tile_grid
 from ..materials.textures import bake
+from .room_pictures import picture_of
 
 # Texels along the side of a tile [1]: boards and tiles, 2 mm on a tile of a metre; paint, whose blotches are larger.
 _FINE, _COARSE = 512, 128
@@ -35,11 +36,17 @@ _FLOOR = 5
 class Finish:
     """A tile of reflectance; equal ones are the same picture."""
 
-    kind: str  #: "plain", "paint", "wood", "boards", "tiles" or "picture"
+    kind: str  #: "plain", "paint", "wood", "boards", "tiles", "picture", or "file" of a user
     colour: Reflectance
     seed: int = 0
     tile: float = 1.0  #: side of the tile [m]; of a picture 1, as its texture coordinates are repeats
     width: float = 0.0  #: of boards or floor tiles [m]
+    file: RoomPicture | None = None
+
+    @property
+    def sides(self) -> np.ndarray:
+        """Width and height of the tile, (2,) [m]."""
+        return np.array((self.tile, self.tile) if self.file is None else self.file.size)
 
     def pixels(self) -> np.ndarray:
         """Return the tile, (h, w, 3) float32, linear Rec.709; rows along v, columns along u."""
@@ -49,6 +56,9 @@ class Finish:
 def shell_finish(room: RoomEnvironment, face: int) -> Finish:
     """Return the finish of a wall, the ceiling or the floor."""
     colour = room.wall_colours[face]
+    picture = picture_of(room, face)
+    if picture is not None:
+        return Finish("file", colour, file=picture)
     if face == _FLOOR and room.board_width > 0.0:
         boards = max(1, round(_FLOOR_TILE / room.board_width))
         return Finish("boards", colour, room.seed, _FLOOR_TILE, _FLOOR_TILE / boards)
@@ -78,10 +88,23 @@ def palette(colours: list[Reflectance]) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _pixels(finish: Finish) -> np.ndarray:
-    make = {"plain": _plain, "paint": _paint, "wood": _wood, "boards": _boards, "tiles": _tiles, "picture": _picture}
+    make = {
+        "plain": _plain,
+        "paint": _paint,
+        "wood": _wood,
+        "boards": _boards,
+        "tiles": _tiles,
+        "picture": _picture,
+        "file": _file,
+    }
     pixels = np.clip(make[finish.kind](finish), 0.0, 0.95).astype(np.float32)
     pixels.setflags(write=False)
     return pixels
+
+
+def _file(finish: Finish) -> np.ndarray:
+    assert finish.file is not None
+    return bake(finish.file.texture)
 
 
 def _plain(finish: Finish) -> np.ndarray:

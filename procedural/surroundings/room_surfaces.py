@@ -15,6 +15,7 @@ from ..description.surroundings import Panel, RoomEnvironment, Window
 from ..materials.noise import fractal_value_noise, lattice
 from .room_geometry import WALL_FACES, Boxes, boxes_of, cast, face_coordinates, face_frames, face_points, in_rectangle
 from .room_light import room_irradiance
+from .room_pictures import picture_of, picture_over
 from .windows import BAR_REFLECTANCE, Outside, coverage, outside_of, window_radiance
 
 # Side of a texel [m] on faces with boards, doors or pictures, and on plain ones; most texels along a side. A texel of
@@ -88,6 +89,7 @@ def room_surfaces(room: RoomEnvironment) -> RoomSurfaces:
     texel[[WALL_FACES[panel.wall] for panel in room.panels]] = _FINE_TEXEL
     if room.board_width > 0.0:
         texel[_FLOOR] = _FINE_TEXEL
+    texel[[face for face in range(6) if picture_of(room, face) is not None]] = _FINE_TEXEL
     shape = np.clip(np.ceil(size / texel[:, None]), 2, _MOST_TEXELS).astype(np.int64)
     textures = [_texture(room, boxes, face, irradiance[face], shape[face]) for face in range(len(shape))]
     return RoomSurfaces(room, boxes, textures, outside)
@@ -115,13 +117,17 @@ def _texture(room: RoomEnvironment, boxes: Boxes, face: int, irradiance: np.ndar
     frame = corner[face], size[face], shape
     panels = [(item.colour, *_patch(item, *frame)) for item in room.panels if WALL_FACES[item.wall] == face]
     windows = [_patch(item, *frame) for item in room.windows if WALL_FACES[item.wall] == face]
-    factor = _paint(room, boxes, face, shape)
-    if face == _FLOOR and room.board_width > 0.0:
+    picture = picture_of(room, face)
+    pictured = None if picture is None else picture_over(picture, size[face], shape)
+    factor = _paint(room, boxes, face, shape) if pictured is None else np.ones((rows, columns), np.float32)
+    if face == _FLOOR and room.board_width > 0.0 and pictured is None:
         factor *= _boards(size[face], shape, room.board_width, room.seed)
     planes = []
     # One primary at a time: long rows are several times as fast as rows of three.
     for primary in range(3):
         plane = np.full((rows, columns), boxes.reflectance[face, primary], dtype=np.float32)
+        if pictured is not None:
+            plane = np.ascontiguousarray(pictured[..., primary])
         for colour, where, cover in panels:
             plane[where] += cover * (np.float32(colour[primary]) - plane[where])
         plane *= factor

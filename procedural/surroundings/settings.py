@@ -56,6 +56,11 @@ class EnvironmentSettings(Model):
         min_length=1,
         description="What such rooms are used for, each as often as it is named",
     )
+    texture_dir: UserPath | None = Field(
+        default=None,
+        description="Folder of pictures and materials for procedural rooms, in subfolders `walls` and `floors`; their "
+        "pictures in colour are used",
+    )
     sun_radius: Angle = Field(
         default=SUN_RADIUS,
         ge=SMALLEST_SUN,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...core.errors import InputError
@@ -10,7 +12,7 @@ from ...procedural.description.scene import TABLE_ID, Scene
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.file_light import is_outdoors
 from .._mitsuba import mi
-from ..frame import LightCheck, SurfaceLight
+from ..frame import LightCheck, RegionCheck, Remedy, SurfaceLight
 from ..pictures.picture import Tracer
 from ..scene.loaded_scene import LoadedScene
 from .cache_points import CachePoints, cache_points_of
@@ -39,15 +41,22 @@ _ATTEMPTS = 3
 def uses_cache(scene: Scene) -> bool:
     """Return whether the scene is rendered with the irradiance cache (`picture.light`).
 
+    Scenes with props that shine are path traced: the cache, its photons and its check know lamps and the sky alone.
+
     Raises
     ------
     InputError
-        If the scene asks for the cache and the active variant is not an RGB variant.
+        If the scene asks for the cache and the active variant is not an RGB variant, or a prop shines.
     """
     if scene.picture.light == "path":
         return False
     rgb = mi.is_rgb and not mi.is_polarized
     required = scene.picture.light == "shared" or scene.picture.keep_light
+    shining = next((prop.name for prop in scene.props if any(piece.material.emission for piece in prop.pieces)), None)
+    if shining is not None:
+        if required:
+            raise InputError("picture.light", f"path or auto, as {shining} shines by itself", "shared")
+        return False
     if required and not rgb:
         raise InputError("picture.light", "path, or an RGB variant such as llvm_ad_rgb", f"shared in {mi.variant()}")
     return rgb and (required or _camera_samples(scene) >= _threshold(scene))
@@ -100,6 +109,7 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
             break
         traced = tuple(sorted({*traced, *more}))
     passed = not beyond
+    failed = tuple(replace(region, remedy=_remedy(region, passed, traced)) for region in failed)
     check = LightCheck(
         scene_id=scene.scene_id,
         mode="shared" if passed else "path",
@@ -115,6 +125,12 @@ def make_tracer(loaded: LoadedScene) -> tuple[Tracer, LightCheck, IrradianceCach
         traced=traced if passed else (),
     )
     return (tracer if passed else reference), check, cache
+
+
+def _remedy(region: RegionCheck, passed: bool, traced: tuple[int, ...]) -> Remedy:
+    if not passed:
+        return "scene path traced"
+    return "object path traced" if region.id in traced else "other objects path traced"
 
 
 def fill_scene_cache(loaded: LoadedScene) -> IrradianceCache:

@@ -199,7 +199,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         stops = unblocked & surface.opaque
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
-        absorbed, through = _straight_transmittance(table, surface, ray, start_normal, unblocked)
+        absorbed, through = straight_passage(table, surface, ray, start_normal, unblocked)
         write_transmission(recorder, layer, dr.select(surface.opaque, 0.0, through), absorbed, unblocked)
         transmittance *= dr.select(unblocked, absorbed * dr.select(surface.opaque, 1.0, through), 1.0)
         start_normal = mi.Normal3f(surface.ns)
@@ -217,7 +217,15 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
     return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 
 
-def _straight_transmittance(
+def straight_transmittance(
+    table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
+) -> mi.Color3f:
+    """Return what a segment and the surface at its end pass on (`straight_passage`); an opaque one changes nothing."""
+    absorbed, through = straight_passage(table, surface, ray, start_normal, active)
+    return absorbed * dr.select(surface.opaque, 1.0, through)
+
+
+def straight_passage(
     table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
 ) -> tuple[mi.Color3f, mi.Float]:
     """Return the Beer-Lambert factor of the segment, and the Fresnel transmittance of the surface at its end.

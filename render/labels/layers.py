@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...procedural.description.scene import Prop, materials_of
+from ...procedural.description.material_list import materials_of
+from ...procedural.description.scene import Prop
 from .._mitsuba import dr, mi
 from ..frame import Layers, Transmission
 from ..scene.loaded_scene import LoadedScene

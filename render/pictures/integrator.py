@@ -230,7 +230,7 @@ def emitter_hit(
     return dr.select(active, mi.Spectrum(mis_weight) * radiance, 0.0)
 
 
-def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
+def two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
     """Return the point with its shading frame flipped to the side that the ray comes from.
 
     Open meshes show both sides. Mitsuba's `twosided` adapter would compile every material twice.
@@ -242,8 +242,8 @@ def _two_sided(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.SurfaceInteract
     return flipped
 
 
-def _mapped(si: mi.SurfaceInteraction3f, values: MappedValues, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
-    """Return a point of `_two_sided` with the shading frame of the maps."""
+def mapped_frame(si: mi.SurfaceInteraction3f, values: MappedValues, ray: mi.Ray3f) -> mi.SurfaceInteraction3f:
+    """Return a point of `two_sided` with the shading frame of the maps."""
     frame = mi.Frame3f(mapped_normal(values, si, si.sh_frame.n, -ray.d))
     si.sh_frame = dr.select(values.mapped, frame, si.sh_frame)
     si.wi = si.to_local(-ray.d)
@@ -259,10 +259,10 @@ def opaque_event(
     maps: SurfaceMaps | None = None,
 ) -> Bounce:
     """Sample an emitter (next-event estimation) and the next direction at an opaque surface."""
-    bsdf, si = si.bsdf(ray), _two_sided(si, ray)
+    bsdf, si = si.bsdf(ray), two_sided(si, ray)
     values = None if maps is None else values_at(maps, si, registry_id(si.shape))
     if values is not None:
-        si = _mapped(si, values, ray)
+        si = mapped_frame(si, values, ray)
     ds, arriving = sample_emitter(emitters, si, u.u_emitter)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
     lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)

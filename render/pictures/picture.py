@@ -9,6 +9,7 @@ import numpy as np
 
 from ...procedural.description.camera import Camera
 from ...procedural.description.picture import Picture
+from ...procedural.surroundings.colour import LUMINANCE
 from .._mitsuba import dr, mi
 from ..frame import Eye, PictureNoise
 from ..scene.loaded_scene import LoadedScene
@@ -19,7 +20,15 @@ from .film import Film
 from .fireflies import spread_fireflies
 from .guides import Guides, trace_guides
 from .integrator import Radiance, trace
-from .sample_weights import SampleWeights, group_counts
+from .sample_weights import (
+    SampleWeights,
+    displayed_noise,
+    first_counts,
+    group_counts,
+    mean_around,
+    remaining_counts,
+    share_of,
+)
 from .sampler import SobolSampler, sample_4d, sobol_sampler
 
 #: Paths of one pass [1]. Each holds 20 bytes of results, so a pass stays under 100 MB.
@@ -92,7 +101,7 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     """
     picture, pixels = loaded.description.picture, camera.width * camera.height
     guides = trace_guides(loaded, camera, eye)
-    source = _Source(loaded, pinhole(camera, eye), seed, tracer)
+    source = _Source(loaded, pinhole(camera, eye), camera.exposure, seed, tracer)
     film, counts, spp = Film(pixels), np.zeros(2, np.int64), 0
     max_spp = _max_spp(picture)
     while spp < max_spp:
@@ -139,6 +148,7 @@ class _Source:
 
     loaded: LoadedScene
     view: Pinhole
+    exposure: float  #: factor from radiance to displayed light, of which 1 is white
     seed: int
     tracer: Tracer
 
@@ -149,18 +159,37 @@ def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> n
     if _is_adaptive(source.loaded.description.picture, batch_spp):
         weights = source.tracer.weights
         counts = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size)
-        # In pixels with many groups, larger groups estimate the variance as well and are fewer to add.
-        factor = weights.max_factor
-        large = np.where(counts >= 2 * factor, counts // factor, 0)
-        found = _add_groups(source, film, large, factor * group_size)
-        return found + _add_groups(source, film, counts - factor * large, group_size)
+        first = first_counts(counts)
+        found = _add_weighted(source, film, first, group_size)
+        share = _share_of(film, guides, counts * group_size, source.exposure)
+        wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, share)
+        rest = remaining_counts(wanted, first, int((counts - first).sum()))
+        return found + _add_weighted(source, film, rest, group_size)
     found = _add_groups(source, film, batch_spp // group_size * every, group_size)
     return found + _add_groups(source, film, every, batch_spp % group_size)
 
 
+def _add_weighted(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
+    """Add a number of groups to each pixel; return the violations and the segments."""
+    # In pixels with many groups, larger groups estimate the variance as well and are fewer to add.
+    factor = source.tracer.weights.max_factor
+    large = np.where(counts >= 2 * factor, counts // factor, 0)
+    found = _add_groups(source, film, large, factor * group_size)
+    return found + _add_groups(source, film, counts - factor * large, group_size)
+
+
+def _share_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
+    """Return what further samples are shared out by (`share_of`), (H, W), for the noise of a number of `samples`."""
+    shape, channels = guides.glass.shape, LUMINANCE[:, None]
+    variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
+    means, cost = (channels * film.means).sum(axis=0), film.segments / film.samples
+    noise = displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
+    return share_of(noise, mean_around(cost.reshape(shape), guides.glass, guides.polished))
+
+
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
-    found, sums = np.zeros(2, np.int64), []
+    found, sums, segments = np.zeros(2, np.int64), [], []
     if group_size == 0 or not counts.any():
         return found
     pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
@@ -174,7 +203,8 @@ def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int
         result = _trace_pass(source, pixel[part], index[part], group_size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
         sums.append([np.array(dr.block_sum(channel, group_size)) for channel in result.radiance])
-    film.add(counts, group_size, np.concatenate(sums, axis=1))
+        segments.append(np.array(dr.block_sum(result.segments, group_size)))
+    film.add(counts, group_size, np.concatenate(sums, axis=1), np.concatenate(segments))
     return found
 
 

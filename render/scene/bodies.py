@@ -13,6 +13,7 @@ from ...procedural.materials.surface_maps import bake_maps, mean_metallic, mean_
 from ...procedural.optics.medium import AIR
 from ...procedural.patterns.bake import bake_material
 from .._mitsuba import mi
+from .shining_surfaces import surface_emitter
 from .surfaces import Surface
 from .vertex_colours import coloured
 
@@ -151,6 +152,8 @@ def mitsuba_mesh(body: Body) -> mi.Mesh:
     properties = mi.Properties()
     properties["mesh_bsdf"] = body.bsdf
     properties["face_normals"] = mesh.normals is None
+    if body.material is not None and body.material.emission is not None:
+        properties["mesh_emitter"] = surface_emitter(body.material.emission)
     shape = mi.Mesh(
         mesh.name,
         len(mesh.vertices),

@@ -88,3 +88,17 @@ def test_a_home_that_cannot_be_written_or_a_damaged_memory_only_costs_time(
     assert _checked(folder, "b") == first
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
     assert _checked(folder, "b") == first
+
+
+def test_paths_in_reasons_begin_at_the_folder_however_it_was_named(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder.parent)
+    near = Path(folder.name)
+
+    def check(path: Path) -> Checked:
+        return Checked(remarks=(f"{near / 'tex.png'} and {folder / 'tex.png'}",))
+
+    files = sorted(near.glob("a.obj"))
+    _, findings = checked_files(files, Path, check, folder="mesh_dir", root=near, content="meshes", version=3)
+    assert [item.reason for item in findings] == ["tex.png and tex.png"]

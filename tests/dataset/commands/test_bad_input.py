@@ -59,8 +59,8 @@ def _everything(folder: Path) -> dict[str, bytes | None]:
         (("--vessels.categories", "goblet"), ("vessels.categories", "goblet", "tumbler")),
         (("--colour", "blue"), ("known options", "--colour blue")),
         (("--cameras.veiws", "3"), ("known options", "is it --cameras.views?", "--cameras.veiws 3")),
-        (("--preset", "huge"), ("--preset", "fast, keypose, standard, syn-todd", "huge")),
-        (("--preset=huge",), ("--preset", "fast, keypose, standard, syn-todd", "huge")),
+        (("--preset", "huge"), ("--preset", "fast, keypose, standard, syn-todd, train", "huge")),
+        (("--preset=huge",), ("--preset", "fast, keypose, standard, syn-todd, train", "huge")),
     ],
     ids=" ".join,
 )

@@ -134,11 +134,11 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("mode", "traced", "said"),
+    ("mode", "remedies", "said"),
     [
         (
             "path",
-            (),
+            ("scene path traced", "scene path traced"),
             [
                 "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%, the table "
                 "(caustic part) -4.1% +- 0.5%; the whole scene is path traced instead"
@@ -146,7 +146,7 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
         ),
         (
             "shared",
-            (5,),
+            ("object path traced", "other objects path traced"),
             [
                 "checked: the irradiance cache is off by more than 2% at object 5 (lit part) +25.8% +- 0.2%; they are "
                 "path traced instead",
@@ -156,7 +156,8 @@ def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: P
         ),
     ],
 )
-def test_regions_beyond_the_bound_are_one_line_for_each_remedy(mode, traced, said):
-    failed = (RegionCheck(5, "lit", 512, 0.258, 0.002), RegionCheck(1, "caustic", 512, -0.041, 0.005))
-    check = LightCheck(0, mode, 0.01, 0.002, 0.02, 2048, 1000, 1000, failed=failed, traced=traced)
+def test_regions_beyond_the_bound_are_one_line_for_each_remedy(mode, remedies, said):
+    lit, caustic = remedies
+    failed = (RegionCheck(5, "lit", 512, 0.258, 0.002, lit), RegionCheck(1, "caustic", 512, -0.041, 0.005, caustic))
+    check = LightCheck(0, mode, 0.01, 0.002, 0.02, 2048, 1000, 1000, failed=failed)
     assert failed_lines(check) == said

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.core.images import srgb8
+from glassware.core.images import difference_colours, srgb8
 from glassware.dataset.preview.contact_sheet import (
     PreviewRow,
     chosen_views,
@@ -101,3 +101,24 @@ def test_a_normal_towards_the_camera_is_blue_and_one_upwards_is_green():
 def test_ids_of_neighbouring_objects_have_distinct_colours():
     colours = id_colours(np.arange(16, dtype=np.uint16)[None])
     assert len(np.unique(colours[0], axis=0)) == 16
+
+
+def test_a_sheet_of_a_depth_camera_shows_its_depth_and_how_far_it_lies_behind(made):
+    scene, _, views = made
+    view = views[0]
+    geometry, picture = view.frame.geometry, srgb8(view.frame.left, 1.0)
+    sensor = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
+
+    def sheet(reported):
+        return contact_sheet("one", [PreviewRow("000", picture, scene.cameras[0], geometry, view.labels, reported)])
+
+    plain, right, behind = sheet(None), sheet(sensor), sheet(sensor + 0.05)
+    assert right.shape[1] > plain.shape[1]
+    columns = np.flatnonzero((right != behind).any(axis=(0, 2)))
+    assert columns.min() >= plain.shape[1]
+    assert difference_colours(np.array([[0.05, -0.05, 0.0, np.nan]]), 0.05)[0].tolist() == [
+        [178, 24, 43],
+        [33, 102, 172],
+        [255, 255, 255],
+        [45, 45, 48],
+    ]

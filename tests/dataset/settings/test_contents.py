@@ -23,7 +23,7 @@ def test_the_catalogue_has_what_settings_can_name():
     TableSettings.model_validate({"kinds": list(found.tables)})
     assert {*found.liquids, *found.mixtures} == set(liquid_names())
     assert found.glasses["lead crystal"].eta > found.glasses["fused silica"].eta
-    assert found.presets == ("fast", "keypose", "standard", "syn-todd")
+    assert found.presets == ("fast", "keypose", "standard", "syn-todd", "train")
 
 
 def test_the_catalogue_prints_every_name_with_its_figures():

@@ -11,6 +11,7 @@ from glassware.core.errors import InputError
 from glassware.core.pose import look_at
 from glassware.learn.data.views import CameraView
 from glassware.learn.evaluation.camera_checks import check_cameras
+from glassware.learn.evaluation.predict import read_image_and_camera
 
 PICTURE = np.zeros((48, 64, 3), np.uint8)
 K = np.array([[60.0, 0.0, 31.5], [0.0, 60.0, 23.5], [0.0, 0.0, 1.0]])
@@ -68,3 +69,22 @@ def test_the_k_of_a_picture_of_another_size_is_refused(factor) -> None:
 def test_views_without_a_baseline_are_refused() -> None:
     with pytest.raises(InputError, match="found a baseline of 0 mm, so no parallax"):
         checked(ONE, ONE)
+
+
+INPUTS = Path(__file__).resolve().parents[4] / "shared" / "inputs" / "predict"
+
+
+@pytest.mark.skipif(not INPUTS.is_dir(), reason="the folder shared/inputs is not beside this checkout")
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (("mm", "mmr"), "in millimetres it would be"),
+        (("gl", "glr"), "negate the second and the third column"),
+        (("a", "a"), "found a baseline of 0 mm"),
+        (("small", "small"), "a principal point near the middle"),
+    ],
+)
+def test_cameras_of_reported_files_are_refused_with_what_is_suspicious(names, said) -> None:
+    paths = [INPUTS / f"{name}.png" for name in names]
+    with pytest.raises(InputError, match=said):
+        check_cameras([read_image_and_camera(path) for path in paths], paths)

@@ -100,6 +100,25 @@ def test_transmission_is_glass_with_its_index_and_attenuation(makers: ModuleType
     assert _parts(makers, tmp_path, makers.glb([clear]))[0][0].look.glass is not None
 
 
+def test_emission_has_its_strength_and_its_picture(makers: ModuleType, tmp_path: Path) -> None:
+    strength = {"KHR_materials_emissive_strength": {"emissiveStrength": 5}}
+    material = {"emissiveFactor": [0.5, 0.25, 0], "extensions": strength}
+    (part,), notes = _parts(makers, tmp_path, makers.glb([material]))
+    assert (part.look.glow.texture.colour, part.look.glow.strength) == ((1.0, 0.5, 0.0), 2.5)
+    pictured = {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}}
+    (part,), notes = _parts(makers, tmp_path, makers.glb([pictured], makers.png((0, 255, 0))))
+    assert np.allclose(bake(part.look.glow.texture), [0, 1, 0])
+    assert part.look.glow.strength == 1.0
+    assert not notes.remarks
+    # Colours of vertices are a picture of their own, so that of the emission gives way to its mean.
+    (part,), _ = _parts(
+        makers, tmp_path, makers.glb([pictured], makers.png((0, 255, 0)), {"COLOR_0": np.full((4, 3), 0.5)})
+    )
+    assert part.look.glow.texture.colour == (0.0, 1.0, 0.0)
+    (part,), _ = _parts(makers, tmp_path, makers.glb([{"emissiveTexture": {"index": 0}}], makers.png()))
+    assert part.look.glow is None  # the factor is 0 where none is stated
+
+
 def test_a_webp_picture_is_read_and_another_format_is_named(makers: ModuleType, tmp_path: Path) -> None:
     texture = {"extensions": {"EXT_texture_webp": {"source": 0}}}
     content = makers.glb([makers.surface(**PICTURED)], makers.png(suffix=".webp"), textures=[texture])

@@ -158,6 +158,15 @@ def test_a_clear_material_is_glass(makers: ModuleType, tmp_path: Path) -> None:
     assert _look(makers, tmp_path, "d 1")[0].glass is _look(makers, tmp_path, "Tr 1")[0].glass is None
 
 
+def test_an_emission_is_a_colour_or_a_picture(makers: ModuleType, tmp_path: Path) -> None:
+    glow = _look(makers, tmp_path, "Ke 4 2 0")[0].glow
+    assert (glow.texture.colour, glow.strength) == ((1.0, 0.5, 0.0), 4.0)
+    glow = _look(makers, tmp_path, "Ke 0 0 0\nmap_Ke a.png", {"a.png": makers.png()})[0].glow
+    assert (glow.texture.kind, glow.strength) == ("picture", 1.0)
+    for mtl in ("Ke 0 0 0", "Ke nan 0 0", "Ke inf 1 1", "Ke bright", "map_Ke gone.png"):
+        assert _look(makers, tmp_path, mtl)[0].glow is None
+
+
 def test_faces_without_a_material_have_the_only_one_there_is(makers: ModuleType, tmp_path: Path) -> None:
     obj = makers.CORNERS + "mtllib a.mtl\n" + makers.FACES
     assert _read(makers, tmp_path, {"a.obj": obj, "a.mtl": "newmtl x\nKd 1 0 0\n"})[0][0].look.texture.colour == (

@@ -11,7 +11,8 @@ import trimesh
 
 from glassware.annotate.symmetries import symmetry_of
 from glassware.core.randomness import stream
-from glassware.procedural.description.scene import GlassBody, Prop, materials_of
+from glassware.procedural.description.material_list import materials_of
+from glassware.procedural.description.scene import GlassBody, Prop
 from glassware.procedural.primitives.scenes import camera, scene
 from glassware.procedural.props.from_file import prop_from_file
 from glassware.procedural.props.mesh_files import MeshChoice, usable_meshes

@@ -58,3 +58,37 @@ def test_walls_have_holes_where_windows_are_and_their_surfaces_add_up(scene) -> 
     x, y, z = room.size
     holes = sum(w.size[0] * w.size[1] for w in room.windows if w.kind == "window")
     assert area == pytest.approx(2 * (x * y + y * z + z * x) - holes, rel=1e-5)
+
+
+def _pixel(camera, world_T_camera: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pixels (n, 2) of points in world coordinates, and their depth."""
+    local = (points - world_T_camera[:3, 3]) @ world_T_camera[:3, :3]
+    return (local @ camera.K.T)[:, :2] / local[:, 2:], local[:, 2]
+
+
+def _disparities(scene, points: np.ndarray) -> np.ndarray:
+    """Return the disparities [px] of points in the room's frame, in each view of whose left picture they are."""
+    pose, found = world_T_room(scene.environment), []
+    points = points @ pose[:3, :3].T + pose[:3, 3]
+    for camera in scene.cameras:
+        (left, depth), (right, _) = (
+            _pixel(camera, eye, points) for eye in (camera.world_T_camera, camera.world_T_right)
+        )
+        size = (camera.width - 1, camera.height - 1)
+        seen = (depth > 0.0) & ((left >= 0.0) & (left <= size)).all(axis=1)
+        shift = (left - right)[seen]
+        np.testing.assert_allclose(shift[:, 0], camera.focal * camera.baseline / depth[seen], atol=1e-6)
+        np.testing.assert_allclose(shift[:, 1], 0.0, atol=1e-6)
+        found.append(shift[:, 0])
+    return np.concatenate(found)
+
+
+def test_walls_and_the_legs_of_the_table_have_the_disparity_of_their_depth(scene) -> None:
+    walls = np.concatenate([body.mesh.vertices for body in room_bodies(scene.environment) if body.part == "wall"])
+    legs = np.array([np.asarray(d.room_T_detail)[:3, 3] for d in scene.environment.details if d.part == "table-leg"])
+    of_walls, of_legs = _disparities(scene, walls), _disparities(scene, legs)
+    # 640 px wide pictures: a wall 5 m away moves by 3 px or more, and what stands nearer by more.
+    assert len(of_walls) > 100
+    assert of_walls.min() > 3.0
+    assert len(of_legs) > 0
+    assert of_legs.min() > of_walls.min()

@@ -12,7 +12,8 @@ from glassware.core.mesh import check_closed
 from glassware.core.randomness import stream
 from glassware.core.weighted import weights_of
 from glassware.procedural.description.material import SurfaceTexture
-from glassware.procedural.description.scene import Prop, materials_of
+from glassware.procedural.description.material_list import materials_of
+from glassware.procedural.description.scene import Prop
 from glassware.procedural.primitives.scenes import camera, scene
 from glassware.procedural.props.draw import PropSettings
 from glassware.procedural.props.kinds import DEFAULT_KINDS, PROP_KINDS

@@ -62,6 +62,7 @@ def test_a_prop_whose_light_is_wrong_is_path_traced_alone(blocks, cache, monkeyp
     assert check.mode == "shared"
     assert check.traced == (3,)
     assert {region.id for region in check.failed} == {3}
+    assert {region.remedy for region in check.failed} == {"object path traced"}
     # Direct light in a convex block's cache is nearly all of it, so the pictures are as much brighter.
     assert all(region.difference == pytest.approx(0.15, abs=0.03) for region in check.failed)
     again = [region for region in check.regions if region.id == 3]

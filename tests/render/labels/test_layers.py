@@ -7,7 +7,8 @@ import pytest
 
 from glassware.core.mesh import as_trimesh
 from glassware.dataset.format.ray_files import read_layers, read_refraction, write_layers, write_refraction
-from glassware.procedural.description.scene import glass_solid, liquid_solid, materials_of
+from glassware.procedural.description.material_list import materials_of
+from glassware.procedural.description.scene import glass_solid, liquid_solid
 from glassware.render.frame import PARTS
 from glassware.render.labels.geometry import trace_straight
 from glassware.render.labels.refraction import trace_refraction

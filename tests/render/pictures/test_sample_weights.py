@@ -11,7 +11,14 @@ from scipy.stats import t as student
 
 from glassware.core.errors import InputError
 from glassware.render.pictures.picture import MIN_ADAPTIVE_SPP, trace_picture
-from glassware.render.pictures.sample_weights import SampleWeights, group_counts
+from glassware.render.pictures.sample_weights import (
+    SampleWeights,
+    displayed_noise,
+    first_counts,
+    group_counts,
+    remaining_counts,
+    share_of,
+)
 
 #: Independent pictures of each kind, and the side of the blocks that are compared [px].
 PICTURES, BLOCK = 10, 8
@@ -72,6 +79,51 @@ def test_every_pixel_gets_groups_enough_to_tell_its_noise(counts):
     mostly[:4] = False
     for glass in (_spot(), mostly):
         assert counts(glass, MIN_ADAPTIVE_SPP, 1).min() >= 2
+
+
+def test_noisy_glass_gets_more_of_the_same_number_of_samples():
+    glass, weights = _spot(), SampleWeights(glass=4.0, polished=2.0)
+    plain = group_counts(glass, np.zeros_like(glass), weights, 64)
+    noise = np.where(np.arange(30) < 12, 0.01, 0.03) * np.ones((20, 1))
+    wanted = group_counts(glass, np.zeros_like(glass), weights, 64, share_of(noise, np.full((20, 30), 5.0)))
+    assert wanted.sum() == plain.sum()
+    first = first_counts(plain)
+    rest = remaining_counts(wanted, first, int((plain - first).sum()))
+    assert rest.min() >= 0
+    assert (first + rest).sum() == plain.sum()
+    both = (first + rest).reshape(20, 30)
+    quiet, noisy = both[9:11, 10].mean(), both[9:11, 14].mean()
+    # Three times the noise asks for 3^0.6 = 1.93 times the additional samples. Of 7 columns of glass and what touches
+    # it, 4 have it; in the mean they get 3 more for each sample of the rest.
+    less = 3.0 * 7.0 / (3.0 + 4.0 * 1.93)
+    assert noisy / quiet == pytest.approx((1.0 + 1.93 * less) / (1.0 + less), rel=0.05)
+    # What shows neither glass nor polish keeps its number.
+    np.testing.assert_allclose(both[:5], plain.reshape(20, 30)[:5], atol=1)
+
+
+def test_samples_that_cost_four_times_as_much_are_half_as_many():
+    share = share_of(np.full((1, 2), 0.02), np.array([[3.0, 12.0]]))[0]
+    assert share[0] / share[1] == pytest.approx(2.0)
+
+
+def test_the_samples_of_a_pixel_do_not_decide_how_many_more_it_gets(rng):
+    glass, none = _spot(), np.zeros((20, 30), bool)
+    means, variance = rng.uniform(0.2, 0.6, (20, 30)), np.full((20, 30), 1e-3)
+    before = displayed_noise(means, variance, glass, none, 1.0)
+    means[10, 12], variance[10, 12] = 50.0, 2500.0
+    after = displayed_noise(means, variance, glass, none, 1.0)
+    assert after[10, 12] == before[10, 12] > 0.0
+    assert after[10, 13] > before[10, 13]
+    assert not after[:5].any()
+
+
+def test_noise_counts_as_it_is_displayed():
+    glass, none = np.ones((8, 8), bool), np.zeros((8, 8), bool)
+    # Noise of 0.01 about a level of 0.25: sRGB has the slope 1.055 / 2.4 * 0.25^(1 / 2.4 - 1) = 0.987 there.
+    found = displayed_noise(np.full((8, 8), 0.5), np.full((8, 8), 4e-4), glass, none, 0.5)
+    np.testing.assert_allclose(found, 0.00987, rtol=1e-3)
+    # What is far above white is white, with any noise.
+    assert not displayed_noise(np.full((8, 8), 9.0), np.ones((8, 8)), glass, none, 1.0).any()
 
 
 @pytest.mark.parametrize("spp", [8, pytest.param(24, marks=pytest.mark.slow)])

@@ -87,3 +87,26 @@ def test_a_spread_disc_keeps_the_light_of_the_sun(tumbler, rng) -> None:
         found = luminance(np.array(glints(dark, direction, spread)).T).mean() * 2.0 * math.pi * versine
         # Noise of 2^16 directions of which a hundredth or more hit: three of 1 / sqrt(655).
         assert found == pytest.approx(float(luminance(sun.light)), rel=0.12)
+
+
+def test_a_glint_of_a_wall_whose_curvature_changes_keeps_its_light(tumbler) -> None:
+    from glassware.procedural.surroundings.sun_glints import wide_sun
+    from glassware.render._mitsuba import mi
+    from glassware.render.scene.lighting import sun_glints
+
+    scene = tumbler.description
+    glints, sun = sun_glints(scene), wide_sun(scene.environment, 1.0 / scene.cameras[0].focal)
+    assert glints is not None
+    assert sun is not None
+    # Places in a pixel mirror directions that are A x + B x^2 / 2 and A y away from the sun [rad]: by the change of
+    # variables the glint at 0 has the sun's light over A^2.
+    A, B, half = 1.0, 4.0, 0.2
+    grid = (np.arange(1024) + 0.5) / 1024 * 2.0 * half - half
+    x, y = (values.ravel() for values in np.meshgrid(grid, grid))
+    frame = mi.Frame3f(mi.Vector3f(*sun.direction.tolist()))
+    away = A * x + 0.5 * B * x**2, A * y
+    z = np.sqrt(np.maximum(1.0 - away[0] ** 2 - away[1] ** 2, 0.0))
+    direction = frame.to_world(mi.Vector3f(*(values.astype(np.float32) for values in (*away, z))))
+    spread = mi.Float((A + B * x).astype(np.float32)) * frame.s, mi.Float(A) * frame.t
+    found = luminance(np.array(glints(mi.Color3f(0.0), direction, spread)).T).mean() * (2.0 * half) ** 2
+    assert found * A**2 / float(luminance(sun.light)) == pytest.approx(1.0, abs=0.03)

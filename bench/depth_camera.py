@@ -1,0 +1,205 @@
+"""What a D435 gets wrong on glass, captured and simulated, side by side.
+
+python bench/depth_camera.py --captures DIR
+
+DIR holds real captures in ClearGrasp's layout (``real-val/d435``): depth of transparent objects, and of the same
+objects sprayed opaque, which is the truth. The simulated ones show empty vessels of clear plastic and glass, 0.5 to
+0.7 m away on tables with texture. Each row has the five numbers of `dataset.depth_cameras.errors`, per object in the
+median and from the least to the most, and what holds off the glass.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import process_time
+
+import cv2
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from glassware.core.images import srgb8
+from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
+from glassware.dataset.depth_cameras.measure import MEASURED, measured
+from glassware.dataset.format.exr import read_exr
+from glassware.dataset.format.pictures import write_png
+from glassware.procedural.description.scene import Scene
+from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.settings import SceneSettings
+from glassware.render.renderer import Renderer
+
+#: Objects of fewer pixels are left out: of 1280 x 720 in the captures, of half of that in the simulation.
+FEWEST = 4000
+#: Of the captures' colour camera [px], and its width.
+FOCAL, WIDTH, HEIGHT = 921.0, 1280, 720
+#: Depth up to which the background is compared [m]: the captures' reaches to 1.05 m.
+FARTHEST = 1.05
+#: Clear plastics and glass, as the captured objects are made of.
+CLEAR = ("PET=2", "acrylic=1", "polycarbonate=1", "soda-lime glass=1")
+
+
+@dataclass(frozen=True)
+class Run:
+    """What is compared."""
+
+    captures: Path | None = None  #: folder of real captures
+    scenes: int = 20
+    seed: int = 435
+    scale: float = 0.5  #: of the simulated colour camera's picture over the captures'
+    pictures: Path | None = None  #: folder for a picture of each simulated view
+
+
+@dataclass
+class Figures:
+    """Numbers of objects, and of what is off the glass."""
+
+    objects: list[DepthErrors] = field(default_factory=list)
+    background_missing: list[float] = field(default_factory=list)
+    background_error: list[float] = field(default_factory=list)  #: [m]
+
+    def add(
+        self, reported: np.ndarray, Z: np.ndarray, again: np.ndarray, masks: list[np.ndarray], glass: np.ndarray
+    ) -> None:
+        """Add a view; `reported`, `Z` and a second report of the same view, `again`, in metres, NaN for none.
+
+        In the captures the opaque twin is the second report: what both have wrong does not show.
+        """
+        self.objects += [depth_errors(reported, Z, mask) for mask in masks]
+        away = cv2.dilate(glass.astype(np.uint8), np.ones((21, 21), np.uint8)) == 0
+        known = away & (again < FARTHEST)
+        self.background_missing.append(float(np.isnan(reported[known]).mean()))
+        self.background_error.append(float(np.nanmedian(np.abs(reported - again)[known])))
+
+
+def captured(folder: Path) -> Figures:
+    """Return the figures of real captures."""
+    found = Figures()
+    for path in sorted(folder.glob("*-transparent-depth-img.exr")):
+        name = path.name.split("-")[0]
+        depth, truth = (
+            read_exr(folder / f"{name}-{kind}-depth-img.exr")["R"].astype(np.float32)
+            for kind in ("transparent", "opaque")
+        )
+        depth, truth = (np.where(one > 0.0, one, np.nan) for one in (depth, truth))
+        mask = np.array(cv2.imread(str(folder / f"{name}-mask.png"), cv2.IMREAD_GRAYSCALE)) > 127
+        count, labels = cv2.connectedComponents(mask.astype(np.uint8))
+        masks = [labels == number for number in range(1, count)]
+        found.add(depth, truth, truth, [one for one in masks if one.sum() >= FEWEST], mask)
+    return found
+
+
+def settings(run: Run) -> SceneSettings:
+    """Return what the simulated scenes are drawn from."""
+    width, height = round(WIDTH * run.scale), round(HEIGHT * run.scale)
+    return SceneSettings.model_validate(
+        {
+            "vessel_count": (3, 5),
+            "prop_count": (0, 0),
+            "vessels": {"glasses": CLEAR, "fill_probability": 0.0, "rough_probability": 0.0},
+            "cameras": {
+                "views": 1,
+                "width": width,
+                "height": height,
+                "fx": FOCAL * run.scale,
+                "distance": (0.5, 0.7),
+                "elevation": (0.7, 1.2),
+            },
+            "environment": {"shipped_share": 0.0, "room_share": 1.0},  # indoors, as the captures are
+            "picture": {"spp": 8, "light": "path", "refraction": False, "layers": 0},
+            "sensors": {"depth": "d435"},
+        }
+    )
+
+
+def simulated(run: Run, console: Console) -> Figures:
+    """Return the figures of simulated views."""
+    found, wanted = Figures(), settings(run)
+    for number, scene in enumerate(drawn(wanted, run)):
+        begun = process_time()
+        renderer = Renderer(scene)
+        infrared, geometry = renderer.infrared(0), renderer.geometry(0)
+        assert scene.depth_camera is not None
+        sensor, again = (
+            measured(scene.depth_camera, infrared, scene.cameras[0], geometry.Z, (seed, scene.scene_id, 0))
+            for seed in (scene.seed, scene.seed + 1)
+        )
+        Z = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
+        glass = np.isin(geometry.id, [body.id for body in scene.vessels])
+        masks = [geometry.id == body.id for body in scene.vessels]
+        # Not those that the sensor's picture ends in.
+        masks = [one for one in masks if one.sum() >= FEWEST * run.scale**2 and not touches_border(one)]
+        found.add(sensor.metres, Z, again.metres, masks, glass)
+        console.print(
+            f"scene {number}: {process_time() - begun:.1f} s of processor, {(sensor.reason == MEASURED).mean():.0%} "
+            f"measured, {np.isnan(sensor.metres[glass]).mean():.0%} of the glass missing"
+        )
+        if run.pictures is not None:
+            save(run.pictures / f"{number:02d}.png", renderer.frame(0), sensor, Z)
+    return found
+
+
+def drawn(wanted: SceneSettings, run: Run) -> Iterator[Scene]:
+    """Yield the scenes."""
+    for number in range(run.scenes):
+        yield draw_scene(wanted, run.seed, number)
+
+
+def touches_border(mask: np.ndarray) -> bool:
+    """Return whether a mask has pixels at the picture's edge."""
+    return bool(mask[[0, -1]].any() or mask[:, [0, -1]].any())
+
+
+def save(path: Path, frame, sensor, Z: np.ndarray) -> None:
+    """Write the picture, the left infrared picture, the true and the reported depth."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    low, high = np.nanpercentile(Z, [1, 99])
+    colour = srgb8(frame.left, frame.exposure, frame.tone)
+    size = colour.shape[1], colour.shape[0]
+    depths = []
+    for depth in (Z, sensor.metres):
+        level = np.clip(np.nan_to_num((high - depth) / (high - low)), 0.0, 1.0)
+        one = cv2.applyColorMap((255 * level).astype(np.uint8), cv2.COLORMAP_TURBO)[..., ::-1].copy()
+        one[np.isnan(depth)] = 0
+        depths.append(one)
+    infrared = cv2.resize(sensor.infrared.left.astype(np.uint8), size, interpolation=cv2.INTER_AREA)
+    above = np.hstack([colour, np.repeat(infrared[..., None], 3, axis=2)])
+    write_png(path, np.ascontiguousarray(np.vstack([above, np.hstack(depths)])))
+
+
+def main(run: Run) -> None:
+    """Print the figures side by side."""
+    console, columns = Console(width=160), {}
+    if run.captures is not None:
+        columns["captured"] = captured(run.captures)
+    columns["simulated"] = simulated(run, console)
+    table = Table("median (least to most)", *columns)
+    rows = {
+        "objects": lambda one: str(len(one.objects)),
+        **{
+            name: lambda one, k=k: spread([item[k] for item in one.objects])
+            for k, name in enumerate(DepthErrors._fields)
+        },
+        "background missing": lambda one: spread(one.background_missing),
+        "background error [mm]": lambda one: spread([1e3 * value for value in one.background_error]),
+    }
+    for name, row in rows.items():
+        table.add_row(name, *(row(one) for one in columns.values()))
+    console.print(table)
+
+
+def spread(values: list[float]) -> str:
+    """Return the median of some numbers, the least and the most, and the middle half."""
+    known = [value for value in values if np.isfinite(value)]
+    if not known:
+        return "-"
+    low, first, middle, third, high = np.quantile(known, [0, 0.25, 0.5, 0.75, 1])
+    return f"{middle:.3g} ({low:.3g} to {high:.3g}; half {first:.3g} to {third:.3g})"
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Run, description=__doc__))
+    sys.exit(0)

@@ -1,0 +1,1 @@
+"""Layouts of object detectors: instances, keypoints."""

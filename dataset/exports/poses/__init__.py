@@ -1,0 +1,1 @@
+"""Layouts of 6D pose estimators."""

@@ -1,0 +1,1 @@
+"""Layouts of radiance fields, and point clouds."""

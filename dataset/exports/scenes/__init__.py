@@ -1,0 +1,1 @@
+"""Scenes with meshes and physical properties, for simulators and Blender."""

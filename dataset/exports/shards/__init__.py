@@ -1,0 +1,1 @@
+"""Shards for streaming, with the cards that describe a data set."""

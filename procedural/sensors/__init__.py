@@ -1,0 +1,1 @@
+"""Depth cameras by name, and from files."""

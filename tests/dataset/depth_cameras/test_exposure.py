@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from glassware.core.randomness import stream
+from glassware.dataset.depth_cameras.exposure import exposed, infrared_pictures
+from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
+
+#: Planck's constant [J s], speed of light [m/s].
+h, c = 6.62607015e-34, 299792458.0
+
+
+def test_mean_and_variance_of_a_ramp_are_those_of_photons_and_read_noise(planes):
+    device = planes.small()
+    imager = device.imager.model_copy(update={"exposure": (1e-3, 1e-3), "gain": 1.0, "bits": 16, "blur": 0.0})
+    device = device.model_copy(update={"imager": imager})
+    ramp = np.repeat(np.array([0.1, 0.3, 1.0, 2.0], np.float32), 80)[None].repeat(120, axis=0)  # W/(m^2 sr)
+    nothing = np.zeros_like(ramp)
+    infrared = replace(planes.plane(device, 1.0), dots=(ramp, ramp), ambient=(nothing, nothing))
+    pictures = infrared_pictures(infrared, device, stream(1, 0, "test"))
+    assert (pictures.exposure, pictures.gain) == (1e-3, 1.0)
+    watts = ramp * math.pi / (4 * imager.aperture**2) * imager.pitch**2
+    electrons = watts * 1e-3 / (h * c / (device.projector.wavelength * 1e-9)) * imager.efficiency
+    steps = 65535 / imager.full_well
+    for column in range(0, 320, 80):
+        found = pictures.left[:, column : column + 80].astype(float) / steps
+        expected = electrons[0, column]
+        assert expected < imager.full_well
+        assert found.mean() == pytest.approx(expected, abs=5 * math.sqrt(expected + 16) / math.sqrt(9600) + 0.1)
+        assert found.var() == pytest.approx(expected + imager.read_noise**2, rel=0.06)
+
+
+def test_exposure_brings_the_mean_to_its_target_and_leaves_few_pixels_white():
+    imager = DEPTH_CAMERAS["d435"].imager
+    even = np.full((40, 40), 1e6)
+    time, gain = exposed(even, imager)
+    assert gain == 1.0
+    assert time * 1e6 / imager.full_well == pytest.approx(imager.target)
+    spotted = even.copy()
+    spotted[:8] *= 20.0
+    time, gain = exposed(spotted, imager)
+    assert time * 2e7 == pytest.approx(imager.full_well)
+    time, gain = exposed(even * 1e-3, imager)  # dark: the longest time, and gain
+    assert time == imager.exposure[1]
+    assert 1.0 < gain <= imager.gain

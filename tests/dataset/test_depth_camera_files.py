@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import glassware as gw
+from glassware.dataset.builds.verify import label_faults
+from glassware.dataset.commands.develop import main as develop
+from glassware.dataset.commands.render_scene import main as render_scene
+from glassware.procedural.description.picture import Picture
+from glassware.procedural.description.surroundings import ConstantEnvironment
+from glassware.procedural.optics.medium import Medium
+from glassware.procedural.primitives import bodies, scenes
+from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
+
+
+def test_an_unknown_device_is_one_line_and_writes_nothing(tmp_path, capsys):
+    out = tmp_path / "out"
+    assert render_scene(["--sensors.depth", "d453", "--out", str(out)]) == 2
+    line = capsys.readouterr().err.strip()
+    assert "\n" not in line
+    assert "sensors.depth: expected one of d415, d435, none, or a YAML file (is it d435?), found 'd453'" in line
+    assert not out.exists()
+
+
+@pytest.mark.slow
+def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(backend, tmp_path):
+    known = DEPTH_CAMERAS["d435"]
+    imager = known.imager.model_copy(update={"width": 320, "height": 200, "centre": None})
+    device = known.model_copy(update={"imager": imager})
+    slab = bodies.slab((0.1, 0.1, 0.02), Medium(name="glass", eta=1.5), (0.0, 0.0, 0.05))
+    scene = scenes.scene(
+        [slab],
+        [scenes.camera((0.0, 0.0, 0.6), width=160, height=120)],
+        table=scenes.board((4.0, 4.0, 0.02), scenes.matte()),
+        environment=ConstantEnvironment(strength=0.1),
+        picture=Picture(spp=2, light="path"),
+    ).model_copy(update={"depth_camera": device})
+    root = tmp_path / "data"
+    gw.write(root, scene, files="radiance,infrared")
+    (view,) = gw.Dataset.open(root).views()
+    stored = view.scene()
+    assert stored.depth_camera == device
+    depth, Z = view.sensor_depth(), view.geometry().Z
+    assert depth.shape == Z.shape
+    table = view.geometry().id == 1
+    assert np.nanmedian(np.abs(depth - Z)[table]) < 2e-3
+    # The pattern is seen through the slab: most of it is reported as the table behind.
+    assert np.nanmedian((depth - Z)[~table]) > 0.02
+    assert view.infrared("right").shape == (200, 320)
+    assert list(label_faults(root, 0, developed=False)) == []
+    (row,) = gw.Dataset.open(root).index().to_pylist()
+    assert row["sensor_depth"] == "scenes/000000/000/sensor_depth.png"
+    assert row["sensor_behind"][0] > 0.5
+
+    assert develop([str(root), "--camera", "phone", "--out", str(tmp_path / "phone")]) == 0
+    (again,) = gw.Dataset.open(tmp_path / "phone").views()
+    assert again.depth_camera() == view.depth_camera()
+    np.testing.assert_array_equal(again.sensor_depth(), depth)

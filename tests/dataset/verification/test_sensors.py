@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glassware.core.errors import InputError
+from glassware.core.json_file import json_text
+from glassware.dataset.depth_cameras.measure import REASONS, measured
+from glassware.dataset.format import layout
+from glassware.dataset.format.camera_file import camera_file, depth_camera_record
+from glassware.dataset.format.pictures import write_png
+from glassware.dataset.format.sensor_files import read_numbers
+from glassware.dataset.stored_view import StoredView
+from glassware.dataset.verification.sensors import sensor_faults
+from glassware.procedural.description.scene import TABLE_ID
+from glassware.render.frame import Geometry
+
+DEPTH = 0.6
+
+
+@pytest.fixture
+def stored(planes, tmp_path: Path):
+    """A view of a wall, stored: the view, the device, the geometry, and a function that replaces its record."""
+    device = planes.small()
+    colour, infrared = planes.colour_camera(device), planes.plane(device, DEPTH)
+    Z = np.full((colour.height, colour.width), DEPTH, np.float32)
+    found = measured(device, infrared, colour, Z, (1, 0, 0))
+    write_png(tmp_path / layout.SENSOR_DEPTH, found.depth)
+    write_png(tmp_path / layout.SENSOR_VALID, found.reason)
+    ids = np.full(Z.shape, TABLE_ID, np.uint16)
+    nothing, ones = np.zeros((0, *Z.shape), bool), np.ones((*Z.shape, 3), np.float32)
+    geometry = Geometry(Z, ones, ids, Z, ids, ones, nothing, nothing)
+
+    def record(**changes: object) -> None:
+        one = depth_camera_record(device, found.infrared.exposure, found.infrared.gain, REASONS)
+        file = camera_file(colour).model_copy(update={"depth_camera": one.model_copy(update=changes)})
+        (tmp_path / layout.CAMERA).write_text(json_text(file.model_dump(mode="json")), encoding="utf-8")
+
+    record()
+    return StoredView(tmp_path, 0), device, geometry, record
+
+
+def test_a_stored_view_reads_back_in_metres_with_its_reasons(stored):
+    view, _, geometry, _ = stored
+    depth = view.sensor_depth()
+    assert depth.shape == geometry.Z.shape
+    assert np.nanmedian(depth) == pytest.approx(DEPTH, abs=1.5e-3)
+    names = view.depth_camera().reasons
+    assert ((view.sensor_valid() == names.index("measured")) == np.isfinite(depth)).all()
+    with pytest.raises(InputError, match="--write infrared"):
+        view.infrared()
+
+
+def test_right_files_have_no_fault(stored):
+    view, device, geometry, _ = stored
+    assert sensor_faults(view, device, geometry) == []
+
+
+def test_each_wrong_file_is_a_fault(stored):
+    view, device, geometry, record = stored
+    numbers, reason = (read_numbers(view.folder / name) for name in (layout.SENSOR_DEPTH, layout.SENSOR_VALID))
+
+    changed = numbers.copy()
+    changed[60, 200] = 0
+    write_png(view.folder / layout.SENSOR_DEPTH, changed)
+    (fault,) = sensor_faults(view, device, geometry)
+    assert "(u, v) = (200, 60)" in str(fault)
+
+    changed[60, 200] = 60000  # 60 m
+    write_png(view.folder / layout.SENSOR_DEPTH, changed)
+    (fault,) = sensor_faults(view, device, geometry)
+    assert "expected 0.17 to 10 m" in str(fault)
+
+    write_png(view.folder / layout.SENSOR_DEPTH, np.where(numbers > 0, numbers + 12, 0).astype(np.uint16))
+    (fault,) = sensor_faults(view, device, geometry)
+    assert "of the table" in str(fault)
+    write_png(view.folder / layout.SENSOR_DEPTH, numbers)
+
+    odd = reason.copy()
+    odd[0, 0] = 7
+    write_png(view.folder / layout.SENSOR_VALID, odd)
+    (fault,) = sensor_faults(view, device, geometry)
+    assert "below 7" in str(fault)
+    write_png(view.folder / layout.SENSOR_VALID, reason)
+
+    record(unit=0.0001)
+    assert "depth_camera unit" in str(sensor_faults(view, device, geometry)[0])
+    assert "depth_camera" in str(sensor_faults(view, None, geometry)[0])
+
+
+def test_a_view_without_a_depth_camera_says_how_one_is_made(stored):
+    view, *_ = stored
+    file = view.folder / layout.CAMERA
+    text = file.read_text("utf-8")
+    start = text.index('"depth_camera"')
+    end = text.index("}", start) + 2
+    file.write_text(text[:start] + text[end:].lstrip(), encoding="utf-8")
+    with pytest.raises(InputError, match=r"--sensors.depth d435"):
+        view.sensor_depth()
