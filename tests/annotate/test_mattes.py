@@ -16,8 +16,8 @@ GREEN = Medium(name="green glass", eta=1.52, sigma_a=(20.0, 4.0, 10.0))
 RADIUS, CENTRE = 0.03, np.array([-0.04, 0.0, 0.05])
 #: The block, one corner of it towards the camera, is a body of the frame of its own centre.
 SIDES, PLACE = np.array([0.04, 0.03, 0.06]), np.array([0.045, 0.01, 0.04])
-#: Rays of a pixel in closed form, along each side: fractions are exact to a thousandth.
-FINE = 48
+#: Rays of a pixel in closed form, along each side: fractions of edges are exact to some thousandths.
+FINE = 24
 
 
 @pytest.fixture(scope="module")

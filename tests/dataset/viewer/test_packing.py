@@ -31,13 +31,13 @@ def _sphere(segments: int) -> Mesh:
 
 
 def test_a_mesh_is_simplified_to_a_bound_and_keeps_its_shape():
-    vertices, faces = simplified(_sphere(120), 3000)
-    assert 1000 < len(faces) <= 3000
-    # Cells are a thirtieth of the diameter or less, and a vertex is the mean of those in one.
-    np.testing.assert_allclose(np.linalg.norm(vertices, axis=1), 0.05, atol=0.05 / 30)
+    vertices, faces = simplified(_sphere(60), 2000)
+    assert 700 < len(faces) <= 2000
+    # Cells are a twentieth of the diameter or less, and a vertex is the mean of those in one.
+    np.testing.assert_allclose(np.linalg.norm(vertices, axis=1), 0.05, atol=0.05 / 20)
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
-    assert volume == pytest.approx(4.0 / 3.0 * np.pi * 0.05**3, rel=0.05)
+    assert volume == pytest.approx(4.0 / 3.0 * np.pi * 0.05**3, rel=0.06)
 
 
 def test_a_small_mesh_stays_as_it_is():

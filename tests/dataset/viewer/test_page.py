@@ -41,6 +41,7 @@ def test_the_page_loads_nothing_and_runs_its_own_script_alone(copy, tmp_path, pa
     assert not re.search(r"https?:|@import|url\(|\bimport\(|fetch\(|XMLHttp", outside_of_data)
 
 
+@pytest.mark.slow
 def test_the_same_data_set_gives_the_same_page(proven, tmp_path):
     for name in ("a.html", "b.html"):
         assert main([str(proven), "--save", str(tmp_path / name)]) == 0
@@ -74,6 +75,7 @@ def test_what_was_not_written_is_named(copy, tmp_path, page):
     assert not [name for name in shown.maps() if "layer" in name or name == "right/ids"]
 
 
+@pytest.mark.slow
 def test_width_bounds_the_page(proven, tmp_path, page, unpack):
     large, small = (_saved(proven, tmp_path, "--most-columns", width).stat().st_size for width in ("640", "20"))
     assert small < large
