@@ -46,15 +46,16 @@ class StoredScene:
 
     def scene(self) -> Scene:
         """Return the whole description."""
-        return load_scene(self.folder / layout.SCENE)
+        return load_scene(self._rendered(layout.SCENE))
 
     def outline(self) -> SceneOutline:
         """Return the small parts of the description: surroundings, lamps, cameras; no mesh is read."""
+        self._rendered(layout.SCENE)
         return read_outline(self.folder)
 
     def objects(self) -> ObjectsFile:
         """Return the properties of each object that all views share."""
-        return read_record(ObjectsFile, self.folder / layout.OBJECTS, OBJECTS_SCHEMA)
+        return read_record(ObjectsFile, self._rendered(layout.OBJECTS), OBJECTS_SCHEMA)
 
     def light(self) -> SurfaceLight | None:
         """Return the irradiance of the scene's opaque surfaces; None where it was not stored."""
@@ -64,6 +65,13 @@ class StoredScene:
     def photometry(self) -> Photometry | None:
         """Return illuminance and lamps of the scene; None in data sets of earlier versions."""
         return scene_views(self.folder.parent.parent, self.scene_id).photometry
+
+    def _rendered(self, name: str) -> Path:
+        """Return a file that rendered scenes have; InputError where this one was converted from another project's."""
+        path = self.folder / name
+        if not any((self.folder / other).exists() for other in (layout.SCENE, layout.OBJECTS)):
+            raise InputError(path, "a rendered scene", "one of a converted data set (partial_labels() of its views)")
+        return path
 
     @property
     def views(self) -> tuple[StoredView, ...]:

@@ -21,7 +21,7 @@ from ..annotate.stereo import PairVisibility
 from ..annotate.vessel_parts import VesselParts
 from ..core.arguments import check_type, described
 from ..core.errors import InputError
-from ..core.json_file import read_record
+from ..core.json_file import check_schema, parsed, read_json, read_record
 from ..core.randomness import stream
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene, SceneObject
@@ -30,12 +30,13 @@ from ..procedural.sensors.depth_cameras import depth_camera
 from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
 from .depth_cameras.from_labels import painted
 from .format import layout
-from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of, known_K
 from .format.exr import channel, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
 from .format.matte_files import read_mattes
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
+from .format.partial_labels import PARTIAL_LABELS_SCHEMA, PartialLabels
 from .format.pictures import read_png
 from .format.ray_files import read_layers, read_refraction
 from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
@@ -51,8 +52,12 @@ class StoredView:
     number: int
 
     def camera(self) -> Camera:
-        """Return the stereo pair."""
-        return camera_of(read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA))
+        """Return the stereo pair; InputError where a converted data set has one camera, or no calibration."""
+        return camera_of(self.camera_record(), self.folder / layout.CAMERA)
+
+    def camera_record(self) -> CameraFile:
+        """Return the file of the cameras as it is; in converted data sets it says what is unknown."""
+        return read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA)
 
     def scene(self) -> Scene:
         """Return the whole description of the view's scene."""
@@ -61,7 +66,31 @@ class StoredView:
     def labels(self, eye: Eye = "left") -> Labels:
         """Return the labels of one camera, in its own frame; those of the right one need ``--write right-labels``."""
         path = self.folder / layout.LABELS if _checked_eye(eye) == "left" else self._right(layout.RIGHT_LABELS)
-        return read_record(Labels, path, LABELS_SCHEMA)
+        data = read_json(path)
+        if isinstance(data, dict) and data.get("schema_version") == PARTIAL_LABELS_SCHEMA:
+            expected = "the labels of a rendered view"
+            raise InputError(path, expected, "those of a converted data set, which partial_labels() reads")
+        check_schema(path, data, LABELS_SCHEMA)
+        return parsed(Labels, data, path)
+
+    def partial_labels(self) -> PartialLabels:
+        """Return the labels of a view of a converted data set: what that states, and None for the rest."""
+        return read_record(PartialLabels, self.folder / layout.LABELS, PARTIAL_LABELS_SCHEMA)
+
+    def depth(self) -> np.ndarray:
+        """Return the true planar depth of the first surface, (H, W) float32 [m].
+
+        It is +inf where there is none, and in converted data sets NaN where it is unknown.
+        """
+        return read_channel(self._stored(layout.GEOMETRY, "depth"), "Z")
+
+    def instances(self) -> np.ndarray:
+        """Return the instance ids of the first surface, (H, W) uint16; 0 is nothing, or what no label names."""
+        return read_ids(self._stored(layout.INSTANCES, "instances"))
+
+    def classes(self) -> np.ndarray:
+        """Return the classes of pixels, (H, W) uint16, which ``converted.classes`` of the data set's head names."""
+        return read_ids(self._stored(layout.CLASSES, "classes of pixels"))
 
     def picture(self, eye: Eye = "left") -> np.ndarray:
         """Return the 8-bit sRGB picture, (H, W, 3) uint8."""
@@ -123,8 +152,8 @@ class StoredView:
         """
         if frame not in get_args(_Frame):
             raise InputError("frame", "'camera' or 'world'", repr(frame))
-        camera = self.camera()
-        seen = unproject(self._depth(), camera.K)
+        camera = self.camera_record()
+        seen = unproject(self.depth(), np.array(known_K(camera, self.folder / layout.CAMERA)))
         points = seen[np.isfinite(seen[..., 2])]
         return points if frame == "camera" else transformed(camera.world_T_camera, points)
 
@@ -152,13 +181,16 @@ class StoredView:
 
     def depth_camera(self) -> DepthCameraRecord | None:
         """Return the depth camera beside the left colour camera: unit, range, place; None where there is none."""
-        return read_record(CameraFile, self.folder / layout.CAMERA, CAMERA_SCHEMA).depth_camera
+        return self.camera_record().depth_camera
 
     def sensor_depth(self) -> np.ndarray:
         """Return the depth that a depth camera reports in the left picture's pixels, (H, W) float32 [m]; NaN: none.
 
-        It needs a data set made with the setting `sensors.depth`.
+        It needs a data set made with the setting `sensors.depth`, or a converted one that has it.
         """
+        measured = self.folder / layout.MEASURED_DEPTH
+        if measured.is_file():
+            return read_channel(measured, "Z")
         return read_sensor_depth(self.folder / layout.SENSOR_DEPTH, self._sensor().unit)
 
     def sensor_valid(self) -> np.ndarray:
@@ -219,7 +251,7 @@ class StoredView:
         if back and not (self.folder / layout.LAYERS).is_file():
             raise _absent(stored, "coordinates")
         ids = read_ids(self.folder / layout.INSTANCES)
-        Z = back_wall(self.layers(), ids) if back else self._depth()
+        Z = back_wall(self.layers(), ids) if back else self.depth()
         return object_coordinates(Z, ids, self.labels().objects, self.camera().K)
 
     def flow(self, other: StoredView) -> np.ndarray:
@@ -230,12 +262,12 @@ class StoredView:
         (H, W, 2) float32
             (du, dv) to add to a pixel [px]; NaN where there is no surface, or it is behind the other camera.
         """
-        return optical_flow(self._depth(), self.camera(), _same_scene(self, other).camera())
+        return optical_flow(self.depth(), self.camera(), _same_scene(self, other).camera())
 
     def flow_visibility(self, other: StoredView) -> np.ndarray:
         """Return where another view shows the first surface of a pixel as its own first surface, (H, W) bool."""
         there = _same_scene(self, other)
-        return flow_visibility(self._depth(), self.camera(), there._depth(), there.camera())
+        return flow_visibility(self.depth(), self.camera(), there.depth(), there.camera())
 
     def vessel_parts(self) -> dict[str, VesselParts]:
         """Return the masks of each vessel's parts in the left picture, by name; it needs ``--write layers``."""
@@ -263,9 +295,12 @@ class StoredView:
             found[body.name] = tuple(project(line, camera.K, camera.world_T_camera)[0] for line in world)
         return found
 
-    def _depth(self) -> np.ndarray:
-        path = self.folder / layout.GEOMETRY
-        return read_channel(path, "Z")
+    def _stored(self, name: str, what: str) -> Path:
+        """Return a file that a converted data set may lack; InputError where it does."""
+        path = self.folder / name
+        if not path.is_file():
+            raise InputError(path, f"a data set with {what}", f"one without {what}")
+        return path
 
     def _of_kind(self, name: str, kind: FileKind) -> tuple[Path, FileKind]:
         """Return a file that is written on request, with its kind; InputError where it was not."""

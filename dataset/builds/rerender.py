@@ -24,6 +24,8 @@ from ..writer import write_view
 
 def ready(root: Path, head: DatasetFile) -> None:
     """Set the data set's backend; InputError where bits cannot be compared, because something else made them."""
+    if head.converted is not None:
+        raise InputError("--rerender", "a rendered data set", f"one that was converted from {head.converted.title}")
     activate(head.backend)
     here = installed_versions()
     for name, version in head.versions.items():

@@ -29,6 +29,7 @@ from ..format.split_file import read_splits
 from ..format.views_table import SCHEMA, read_scene_views, scene_views
 from ..reader import StoredScene, StoredView
 from ..settings.scene_ranges import format_scenes, parse_scenes
+from ..verification.converted import converted_label_faults, converted_scene_faults
 from ..verification.scene import scene_label_faults
 from .manifest import read_manifest
 
@@ -70,7 +71,7 @@ def head_faults(root: Path, head: DatasetFile) -> Iterator[str]:
             checked_path(item.model_copy(update={"path": root / item.path}))
         except InputError as error:
             yield str(error)
-    if (root / layout.SPLITS).exists() or (root / layout.LOG).exists():
+    if head.converted is None and ((root / layout.SPLITS).exists() or (root / layout.LOG).exists()):
         yield from _with_read_errors(lambda: _split_faults(root, head, existing))
 
 
@@ -79,13 +80,21 @@ def scene_faults(root: Path, head: DatasetFile, scene_id: int) -> Iterator[str]:
     folder = layout.scene_folder(root, scene_id)
     damaged = list(faults_of(folder))
     yield from damaged
-    if not damaged:  # the content of a damaged file means nothing
-        yield from _with_read_errors(lambda: _content_faults(root, head, StoredScene(folder, scene_id)))
+    if damaged:  # the content of a damaged file means nothing
+        return
+    stored = StoredScene(folder, scene_id)
+    if head.converted is not None:
+        yield from _with_read_errors(lambda: converted_scene_faults(stored))
+    else:
+        yield from _with_read_errors(lambda: _content_faults(root, head, stored))
 
 
-def label_faults(root: Path, scene_id: int, developed: bool) -> Iterator[str]:
+def label_faults(root: Path, scene_id: int, head: DatasetFile) -> Iterator[str]:
     """Yield the faults that `dataset.verification` finds in the labels of one scene, from the stored files alone."""
-    yield from _with_read_errors(lambda: scene_label_faults(root, scene_id, developed))
+    if head.converted is not None:
+        yield from _with_read_errors(lambda: converted_label_faults(root, scene_id))
+    else:
+        yield from _with_read_errors(lambda: scene_label_faults(root, scene_id, head.developed is not None))
 
 
 def index_faults(root: Path) -> Iterator[str]:
@@ -97,7 +106,8 @@ def index_faults(root: Path) -> Iterator[str]:
                 yield f"{path}: expected the columns of this version, found others"
                 return
             rows = (row for batch in file.iter_batches() for row in batch.to_pylist())
-            records = (row.model_dump() for record in read_scene_views(root) for row in record.views)
+            # dict() has the columns that files leave out as well, as the table has them.
+            records = (dict(row) for record in read_scene_views(root) for row in record.views)
             for found, expected in zip_longest(rows, records):
                 if found != _with_lists(expected):
                     yield f"{path}: expected {_row_name(expected)}, found {_row_name(found)}"

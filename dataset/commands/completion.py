@@ -16,8 +16,10 @@ from ...core.model import Model
 from ..settings.config import parse_request
 from ..settings.options import SHORT, Option, sections, switch_names
 from .build_request import BuildDataset
+from .convert import Convert
 from .develop import Develop
 from .export import Export
+from .inspect import Inspect
 from .merge import Merge
 from .report import Report
 from .scene_request import RenderScene
@@ -51,6 +53,8 @@ _REQUESTS: dict[str, type[Model]] = {
     "report": Report,
     "verify": Verify,
     "export": Export,
+    "inspect": Inspect,
+    "convert": Convert,
     "develop": Develop,
     "merge": Merge,
     "completion": Completion,

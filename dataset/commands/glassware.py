@@ -24,6 +24,8 @@ _COMMANDS = {
     "export": ("a data set in another project's layout: coco, bop, nerfstudio, ply, syn-todd, webdataset", "export"),
     "assets": ("what is in a folder of meshes, with a contact sheet, and what cannot be used", "assets"),
     "develop": ("the pictures of a data set by another camera: a phone, a webcam, or your own", "develop"),
+    "inspect": ("what a folder with another project's data set holds, and what is wrong in it", "inspect"),
+    "convert": ("another project's data set (KeyPose, ClearGrasp, BOP, ...) in our format", "convert"),
     "merge": ("merge the shards of a build into one data set", "merge"),
     "completion": ("a script that completes commands and options: bash, zsh or fish", "completion"),
 }

@@ -57,6 +57,9 @@ def _report(arguments: Sequence[str]) -> None:
     out = request.out or root / layout.REPORT
     check_page_file("--out", out, root, _HTML)
     dataset = Dataset.open(root)
+    if dataset.head.converted is not None:
+        found = f"one that was converted from {dataset.head.converted.title}, which glassware inspect describes"
+        raise InputError(root, "a rendered data set", found)
     summary = summarise(dataset, request.pictures, lambda ids: tracked(ids, "reading scenes", len(ids), console))
     data = page(summary).encode()
     try:

@@ -72,7 +72,9 @@ def _verify(arguments: Sequence[str]) -> None:
             + (f", {_MAX_PRINTED} of them printed" if count > _MAX_PRINTED else "")
         )
     scenes = len(layout.scene_ids(root))
-    also = ", labels correct" if request.labels else ""
+    also = ""
+    if request.labels:
+        also = ", labels correct" if head.converted is None else ", its labels agree with each other"
     also += f", {counted(sum(map(len, picked.values())), 'view')} rendered again bit for bit" if picked else ""
     console.print(f"{root}: {counted(scenes, 'scene')}, no faults{also}", markup=False, highlight=False, soft_wrap=True)
 
@@ -95,7 +97,7 @@ def _faults(request: Verify, head: DatasetFile, picked: dict[int, list[int]], co
             yield from faults
         yield from index_faults(root)
         if request.labels:
-            found = pool.map(lambda scene: list(label_faults(root, scene, head.developed is not None)), scenes)
+            found = pool.map(lambda scene: list(label_faults(root, scene, head)), scenes)
             for faults in tracked(found, "checking labels", len(scenes), console):
                 yield from faults
     for scene, views in tracked(picked.items(), "rendering views again", len(picked), console):

@@ -17,6 +17,7 @@ from ...core.errors import InputError, cause_of
 from ...core.setting_errors import setting_error, suggest
 from ...core.stopping import check_stop
 from ..reader import Dataset, StoredScene
+from .detection.partial import check_exportable
 from .folder import RECORD, check_target, new_record, write_record
 from .formats import FORMATS
 from .job import Exporter, ExportOptions, Job
@@ -69,6 +70,7 @@ def export(
     exporter = exporter_of(format)
     job = Job(Dataset.open(root), as_path("export: out", out), _checked(options))
     _check_options(job, format, exporter)
+    check_exportable(job.dataset.head, format)
     record, scenes = new_record(job, format), job.scenes()
     known = check_target(job, record)
     numbers = tuple(scene.scene_id for scene in scenes)

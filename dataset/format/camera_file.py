@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from ...annotate.labels import Rle
+from ...core.errors import InputError
 from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
 from ...procedural.description.depth_camera import DepthCamera, along_x
@@ -49,12 +50,16 @@ class CameraFile(Model):
     """Intrinsics, pose and exposure of a view."""
 
     schema_version: Literal["glassware/camera/1"] = CAMERA_SCHEMA
-    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both cameras [px]")
+    K: tuple[Row3, Row3, Row3] | None = Field(
+        description="Intrinsic matrix of both cameras [px]; null only in converted data sets: not calibrated"
+    )
     width: int = Field(ge=1, description="[px]")
     height: int = Field(ge=1, description="[px]")
     world_T_camera: Matrix4 = Field(description="Pose of the left camera")
-    world_T_right: Matrix4 = Field(description="Pose of the right camera")
-    baseline: float = Field(gt=0.0, description="[m]")
+    world_T_right: Matrix4 | None = Field(
+        description="Pose of the right camera; null only in converted data sets: there is none"
+    )
+    baseline: float | None = Field(gt=0.0, description="[m]; null with `world_T_right`")
     distortion: Literal["none"] | Distortion = Field(
         default="none",
         description="none: the pictures are those of pinholes. Else what the lens has done to the pictures, by the "
@@ -66,7 +71,10 @@ class CameraFile(Model):
     lost: Rle | None = Field(
         default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"
     )
-    exposure: float = Field(gt=0.0, description="Factor from radiance to the linear value that sRGB encodes")
+    exposure: float | None = Field(
+        gt=0.0,
+        description="Factor from radiance to the linear value that sRGB encodes; null only in converted data sets",
+    )
     balance: tuple[float, float, float] | Literal["grey-world"] = Field(
         default=(1.0, 1.0, 1.0),
         exclude_if=lambda balance: balance == (1.0, 1.0, 1.0),
@@ -126,9 +134,24 @@ def camera_file(camera: Camera) -> CameraFile:
     )
 
 
-def camera_of(record: CameraFile) -> Camera:
-    """Return the camera that a record describes."""
-    (fx, _, cx), (_, fy, cy), _ = record.K
+def camera_of(record: CameraFile, where: object = "camera.json") -> Camera:
+    """Return the stereo camera that a record describes.
+
+    Parameters
+    ----------
+    record : CameraFile
+        The record.
+    where : object
+        Its file, for the error.
+
+    Raises
+    ------
+    InputError
+        Where the record is of a single camera, or of one that is not calibrated.
+    """
+    (fx, _, cx), (_, fy, cy), _ = known_K(record, where)
+    if record.baseline is None:
+        raise InputError(where, "a stereo pair with its baseline", "one camera, of a converted data set")
     return Camera(
         width=record.width,
         height=record.height,
@@ -137,8 +160,16 @@ def camera_of(record: CameraFile) -> Camera:
         centre=(cx, cy),
         world_T_camera=record.world_T_camera,
         baseline=record.baseline,
-        exposure=record.exposure,
+        # A photograph's is unknown, and its labels do not depend on it.
+        exposure=1.0 if record.exposure is None else record.exposure,
         balance=record.balance,
         white=record.white,
         grid_index=record.grid_index,
     )
+
+
+def known_K(record: CameraFile, where: object) -> tuple[Row3, Row3, Row3]:
+    """Return the intrinsic matrix of a record; InputError where its camera is not calibrated."""
+    if record.K is None:
+        raise InputError(f"{where}: K", "a calibrated camera", "null: this data set has no calibration")
+    return record.K

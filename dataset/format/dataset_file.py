@@ -18,6 +18,7 @@ from ...procedural.description.rest import Rest
 from ...procedural.scene.asset_files import AssetFiles
 from ...render.backend.llvm import compiler_version
 from ..cameras.model import ColourCamera
+from .conversion import Conversion
 from .file_kinds import EARLIER_KINDS, KINDS, FileKinds
 from .layout import DATASET, DATASET_SCHEMA
 
@@ -107,6 +108,11 @@ class DatasetFile(Model):
         default=None,
         exclude_if=lambda record: record is None,
         description="Camera of `glassware develop`; absent where the pictures are as they were built",
+    )
+    converted: Conversion | None = Field(
+        default=None,
+        exclude_if=lambda record: record is None,
+        description="Of which data set of another project it was made; absent where it was rendered",
     )
 
 

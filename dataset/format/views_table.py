@@ -78,15 +78,15 @@ class ViewRow(Model):
     seed: int
     path: str  #: folder of the view, relative to the data set
     left: str  #: left picture, relative to the data set
-    right: str
+    right: str | None  #: null in converted data sets without a right picture
     width: int
     height: int
     grid_index: int | None  #: null off the grid
-    vessels: int
-    props: int
+    vessels: int | None  #: null in converted data sets that do not say what is transparent
+    props: int | None
     objects_in_view: int  #: objects with a pixel of silhouette in the frame
     object_ids: tuple[int, ...]
-    visible_pixels: tuple[int, ...]
+    visible_pixels: tuple[int | None, ...]  #: null in converted data sets without instances
     visible_fractions: tuple[float | None, ...]  #: null where an object is out of the frame
     seen_through_fractions: tuple[float | None, ...]
     spp_left: int | None  #: samples per pixel that were taken

@@ -44,7 +44,7 @@ def camera_faults(camera: Camera, record: CameraFile, file: str) -> list[Fault]:
     K = [[camera.focal, 0.0, cx], [0.0, focal_y, cy], [0.0, 0.0, 1.0]]
     pose = np.asarray(record.world_T_camera)
     right = pose.copy()
-    right[:3, 3] += record.baseline * pose[:3, 0]
+    right[:3, 3] += (record.baseline or 0.0) * pose[:3, 0]  # null: the baseline is a fault of its own
     return [
         *unlike("camera", file, "K", K, record.K, EXACT),
         *unlike("camera", file, "width and height", (camera.width, camera.height), (record.width, record.height)),

@@ -22,6 +22,7 @@ from ..targets.view import view_targets
 from .augment import augmented
 from .geometric_augment import moved_pixels
 from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
+from .partial_truth import box_depths, check_learnable, read_partial_truth
 from .scaling import scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
@@ -93,7 +94,11 @@ class SampleDataset(TorchDataset):
         self._surface_of: dict[int, dict[int, np.ndarray]] = {}
         self._objects_of: dict[int, ObjectsFile] = {}
         self._cameras_of: dict[int, list[CameraFile]] = {}
-        scenes = scenes_of(Dataset.open(root), split)
+        data = Dataset.open(root)
+        self._converted = data.head.converted
+        if self._converted is not None:
+            check_learnable(root, self._converted, views.rule)
+        scenes = scenes_of(data, split)
         self._references = [(scene, view) for scene in scenes for view in scene.views if self._can_be_reference(view)]
         if not self._references:
             raise InputError(f"{root}, split {split}", "a view that can be a reference", "none")
@@ -149,6 +154,8 @@ class SampleDataset(TorchDataset):
         of_objects, of_table = [], []
         for scene, view in self._references[::step]:
             labels = self._ground_truth(scene, view)
+            if self._converted is not None and "depth" not in self._converted.has:
+                of_objects.append(np.quantile(box_depths(labels), _QUANTILES))
             for found, surface in ((of_objects, labels.instances > TABLE_ID), (of_table, labels.instances == TABLE_ID)):
                 depths = labels.Z[surface & np.isfinite(labels.Z)]
                 if depths.size:
@@ -163,6 +170,8 @@ class SampleDataset(TorchDataset):
 
     def _ground_truth(self, scene: StoredScene, view: StoredView) -> GroundTruth:
         record = read_camera(view)
+        if self._converted is not None:
+            return read_partial_truth(view, self._converted, (record.height, record.width))
         return read_ground_truth(view, self._objects(scene), (record.height, record.width))
 
     def _select_views(
@@ -198,6 +207,8 @@ class SampleDataset(TorchDataset):
         return self._cameras_of[scene.scene_id]
 
     def _surface(self, scene: StoredScene) -> dict[int, np.ndarray]:
+        if self._converted is not None:
+            return {}  # no mesh is stored; keypoints stand for the surface
         if scene.scene_id not in self._surface_of:
             self._surface_of[scene.scene_id] = scene_surface_points(scene.scene())
         return self._surface_of[scene.scene_id]

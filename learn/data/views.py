@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.json_file import check_schema, parsed, read_json
 from ...dataset.format import layout
-from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile, known_K
 from ...dataset.reader import Eye, StoredView
 from ..networks.layers import SIZE_MULTIPLE
 
@@ -38,7 +38,7 @@ def read_camera(view: StoredView) -> CameraFile:
     data = read_json(path)
     check_schema(path, data, CAMERA_SCHEMA)
     record = parsed(CameraFile, data, path)
-    check_camera(np.array(record.K), record.world_T_camera, path)
+    check_camera(np.array(known_K(record, path)), record.world_T_camera, path)
     if record.distortion != "none":
         raise InputError(f"{path}: distortion", "none, to which labels belong (a camera that is `rectified`)", "a lens")
     return record
@@ -52,9 +52,11 @@ def read_view(view: StoredView, eye: Eye = "left") -> CameraView:
     if picture.shape != (record.height, record.width, 3):
         raise InputError(path, f"a picture of {record.height} x {record.width} px in colour", picture.shape)
     pose = record.world_T_camera if eye == "left" else record.world_T_right
+    if pose is None:
+        raise InputError(view.folder / layout.CAMERA, "a stereo pair", "one camera, of a converted data set")
     if eye == "right":
         check_rigid(pose, f"{view.folder / layout.CAMERA}: world_T_right")
-    return CameraView(picture, pose, np.array(record.K))
+    return CameraView(picture, pose, np.array(known_K(record, path)))
 
 
 def check_camera(K: np.ndarray, world_T_camera: np.ndarray, where: Path | str) -> None:

@@ -18,7 +18,7 @@ from ...core.json_file import check_schema, json_text, parsed, read_json
 from ...core.setting_errors import shortened
 from ...core.silence import quiet
 from ...dataset.format import layout
-from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile
+from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile, known_K
 from ...dataset.format.exr import write_exr
 from ...dataset.format.pictures import write_png
 from ..data.samples import image_tensor
@@ -160,8 +160,11 @@ def _with_stored_camera(picture: np.ndarray, path: Path) -> CameraView:
     if picture.shape[:2] != (record.height, record.width):
         raise InputError(path, f"a picture of {record.height} x {record.width} px", picture.shape[:2])
     pose = record.world_T_right if path.stem == "right" else record.world_T_camera
-    check_camera(np.array(record.K), pose, camera)
-    return CameraView(picture, pose, np.array(record.K))
+    if pose is None:
+        raise InputError(f"{camera}: world_T_right", "the pose of the right camera", "null")
+    K = np.array(known_K(record, camera))
+    check_camera(K, pose, camera)
+    return CameraView(picture, pose, K)
 
 
 def _write(found: Prediction, picture: np.ndarray, K: np.ndarray, images: Sequence[Path], out: Path) -> None:

@@ -87,8 +87,8 @@ def blend(noisy: np.ndarray, variance: np.ndarray, clean: np.ndarray) -> np.ndar
     return noisy + weight[..., None] * (clean - noisy)
 
 
-def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray, instance: np.ndarray) -> np.ndarray:
-    """Return a denoised picture with the noisy one's light in wide windows of each object, and so in all of it.
+def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return a denoised picture with the noisy one's light in wide windows of each part, and so in all of it.
 
     The denoiser is biased where it has little to go by: it takes up to some per cent of the light off glass, and all of
     a glint. The mean of the noisy picture is right, and over some hundred pixels nearly without noise. What differs is
@@ -100,12 +100,12 @@ def with_mean_of(noisy: np.ndarray, clean: np.ndarray, inside: np.ndarray, insta
         Both pictures.
     inside : (H, W) bool
         The pixels that are corrected; others are not changed, and do not count.
-    instance : (H, W) int
-        The object of each pixel. No light passes from one to another.
+    parts : (H, W) int
+        The part of an object that each pixel shows. No light passes from one to another.
     """
     result = clean.copy()
-    for number in np.unique(instance[inside]):
-        pixels = inside & (instance == number)
+    for number in np.unique(parts[inside]):
+        pixels = inside & (parts == number)
         rows, columns = (np.flatnonzero(pixels.any(axis=axis)) for axis in (1, 0))
         part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
         mask = pixels[part][..., None].astype(np.float32)

@@ -4,8 +4,8 @@ Light that reaches a pixel by rare paths (a lamp seen through two glasses) arriv
 all pixels is right, and clamping such samples would darken the picture (bias). So the excess is not clamped but spread
 over the pixels around it that the same rare paths reach: those that show the same kind of surface and have noise. The
 mean stays, and the denoiser can handle the result. Pixels that are bright in every group of samples are not changed.
-In glass the same is done within an object, but where a firefly is so bright that its light would bleach the pixels
-around it more than it spoils its own: that one stays in its place as a glint, and is kept from the denoiser.
+In glass the same is done within an object, and within its outline. But a firefly whose light would bleach the pixels
+around it more than it spoils its own stays in its place as a glint, and is kept from the denoiser.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from ...core.images import srgb_curve
-from .guides import Guides
+from .guides import Guides, inner_parts
 
 #: Smallest relative standard error of a firefly [1]. It is 1 where one group of samples carries all light, for any
 #: number of groups, and 0.6 where 63 to 70 % of the light is in one group (of sixteen, of four).
@@ -57,7 +57,7 @@ def spread_fireflies(
     Returns
     -------
     picture, variance, glints : (H, W, 3) float32
-        Glints are the excess of fireflies in glass that would bleach an object (`_bleaches`).
+        Glints are the excess of fireflies that would bleach what is around them (`_bleaches`).
     """
     is_firefly, kept, error = _fireflies(radiance, variance)
     if not is_firefly.any():
@@ -107,9 +107,7 @@ def _spread(
         # (A firefly has noise itself, so the sum is above 0.)
         weight /= weight.sum(axis=(1, 2), keepdims=True)
         light = excess[centre[:, 0], centre[:, 1]]
-        stays = guides.glass.ravel()[here] & _bleaches(
-            displayed.ravel(), exposure * light.mean(axis=1), weight, here, at
-        )
+        stays = _bleaches(displayed.ravel(), exposure * light.mean(axis=1), weight, here, at)
         glints[centre[stays, 0], centre[stays, 1]] = light[stays]
         given = weight[~stays, ..., None] * light[~stays, None, None, :]
         for channel in range(3):
@@ -137,13 +135,13 @@ def _shown(displayed: np.ndarray) -> np.ndarray:
 def _likeness(guides: Guides, centre: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return by how much pixels show the same kind of surface as a firefly, (n, side, side) in [0, 1].
 
-    Glass is like the glass of the same object: what it shows changes from pixel to pixel. Other surfaces have normals
-    and albedos alike.
+    Glass is like the glass of the same object, its outline like its outline: what it shows changes from pixel to pixel.
+    Other surfaces have normals and albedos alike.
     """
-    glass, instance = guides.glass.ravel(), guides.instance.ravel()
+    glass, part = guides.glass.ravel(), inner_parts(guides.instance).ravel()
     normal, albedo = (x.reshape(-1, 3).astype(np.float64) for x in (guides.normal, guides.albedo))
     from_glass, to_glass = glass[centre][:, None, None], glass[at]
-    same = from_glass & to_glass & (instance[at] == instance[centre][:, None, None])
+    same = from_glass & to_glass & (part[at] == part[centre][:, None, None])
     apart = ((normal[at] - normal[centre][:, None, None]) ** 2).sum(-1) / _NORMAL_WIDTH**2
     apart += ((albedo[at] - albedo[centre][:, None, None]) ** 2).sum(-1) / _ALBEDO_WIDTH**2
     return np.where(from_glass, same, np.exp(-0.5 * apart) * ~to_glass)

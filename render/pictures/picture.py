@@ -18,14 +18,13 @@ from ..scene.spectrum import draw_wavelengths
 from .denoise import blend, denoise, with_mean_of
 from .film import Film
 from .fireflies import spread_fireflies
-from .guides import Guides, trace_guides
+from .guides import Guides, inner_parts, trace_guides
 from .integrator import Radiance, trace
 from .sample_weights import (
     SampleWeights,
     displayed_noise,
     first_counts,
     group_counts,
-    mean_around,
     remaining_counts,
     share_of,
 )
@@ -125,7 +124,9 @@ def denoise_image(image: NoisyImage) -> np.ndarray:
     guides = image.guides
     radiance, variance, glints = spread_fireflies(image.radiance, image.variance, guides, image.exposure)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, guides.instance) + glints
+    clean = (
+        with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, inner_parts(guides.instance)) + glints
+    )
     return np.where(guides.background[..., None], image.radiance, clean)
 
 
@@ -182,9 +183,8 @@ def _share_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) 
     """Return what further samples are shared out by (`share_of`), (H, W), for the noise of a number of `samples`."""
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
     variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
-    means, cost = (channels * film.means).sum(axis=0), film.segments / film.samples
-    noise = displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, guides.polished, exposure)
-    return share_of(noise, mean_around(cost.reshape(shape), guides.glass, guides.polished))
+    means = (channels * film.means).sum(axis=0)
+    return share_of(displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure))
 
 
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:

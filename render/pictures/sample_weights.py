@@ -57,7 +57,8 @@ def group_counts(
     groups : float
         Mean number of groups of a pixel.
     share : (H, W) float, optional
-        What the additional samples of glass and polish are shared out by (`share_of`), in any unit.
+        What the additional samples of glass are shared out by (`share_of`), in any unit. Polish keeps its number: its
+        samples are cheap, and would be bought with those of glass.
 
     Returns
     -------
@@ -66,13 +67,20 @@ def group_counts(
     """
     extra = np.maximum(_dilated(glass) * (weights.glass - 1.0), _dilated(polished) * (weights.polished - 1.0)).ravel()
     mean = extra.mean()
-    if share is not None and mean > 0.0:
-        level = np.average(share.ravel(), weights=extra)
-        extra = extra * np.clip(share.ravel() / max(level, 1e-20), _LEAST, _MOST)
-        extra *= mean / extra.mean()
+    if share is not None:
+        inside = _dilated(glass).ravel() > 0
+        extra[inside] = _shared_out(extra[inside], share.ravel()[inside])
     if mean > 0.0:
         extra *= min(1.0, max(groups / _MIN_GROUPS - 1.0, 0.0) / mean)
     return _rounded((1.0 + extra) / (1.0 + extra.mean()) * groups)
+
+
+def _shared_out(extra: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return the same number of additional samples, in proportion to a share."""
+    if not extra.any() or not share.any():
+        return extra
+    shared = extra * np.clip(share / np.average(share, weights=extra), _LEAST, _MOST)
+    return shared * (extra.sum() / shared.sum())
 
 
 def first_counts(counts: np.ndarray) -> np.ndarray:
@@ -89,26 +97,13 @@ def remaining_counts(counts: np.ndarray, first: np.ndarray, total: int) -> np.nd
     return _rounded(missing * (total / max(missing.sum(), 1.0)))
 
 
-def share_of(noise: np.ndarray, cost: np.ndarray) -> np.ndarray:
-    """Return what additional samples are shared out by: noise, over the root of what a sample costs.
-
-    The error of n samples of variance v is v / n. In a given time, the sum of n c with samples of cost c, it is least
-    with numbers in proportion to the root of v / c.
-
-    Parameters
-    ----------
-    noise : (H, W) float
-        Displayed noise of each pixel (`displayed_noise`).
-    cost : (H, W) float
-        Segments of a path of each pixel, at least 1.
-    """
-    return noise**_NOISE_POWER / np.sqrt(np.maximum(cost, 1.0))
+def share_of(noise: np.ndarray) -> np.ndarray:
+    """Return what additional samples are shared out by, for displayed noise of each pixel (`displayed_noise`)."""
+    return noise**_NOISE_POWER
 
 
-def displayed_noise(
-    means: np.ndarray, variance: np.ndarray, glass: np.ndarray, polished: np.ndarray, exposure: float
-) -> np.ndarray:
-    """Return the noise of a displayed picture around each pixel, (H, W) in [0, 1].
+def displayed_noise(means: np.ndarray, variance: np.ndarray, glass: np.ndarray, exposure: float) -> np.ndarray:
+    """Return the noise of glass in a displayed picture around each pixel, (H, W) in [0, 1].
 
     A pixel's own samples do not count: if fewer more were taken where the first ones were dark, the mean would be too
     dark.
@@ -117,13 +112,12 @@ def displayed_noise(
     ----------
     means, variance : (H, W) float
         Luminance of each pixel and the variance that it has with the intended number of samples.
-    glass, polished : (H, W) bool
-        Pixels that get additional samples; only those of the same kind count.
+    glass : (H, W) bool
+        Which pixels show glass; others do not count.
     exposure : float
         Factor from radiance to displayed light, of which 1 is white.
     """
-    level = exposure * mean_around(means, glass, polished)
-    noise = np.sqrt(exposure**2 * mean_around(variance, glass, polished))
+    level, noise = exposure * mean_around(means, glass), exposure * np.sqrt(mean_around(variance, glass))
     return 0.5 * (_displayed(level + noise) - _displayed(level - noise))
 
 
@@ -131,20 +125,17 @@ def _displayed(level: np.ndarray) -> np.ndarray:
     return srgb_curve(np.clip(level, 0.0, 1.0))
 
 
-def mean_around(values: np.ndarray, glass: np.ndarray, polished: np.ndarray) -> np.ndarray:
-    """Return the means of values over the pixels around each one, without its own, (H, W) float64.
+def mean_around(values: np.ndarray, glass: np.ndarray) -> np.ndarray:
+    """Return the means of values over the pixels of glass around each one, without its own, (H, W) float64.
 
-    Glass counts glass alone, and polish polish; others are 0.
+    Pixels that do not show glass are 0.
     """
     offset = np.arange(-_NOISE_REACH, _NOISE_REACH + 1)
     kernel = np.exp(-0.5 * (offset[:, None] ** 2 + offset[None, :] ** 2) / _NOISE_SIGMA**2)
     kernel[_NOISE_REACH, _NOISE_REACH] = 0.0
-    result, of_glass = np.zeros(values.shape), _dilated(glass)
-    for inside in (of_glass == 1, (of_glass == 0) & (_dilated(polished) == 1)):
-        weight = inside.astype(np.float64)
-        total, count = (cv2.filter2D(x, -1, kernel, borderType=cv2.BORDER_CONSTANT) for x in (values * weight, weight))
-        result += weight * np.divide(total, count, out=np.zeros_like(total), where=count > 1e-9)
-    return result
+    weight = _dilated(glass).astype(np.float64)
+    total, count = (cv2.filter2D(x, -1, kernel, borderType=cv2.BORDER_CONSTANT) for x in (values * weight, weight))
+    return weight * np.divide(total, count, out=np.zeros_like(total), where=count > 1e-9)
 
 
 def _dilated(inside: np.ndarray) -> np.ndarray:

@@ -33,7 +33,6 @@ from ...reader import StoredScene, StoredView
 from ..depth import known_depth
 from ..files import add_picture, plain_name
 from ..job import Exporter, Job, chosen_ids, chosen_labels, write_nothing
-from ..sensor import SENSOR_DEPTH, sensor_depth
 
 #: Value of the background in the mask, which has 8 bits in the original.
 BACKGROUND = 255
@@ -75,10 +74,7 @@ EXPORTER = Exporter(
 def _write_view(job: Job, view: StoredView, records: Sequence[ObjectRecord], folder: Path) -> None:
     camera, geometry, stem = view.camera(), view.geometry(), f"{view.number:04d}"
     labels = list(chosen_labels(view.labels(), [record.id for record in records], view))
-    sensed = sensor_depth(view)
-    if sensed is None:
-        expected = "a data set with a depth camera's measurements, which DREDS is about; build it with --sensors.depth"
-        raise InputError(view.folder / SENSOR_DEPTH, expected, "one without")
+    sensed = known_depth(view.sensor_depth())  # which a data set without a depth camera does not have
     add_picture(job, view.folder / "left.png", folder / f"{stem}_color.png")
     for name, depth in (("depth_120", known_depth(geometry.Z)), ("simDepthImage", sensed)):
         write_exr(folder / f"{stem}_{name}.exr", dict.fromkeys("RGB", depth))

@@ -31,6 +31,7 @@ from ...reader import StoredScene, StoredView
 from ..files import add_picture, compact_json
 from ..job import Exporter, Job, chosen_ids, chosen_labels, vessel_ids
 from .category_ids import Supercategory, category_ids, category_name
+from .partial import coco_part
 from .polygons import polygons_of
 
 #: The files of annotations.
@@ -58,6 +59,9 @@ def place(job: Job, scene: StoredScene) -> Path:
 
 def write(job: Job, scene: StoredScene) -> None:
     """Write the pictures of a scene and its part of the annotations."""
+    if job.dataset.head.converted is not None:
+        write_atomically(place(job, scene), compact_json(coco_part(job, scene)).encode())
+        return
     objects = scene.objects()
     ids, vessels = chosen_ids(job, objects), vessel_ids(objects)
     images, annotations = [], []

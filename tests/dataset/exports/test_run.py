@@ -105,7 +105,7 @@ def test_a_full_disk_is_one_line_and_the_same_command_goes_on(two_scenes, tmp_pa
 @pytest.mark.parametrize(
     ("name", "options", "missing"),
     [
-        ("dreds", {}, r"000/sensor_depth.png: expected a data set with a depth camera's measurements.*; build it with"),
+        ("dreds", {}, "000/camera.json: expected a data set with a depth camera, made with --sensors.depth d435"),
         ("ply", {"layers": True}, r"000/layers.exr: expected a data set with layers, made with --write layers"),
     ],
 )

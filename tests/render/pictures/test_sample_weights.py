@@ -107,23 +107,23 @@ def test_samples_that_cost_four_times_as_much_are_half_as_many():
 
 
 def test_the_samples_of_a_pixel_do_not_decide_how_many_more_it_gets(rng):
-    glass, none = _spot(), np.zeros((20, 30), bool)
+    glass = _spot()
     means, variance = rng.uniform(0.2, 0.6, (20, 30)), np.full((20, 30), 1e-3)
-    before = displayed_noise(means, variance, glass, none, 1.0)
+    before = displayed_noise(means, variance, glass, 1.0)
     means[10, 12], variance[10, 12] = 50.0, 2500.0
-    after = displayed_noise(means, variance, glass, none, 1.0)
+    after = displayed_noise(means, variance, glass, 1.0)
     assert after[10, 12] == before[10, 12] > 0.0
     assert after[10, 13] > before[10, 13]
     assert not after[:5].any()
 
 
 def test_noise_counts_as_it_is_displayed():
-    glass, none = np.ones((8, 8), bool), np.zeros((8, 8), bool)
+    glass = np.ones((8, 8), bool)
     # Noise of 0.01 about a level of 0.25: sRGB has the slope 1.055 / 2.4 * 0.25^(1 / 2.4 - 1) = 0.987 there.
-    found = displayed_noise(np.full((8, 8), 0.5), np.full((8, 8), 4e-4), glass, none, 0.5)
+    found = displayed_noise(np.full((8, 8), 0.5), np.full((8, 8), 4e-4), glass, 0.5)
     np.testing.assert_allclose(found, 0.00987, rtol=1e-3)
     # What is far above white is white, with any noise.
-    assert not displayed_noise(np.full((8, 8), 9.0), np.ones((8, 8)), glass, none, 1.0).any()
+    assert not displayed_noise(np.full((8, 8), 9.0), np.ones((8, 8)), glass, 1.0).any()
 
 
 @pytest.mark.parametrize("spp", [8, pytest.param(24, marks=pytest.mark.slow)])
