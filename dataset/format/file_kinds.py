@@ -62,7 +62,7 @@ KIND_BYTES: dict[str, float] = {
     "heatmap": 0.6,
     "coordinates": 0.6,
     "vessel-parts": 0.02,
-    "mattes": 0.5,
+    "mattes": 0.7,
     "infrared": 1.4,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.
