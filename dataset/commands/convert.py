@@ -13,7 +13,7 @@ from rich.console import Console
 from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath, counted
-from ..conversion.convert import convert
+from ..conversion.convert import WrittenScene, convert
 from ..conversion.inspection import MOST_LINES, inspect
 from ..conversion.source_sheet import source_sheet
 from ..format import layout as ours
@@ -57,7 +57,7 @@ def _convert(arguments: Sequence[str]) -> None:
     request = parse_request(Convert, arguments, "glassware convert", _DESCRIPTION)
     console = Console()
 
-    def track(scenes: Iterable[object], total: int) -> Iterator[object]:
+    def track(scenes: Iterable[WrittenScene], total: int) -> Iterator[WrittenScene]:
         return tracked(scenes, "converting scenes", total, console)
 
     def say(line: str) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import get_args
@@ -31,8 +34,20 @@ from .records import camera_record, labels_record, view_row
 _PACKAGES = ("glassware", "numpy", "opencv-python-headless", "OpenEXR", "scipy")
 #: Renderer of a converted data set.
 _NO_RENDERER = "none"
+#: Most threads: pictures are read and compressed in parallel, the rest is Python.
+_MOST_THREADS = 8
+
+
+@dataclass(frozen=True)
+class WrittenScene:
+    """A scene that was written."""
+
+    kinds: tuple[tuple[LabelKind, ...], ...]  #: what each of its views has
+    damaged: tuple[LeftOut, ...]  #: its views that could not be read
+
+
 #: Passes on the scenes one by one, and may show how many are done of a total.
-Track = Callable[[Iterable[object], int], Iterable[object]]
+Track = Callable[[Iterable[WrittenScene], int], Iterable[WrittenScene]]
 
 
 def convert(
@@ -63,24 +78,21 @@ def convert(
     head = _head(root, found, collection, len(scenes))
     _check_out(out, head)
     start_dataset(out, head, range(len(scenes)))
-    counts: Counter[LabelKind] = Counter()
-    left_out, written = [*collection.left_out], 0
-    splits: dict[int, str | None] = {}
-    for scene_id, entries in enumerate(track(scenes, len(scenes))):
-        assert isinstance(entries, list)
-        kinds, damaged = _write_scene(out, scene_id, entries)
-        left_out += damaged
-        written += len(kinds)
-        for kind in kinds:
-            counts.update(kind)
-        if kinds:
-            splits[scene_id] = entries[0].split
-    if not written:
+    written = [*track(_write_all(out, scenes), len(scenes))]
+    left_out = [*collection.left_out, *(item for scene in written for item in scene.damaged)]
+    counts: Counter[LabelKind] = Counter(kind for scene in written for kinds in scene.kinds for kind in kinds)
+    views = sum(len(scene.kinds) for scene in written)
+    if not views:
         first = left_out[0]
         raise InputError(root, "a view that can be read", f"none of {len(left_out)}; {first.name}: {first.reason}")
-    record = _conversion(root, found, collection, counts, written, len(left_out))
     findings = tuple(Finding(folder=found.name, path=item.name, reason=item.reason) for item in left_out)
-    head = head.model_copy(update={"converted": record, "findings": findings})
+    record = _conversion(root, found, collection, counts, views, len(left_out))
+    splits = {number: scenes[number][0].split for number, scene in enumerate(written) if scene.kinds}
+    return _finished(out, head.model_copy(update={"converted": record, "findings": findings}), splits)
+
+
+def _finished(out: Path, head: DatasetFile, splits: dict[int, str | None]) -> DatasetFile:
+    """Write head, index and splits of the scenes that were written, and delete others; return the head."""
     for scene_id in set(layout.scene_ids(out)) - set(splits):  # of an earlier conversion that could read more
         remove_folder(layout.scene_folder(out, scene_id))
     finish_dataset(out, head)
@@ -91,6 +103,17 @@ def convert(
     else:
         (out / layout.SPLITS).unlink(missing_ok=True)
     return head
+
+
+def _write_all(out: Path, scenes: Sequence[Sequence[Entry]]) -> Iterator[WrittenScene]:
+    """Write all scenes on several threads, and go through them in order."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    with ThreadPoolExecutor(min(cores, _MOST_THREADS)) as pool:
+        try:
+            yield from pool.map(lambda item: _write_scene(out, *item), enumerate(scenes))
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
 
 
 def _check_out(out: Path, head: DatasetFile) -> None:
@@ -135,10 +158,8 @@ def _conversion(
     )
 
 
-def _write_scene(
-    out: Path, scene_id: int, entries: Sequence[Entry]
-) -> tuple[list[tuple[LabelKind, ...]], list[LeftOut]]:
-    """Write the views of a scene that can be read; return what each has, and those that cannot."""
+def _write_scene(out: Path, scene_id: int, entries: Sequence[Entry]) -> WrittenScene:
+    """Write the views of a scene that can be read."""
     kinds: list[tuple[LabelKind, ...]] = []
     rows, damaged = [], []
     folder = layout.scene_folder(out, scene_id)
@@ -160,7 +181,7 @@ def _write_scene(
         write_checksums(partial)
     if not kinds:
         remove_folder(folder)
-    return kinds, damaged
+    return WrittenScene(tuple(kinds), tuple(damaged))
 
 
 def _write_view(folder: Path, view: SourceView) -> None:
