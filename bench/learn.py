@@ -28,7 +28,8 @@ from glassware.learn.data.loading import load_batches
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
-from glassware.learn.training.losses import LossWeights, losses, total_loss
+from glassware.learn.training.loss_weights import LossWeights
+from glassware.learn.training.losses import losses, total_loss
 
 HEIGHT, WIDTH, VIEWS = 480, 640, 2
 DEPTH_RANGE = (0.25, 3.0)

@@ -165,6 +165,20 @@ class SurfaceLight:
 
 
 @dataclass(frozen=True, eq=False)
+class Draft:
+    """A first look at a scene: a small, noisy picture of the first view's left eye, without caustics."""
+
+    radiance: np.ndarray  #: (h, w, 3) float32, linear Rec.709
+    exposure: float  #: factor from radiance to displayed light
+    tone: Tone  #: white balance and highlights
+
+    @property
+    def picture(self) -> np.ndarray:
+        """The 8-bit picture, (h, w, 3) uint8 red, green, blue."""
+        return srgb8(self.radiance, self.exposure, self.tone)
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """A rendered view: stereo pictures in linear Rec.709 radiance, and the geometry of the left camera."""
 

@@ -21,7 +21,7 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight, Transmission
+from .frame import EYES, Draft, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight, Transmission
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -49,6 +49,8 @@ class Renderer:
 
     on_stage : callable, optional
         Called with "loading" and, where the irradiance cache is filled, with "light", before each begins.
+    on_draft : callable, optional
+        Called with a `Draft` before the irradiance cache is filled, which takes most of the time to the first view.
 
     Attributes
     ----------
@@ -74,6 +76,7 @@ class Renderer:
         variant: str | None = None,
         threads: int | None = None,
         on_stage: Callable[[str], None] | None = None,
+        on_draft: Callable[[Draft], None] | None = None,
     ) -> None:
         # Checked before the lock, which a forked process may have inherited locked.
         check_process()
@@ -91,6 +94,7 @@ class Renderer:
             self.variant = activate(variant, spectral=scene.picture.spectral, threads=threads)
             _check_colours(self.variant, scene.picture.spectral)
             # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
+            from .cache.draft import draft_picture
             from .cache.scene_cache import make_tracer, uses_cache
             from .pictures.picture import PATH_TRACER
             from .scene.loaded_scene import load
@@ -99,6 +103,9 @@ class Renderer:
             cached = uses_cache(scene)
             with stopwatch.stage("loading"):
                 self.loaded = load(scene, for_cache=cached)
+            if cached and on_draft is not None:
+                with stopwatch.stage("draft"):
+                    on_draft(draft_picture(self.loaded))
             self._tracer, self._cache = PATH_TRACER, None
             if cached:
                 on_stage("light")

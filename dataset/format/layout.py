@@ -26,6 +26,8 @@ DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
 REPORT, PAGE, RECORDING = "report.html", "view.html", "view.rrd"
+#: A first look at a scene that is being rendered, gone when it is done.
+DRAFT = "draft.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
 #: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"

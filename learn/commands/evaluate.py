@@ -16,9 +16,7 @@ from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
 from ..data.splits import SplitName
-from ..evaluation.report import tables
-from ..evaluation.run import evaluate
-from ..networks.build import select_device
+from .extra import check_extra
 
 _DESCRIPTION = """Measure how well a network finds glass: its predictions against the labels of a data set.
 
@@ -60,6 +58,12 @@ def _evaluate(arguments: Sequence[str]) -> None:
     request = parse_request(Evaluate, arguments, "glassware evaluate", _DESCRIPTION)
     if request.checkpoint is None or request.data is None:
         raise InputError("glassware evaluate", "a checkpoint and the folder of a data set", "fewer")
+    check_extra("glassware evaluate")
+    # Loaded here: torch is an extra, and takes longer to load than help should take.
+    from ..evaluation.report import tables
+    from ..evaluation.run import evaluate
+    from ..networks.build import select_device
+
     console = _console()
 
     def say(line: str) -> None:

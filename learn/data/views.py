@@ -13,7 +13,7 @@ from ...core.json_file import check_schema, parsed, read_json
 from ...dataset.format import layout
 from ...dataset.format.camera_file import CAMERA_SCHEMA, CameraFile, known_K
 from ...dataset.reader import Eye, StoredView
-from ..networks.layers import SIZE_MULTIPLE
+from ..networks.settings import SIZE_MULTIPLE
 
 #: Tolerance of R R^T = I: our poses are stored with 16 digits, but those of others often with 6.
 RIGID_TOLERANCE = 1e-4

@@ -7,10 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...core.model import Model, Ordered
-from .layers import Norm
-from .resnet import Depth
 
 Variant = Literal["corrected", "reference"]
+Norm = Literal["batch", "group"]
+Depth = Literal["resnet18", "resnet50"]
+#: Height and width of images are multiples of this [px]: the coarsest features are at 1/32 of the image size.
+SIZE_MULTIPLE = 32
 _Count = Annotated[int, Field(ge=1, le=64)]
 _Metres = Annotated[float, Field(gt=0.0, le=1000.0)]
 

@@ -12,7 +12,7 @@ from glassware.learn.evaluation.report import summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.checkpoint import load_network
-from glassware.learn.training.losses import LossWeights
+from glassware.learn.training.loss_weights import LossWeights
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
 
