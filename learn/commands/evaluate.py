@@ -37,6 +37,11 @@ class Evaluate(Model):
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of a data set")
     split: SplitName = Field(default="val", description="Scenes to evaluate on")
     out: UserPath = Field(default=Path("out-evaluate"), description="Output folder")
+    detector: UserPath | None = Field(
+        default=None,
+        description="Checkpoint of a network that says where objects are, for networks that have to be told (keypose, "
+        "densefusion)",
+    )
     worst: int = Field(default=8, ge=0, le=1000, description="Number of worst samples drawn as images")
     workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: in the main process")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
@@ -78,6 +83,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
         worst=request.worst,
         workers=request.workers,
         device=select_device(request.device, request.threads),
+        detector=request.detector,
     )
     for table in tables(found):
         console.print(table)

@@ -23,6 +23,27 @@ class LossWeights(Model):
     planes: float = Field(
         default=1.0, ge=0.0, description="Weight of the cross-entropy over depth planes (windowed readout only)"
     )
+    disparity: float = Field(
+        default=1.0, ge=0.0, description="Weight of the smooth absolute error of SimNet's disparity, knee 1 px [px]"
+    )
+    small_disparity: float = Field(
+        default=1.0, ge=0.0, description="Weight of the same of its coarse disparity [px of 1/4 of the size]"
+    )
+    keypoint: float = Field(
+        default=1.0, ge=0.0, description="Weight of the squared error of KeyPose's keypoints, over half windows"
+    )
+    projection: float = Field(
+        default=2.5,
+        ge=0.0,
+        description="Weight of the squared error of its keypoints in other views, over half pictures",
+    )
+    probability: float = Field(
+        default=1e-3, ge=0.0, description="Weight of the probability of its integral head far from keypoints"
+    )
+    distance: float = Field(
+        default=1.0, ge=0.0, description="Weight of DenseFusion's distance between points of the surface [m]"
+    )
+    refined: float = Field(default=1.0, ge=0.0, description="Weight of the same after its refiner [m]")
     seg: float = Field(default=1.0, ge=0.0, description="Weight of the cross-entropy of semantic classes")
     heatmap: float = Field(default=100.0, ge=0.0, description="Weight of the squared error of the heatmap")
     vertex: float = Field(

@@ -1,4 +1,4 @@
-"""The losses of MVTrans, with the weights of the released code.
+"""The losses of MVTrans and SimNet, with the weights of the released code.
 
 The paper (section III-D) names the Huber loss for depth and cross-entropy for classes, and gives no weights.
 """
@@ -19,6 +19,8 @@ from .loss_weights import LossWeights
 REFERENCE_MAX_DEPTH = 3.0
 #: Factor of the coarse depth's target in the released code, which divides its loss by the same factor.
 REFERENCE_SCALE = 0.25
+#: Disparities above the first are the second in the released SimNet [px].
+_TOO_LARGE, _LARGEST = 128.0, 127.0
 
 
 def losses(
@@ -36,7 +38,7 @@ def losses(
     targets : mapping of Tensor
         Batch of `targets.view.view_targets`.
     settings : NetworkSettings
-        Settings of the network.
+        Settings of the network: MVTrans or SimNet.
     huber : float
         As in `LossWeights`.
 
@@ -49,6 +51,8 @@ def losses(
         "heatmap": functional.mse_loss(outputs["heatmap"], targets["heatmap"]),
         **{name: field_loss(outputs, targets, name) for name in ("vertex", "z_centroid", "covariance")},
     }
+    if settings.name == "simnet":
+        return found | _disparity_losses(outputs, targets, released=settings.variant == "reference")
     if settings.variant == "reference":
         return found | _reference_losses(outputs, targets, huber)
     found |= {
@@ -122,4 +126,28 @@ def _reference_losses(outputs: Mapping[str, Tensor], targets: Mapping[str, Tenso
         "seg": functional.cross_entropy(outputs["seg"], targets["seg"].clamp_max(TRANSPARENT)),
         "depth": functional.smooth_l1_loss(outputs["depth"], depth, beta=huber),
         "small_depth": functional.smooth_l1_loss(outputs["small_depth"], small, beta=huber) / REFERENCE_SCALE,
+    }
+
+
+def _disparity_losses(
+    outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], *, released: bool
+) -> dict[str, Tensor]:
+    """Return the losses of SimNet; the coarse disparity has the target at its own pixels, over 4.
+
+    The released network learns a disparity everywhere, 0 where there is no surface; the corrected one where depth is
+    known.
+    """
+    depth = targets["depth"]
+    known = depth > 0.0
+    disparity = torch.where(known, outputs["focal_baseline"][:, None, None] / torch.where(known, depth, 1.0), 0.0)
+    if released:
+        disparity = torch.where(disparity > _TOO_LARGE, _LARGEST, disparity)
+        known = torch.ones_like(known)
+    full = functional.smooth_l1_loss(outputs["disparity"], disparity, reduction="none")
+    # At 1/4 of the size a disparity is a quarter of its pixels.
+    small = functional.smooth_l1_loss(outputs["small_disparity"] / 4.0, at_quarter(disparity) / 4.0, reduction="none")
+    return {
+        "seg": functional.cross_entropy(outputs["seg"], targets["seg"]),
+        "disparity": masked_mean(full, known),
+        "small_disparity": masked_mean(small, at_quarter(known)),
     }

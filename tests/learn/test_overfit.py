@@ -70,7 +70,7 @@ def test_a_small_network_learns_one_sample_by_heart(pair, tmp_path, switches):
     train(settings, pair, tmp_path, None, lambda _line: None)
     network, kept = load_network(tmp_path / "last.safetensors")
     samples = SampleDataset(pair, "all", views, CORRECTED, ground_truth=True)
-    scores, _ = score_all(network, samples, kept.network.variant, lambda _line: None)
+    scores, _ = score_all(network, samples, kept.network, lambda _line: None)
     found = summarise(scores)
     assert found["pose"]["objects"] == 2
     assert found["depth"]["full"]["all"]["mae"] < DEPTH
