@@ -100,7 +100,8 @@ def fault(first: Any) -> tuple[str, str, str]:
         field, _, text = ours.rpartition("expected ")
         expected, _, found = text.rpartition(", found ")
         given = first["input"]
-        if isinstance(given, list | tuple) and given and all(isinstance(one, str) for one in given):
+        texts = isinstance(given, list | tuple) and given and all(isinstance(one, str) for one in given)
+        if texts and not all(one in found for one in given):
             found += f" ({' '.join(given)})"  # with the units that the user wrote
         return field.removesuffix(": "), expected, found
     found = shortened(first["input"])

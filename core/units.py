@@ -138,7 +138,12 @@ def _within_limits(value: object, handler: ValidatorFunctionWrapHandler, dimensi
 
 
 def _with_a_unit(found: float, limit: float, dimension: Dimension) -> str:
-    """Return a hint at the unit that a plain number too large was meant in, such as `` (is it 30deg?)``, or ''."""
+    """Return a hint at the unit that a plain number too large was meant in, such as `` (is it 30deg?)``, or ''.
+
+    A number of more digits than people type was converted from one with a unit, as those of a command line are.
+    """
+    if float(f"{found:g}") != found:
+        return ""
     for suffix in {"angle": ("deg",), "length": ("cm", "mm"), "volume": ()}[dimension]:
         if abs(found) > abs(limit) >= abs(found) * SUFFIXES[suffix][1]:
             return f" (is it {found:g}{suffix}?)"

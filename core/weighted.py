@@ -68,19 +68,23 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def unknown_names(names: Iterable[str], known: Sequence[str]) -> tuple[str, str] | None:
+def unknown_names(
+    names: Iterable[str], known: Sequence[str], others: Mapping[str, str] | None = None
+) -> tuple[str, str] | None:
     """Return what was expected and what was found where names are not known, all of them; None where all are.
 
-    Each unknown name has the known one beside it that is spelt most like it.
+    Each unknown name has the known one beside it that ``others`` has for it (in lower case), or that is spelt most
+    like it.
     """
     wrong = [name for name in names if name not in known]
     if not wrong:
         return None
     listed = ", ".join(known[:MOST_LISTED]) + (", ..." if len(known) > MOST_LISTED else "")
-    return f"one of {listed}", ", ".join(f"{shortened(name)}{suggest(name, known)}" for name in wrong)
+    hints = [suggest((others or {}).get(name.lower(), name), known) for name in wrong]
+    return f"one of {listed}", ", ".join(f"{shortened(name)}{hint}" for name, hint in zip(wrong, hints, strict=True))
 
 
-def check_names(names: Iterable[str], known: Sequence[str]) -> None:
+def check_names(names: Iterable[str], known: Sequence[str], others: Mapping[str, str] | None = None) -> None:
     """Raise ValueError, ``expected ..., found ...``, that names all unknown names and the nearest known ones."""
-    if (wrong := unknown_names(names, known)) is not None:
+    if (wrong := unknown_names(names, known, others)) is not None:
         raise ValueError(f"expected {wrong[0]}, found {wrong[1]}")

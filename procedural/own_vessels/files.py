@@ -26,8 +26,8 @@ def vessel_files(folder: Path) -> tuple[VesselFile, ...]:
     InputError
         Where there are none, or the folder cannot be read.
     """
-    root = root_of(folder)
     if folder.is_file() and folder.suffix.lower() in MESH_SUFFIXES:
-        return (VesselFile(folder, root, place_of(folder, folder.parent)),)
-    found = files_in(folder, "vessels", MESH_SUFFIXES, below=True)
+        return (VesselFile(folder, root_of(folder), place_of(folder, folder.parent)),)
+    found = files_in(folder, "vessels", MESH_SUFFIXES, below=True)  # first, as it refuses files of other kinds
+    root = root_of(folder)
     return tuple(VesselFile(path, root, place) for path, place in listing(found, folder).used)

@@ -15,6 +15,7 @@ from ..optics.catalogue import MOST_DYE
 from ..optics.draw import NO_DYE, dissolves_dyes, glass_names, is_sugar_solution, liquid_names
 from ..optics.dyes import DYES
 from .amounts import Filled, Limits, Volumes, fill_volumes, volume_limits
+from .other_names import OTHER_CATEGORIES, OTHER_GLASSES
 
 Category = Literal[
     "tumbler",
@@ -82,6 +83,8 @@ _Concentration = Annotated[float, Field(ge=1e-5, le=MOST_DYE)]
 LEAST_FILL, MOST_FILL = 0.05, 0.9
 #: Factor that absorbs the rounding of products of volumes.
 ROUNDING = 1.0 + 1e-9
+#: Everyday names, for hints, by the setting.
+_OTHERS = {"glasses": OTHER_GLASSES}
 _Alpha = Annotated[float, Field(ge=0.001, le=1.0)]
 
 
@@ -197,14 +200,15 @@ class VesselSettings(Model):
     @field_validator("categories")
     @classmethod
     def _known_families(cls, categories: tuple[str, ...]) -> tuple[str, ...]:
-        check_names(weights_of(categories), CATEGORIES)
+        check_names(weights_of(categories), CATEGORIES, OTHER_CATEGORIES)
         return categories
 
     @field_validator("glasses", "liquids")
     @classmethod
     def _known_media(cls, names: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
         if info.data.get("media") is None:  # with own media, `media.own_media` knows the names
-            check_names(_plain_names(names), media_names(str(info.field_name)))
+            field = str(info.field_name)
+            check_names(_plain_names(names), media_names(field), _OTHERS.get(field))
         return names
 
     @field_validator("dyes")
@@ -245,7 +249,7 @@ def media_names(field: str, own: tuple[str, ...] = ()) -> list[str]:
 def unknown_media(settings: VesselSettings, own: tuple[str, ...]) -> dict[str, tuple[str, str]]:
     """Return what was expected and what was found in each of `glasses` and `liquids` that has unknown names."""
     found = {
-        field: unknown_names(_plain_names(getattr(settings, field)), media_names(field, own))
+        field: unknown_names(_plain_names(getattr(settings, field)), media_names(field, own), _OTHERS.get(field))
         for field in ("glasses", "liquids")
     }
     return {field: wrong for field, wrong in found.items() if wrong is not None}

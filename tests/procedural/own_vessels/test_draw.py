@@ -84,6 +84,12 @@ def test_a_solid_that_is_not_its_glass_is_refused(file: Path) -> None:
         check_scene(scene.model_copy(update={"vessels": (vessel,)}))
 
 
+def test_a_file_of_another_kind_is_one_line(tmp_path: Path) -> None:
+    (path := tmp_path / "beaker.step").write_text("ISO-10303-21;", "utf-8")
+    with pytest.raises(gw.InputError, match=r"beaker\.step: expected a folder of vessels, found a file$"):
+        drawn(path)
+
+
 def test_vessels_of_the_families_stay_as_they_were_without_a_folder(file: Path) -> None:
     settings = {"vessel_count": [2, 2], "prop_count": [0, 0], "cameras": {"views": 1}}
     plain = gw.draw(5, **settings)

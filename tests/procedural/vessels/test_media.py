@@ -69,6 +69,8 @@ def test_own_media_are_drawn_by_their_names(tmp_path):
         ({"dyes": ["tartrazine"], "liquids": ["olive oil"]}, "dyes: expected a liquid that dissolves them"),
         ({"dye_concentration": (0.1, 0.2)}, "dye_concentration: expected dyes with it, found none"),
         ({"categories": {"stm glass": 2, "beker": 1}}, "'stm glass' (is it stem glass?), 'beker' (is it beaker?)"),
+        ({"categories": "Wine glass"}, "found 'Wine glass' (is it stem glass?)"),
+        ({"glasses": ["pyrex", "PMMA"]}, "'pyrex' (is it borosilicate glass 3.3?), 'PMMA' (is it acrylic?)"),
         ({"liquids": "70 % sugar solution"}, "found '70 % sugar solution'"),
     ],
 )
