@@ -22,6 +22,8 @@ UNSEEN, MEASURED, NO_MATCH, OUT_OF_RANGE, SATURATED, UNLIT, HIDDEN = range(len(R
 _WHITE = 0.2
 #: How much farther than a colour pixel's point the infrared camera's own may be, and still be the same [1].
 _SAME = 0.02
+#: Largest difference of the disparities of one surface within a colour pixel [px]: matching tells no more apart.
+_SAME_SURFACE = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,9 @@ def measured(
     low, high = device.range
     outside = np.isfinite(disparity) & ((depth < low) | (depth > high))
     depth = np.where(outside, np.nan, depth).astype(np.float32)
-    found = registered(depth, infrared.pair, colour, device.place)
+    found = registered(
+        depth, infrared.pair, colour, device.place, _SAME_SURFACE / (device.imager.focal * device.baseline)
+    )
     numbers = np.rint(np.nan_to_num(found) / device.unit).astype(np.uint16)
     reason = _in_colour(_reasons(device, infrared, pictures, disparity, outside), infrared, colour, Z, device.place)
     reason[numbers > 0] = MEASURED
