@@ -27,6 +27,7 @@ from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
 from glassware.dataset.depth_cameras.measure import MEASURED, measured
 from glassware.dataset.format.exr import read_exr
 from glassware.dataset.format.pictures import write_png
+from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
@@ -122,7 +123,7 @@ def simulated(run: Run, console: Console) -> Figures:
         begun = process_time()
         renderer = Renderer(scene)
         infrared, geometry = renderer.infrared(0), renderer.geometry(0)
-        assert scene.depth_camera is not None
+        assert isinstance(scene.depth_camera, DepthCamera)
         sensor, again = (
             measured(scene.depth_camera, infrared, scene.cameras[0], geometry.Z, (seed, scene.scene_id, 0))
             for seed in (scene.seed, scene.seed + 1)
