@@ -60,6 +60,19 @@ class Layers:
 
 
 @dataclass(frozen=True, eq=False)
+class Transmission:
+    """What the first K surfaces along straight rays pass on, in their order; N rays, row by row.
+
+    Empty layers have id 0 and pass on everything.
+    """
+
+    id: np.ndarray  #: (K, N) uint16, instance id
+    material: np.ndarray  #: (K, N) uint16, material behind the surface: index into `materials_of(scene)`, 0 is air
+    surface: np.ndarray  #: (K, N) float32, 1 - Fresnel reflectance; 0 of an opaque surface
+    segment: np.ndarray  #: (K, N, 3) float32, what absorption leaves on the way to the surface from the one before
+
+
+@dataclass(frozen=True, eq=False)
 class Refraction:
     """Where refracted rays through the pixel centres end: at the first opaque surface, or outside the scene."""
 

@@ -82,11 +82,18 @@ NOT_RUN = {
     ".venv/bin/python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
 #: Options of commands that are only parsed, and why.
-PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
+PARSED_ONLY = {
+    "--rerun": "opens a window; tests/dataset/viewer reads the recordings",
+    "--executor": "needs a Ray cluster",
+    "--devices": "needs CUDA devices",
+}
 #: Commands that a page shows to be refused, and what the page says of them.
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
-PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
+PYTHON_NOT_RUN = {
+    "load_reference(": "needs the weights that the authors of MVTrans released",
+    "from cryptomatte_api": "needs the extra `formats`; tests/dataset/format/test_cryptomatte.py reads such files",
+}
 #: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
 #: alone.
 PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")

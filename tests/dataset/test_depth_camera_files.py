@@ -83,7 +83,7 @@ def test_a_data_set_with_a_time_of_flight_camera_is_written_read_verified_and_de
     assert np.nanmean(behind) == pytest.approx(0.02 * 0.5, abs=1e-3)
     assert ((view.sensor_valid() == 1) == np.isfinite(view.sensor_depth())).all()
     assert list(scene_label_faults(root, 0)) == []
-    with pytest.raises(gw.InputError, match="expected a stereo camera, such as .*, found l515"):
+    with pytest.raises(gw.InputError, match=r"expected a stereo camera, such as .*, found l515"):
         view.infrared()
     with pytest.raises(gw.InputError, match="expected a stereo depth camera"):
         view.painted_sensor_depth("l515")
