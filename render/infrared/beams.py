@@ -24,7 +24,14 @@ from ..labels.geometry import trace_geometry
 from ..labels.refraction import MAX_INTERFACES
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave, pinhole, pixel_rays, without_crack
-from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
+from ..scene.surfaces import (
+    SurfaceMedia,
+    SurfaceTable,
+    registry_id,
+    relative_index_d,
+    surface_media,
+    transmittance_rgb,
+)
 from .media import at_wavelength
 from .trace_pattern import interface_lobe, opaque_lobe
 
@@ -34,6 +41,9 @@ _NODES, _WEIGHTS = (-(3.0**0.5), 0.0, 3.0**0.5), (1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.
 _SIGMAS = 4.0
 #: Cosine of the half width up to which the lobe of an opaque surface mirrors the beam as a whole [1]: 1.1 degrees.
 _SHARP = 0.9998
+#: Angle in air between a beam and the normal of a smooth interface at which 1/e of what it mirrors meets the receiver
+#: [rad]: assumed, some 6 mm beside the laser for a face that is half a metre away.
+_ACCEPTANCE = 0.006
 #: Wavelengths on both sides from which the slope of the index is taken [nm].
 _STEP = 5.0
 
@@ -127,7 +137,7 @@ def _followed(loaded: LoadedScene, receiver: Receiver, ray: mi.Ray3f, mirrored: 
             polished = dr.gather(mi.Bool, table.polished, surface.row)
             factor = dr.select(polished & (dr.dot(sampled, direction) > _SHARP), weight, 0.0)
         if dr.hint(hit & ~surface.opaque, exclude=[loaded, table, scene, receiver]):
-            back = interface_lobe(table, surface, -ray.d, -ray.d)
+            back = _mirrored_back(table, surface, -ray.d)
             ratio = relative_index_d(table.eta_d, surface)
             direction, factor = transmission(-ray.d, surface.n, surface.ns, ratio)
             facet = consistent_normal(-ray.d, surface.n, surface.ns, ratio)
@@ -146,3 +156,20 @@ def _followed(loaded: LoadedScene, receiver: Receiver, ray: mi.Ray3f, mirrored: 
         active = hit & (fraction > 0.0) & (bounces < limit)
 
     return best, best_path
+
+
+def _mirrored_back(table: SurfaceTable, surface: SurfaceMedia, wi: mi.Vector3f) -> mi.Float:
+    """Return what an interface mirrors to where the beam came from: a lobe times the cosine [1/sr], per angle in air.
+
+    A smooth one mirrors into the receiver where the beam meets it at a right angle: a Gaussian lobe of the angle that
+    the beam has, by Snell's law, in the air before the glass, whose integral is the Fresnel reflectance. A rough one
+    has its GGX lobe; a solid angle in the medium is one n^2 times as wide in air.
+    """
+    index = dr.gather(mi.Float, table.eta_d, surface.before)
+    cos = dr.dot(wi, surface.ns)
+    reflectance, *_ = mi.fresnel(cos, relative_index_d(table.eta_d, surface))
+    sine2, width2 = dr.square(index) * (1.0 - dr.square(cos)), dr.square(_ACCEPTANCE)
+    smooth = reflectance * dr.exp(-sine2 / width2) / (4.0 * dr.pi * width2)
+    rough = interface_lobe(table, surface, wi, wi) / dr.square(index)
+    alpha = dr.gather(mi.Float, table.alpha, surface.row)
+    return dr.select(cos > 0.0, dr.select(alpha > 0.0, rough, smooth), 0.0)

@@ -46,7 +46,8 @@ def test_a_time_of_flight_camera_has_the_field_of_its_data_sheet_and_may_be_chan
     field = [2 * np.degrees(np.arctan(side / 2 / device.focal)) for side in (device.width, device.height)]
     np.testing.assert_allclose(field, [70.0, 55.0], atol=0.6)
     changed = depth_camera(own(tmp_path, "like: l515\nname: lab\nreturns: first\n"))
-    assert changed == device.model_copy(update={"name": "lab", "returns": "first"})
+    assert changed is not None
+    assert changed == device.model_copy(update={"name": "lab", "returns": "first", "source": changed.source})
     either = TypeAdapter(DepthDevice)
     for one in (device, DEPTH_CAMERAS["d435"]):
         assert either.validate_json(one.model_dump_json()) == one
