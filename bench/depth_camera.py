@@ -22,6 +22,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
+from glassware.core.errors import InputError
 from glassware.core.images import srgb8
 from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
 from glassware.dataset.depth_cameras.measure import MEASURED, measured
@@ -90,6 +91,8 @@ def captured(folder: Path) -> Figures:
         count, labels = cv2.connectedComponents(mask.astype(np.uint8))
         masks = [labels == number for number in range(1, count)]
         found.add(depth, truth, truth, [one for one in masks if one.sum() >= FEWEST], mask)
+    if not found.objects:
+        raise InputError(folder, "captures, such as 000000000-transparent-depth-img.exr", "none")
     return found
 
 
