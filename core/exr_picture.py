@@ -77,7 +77,7 @@ def read_exr_picture(path: Path, check_size: Callable[[int, int], None]) -> np.n
         raise
     except (RuntimeError, ValueError, KeyError, TypeError, IndexError) as error:
         # What the reader raises for damaged files; a file cut short reads as one without parts.
-        text = " ".join(str(error).split())
+        text = "cut short" if isinstance(error, IndexError) else " ".join(str(error).split())
         raise InputError(path, "a whole OpenEXR file", f"a damaged one ({text})") from error
     return _in_display_window(part, _rgb(path, part, planes))
 

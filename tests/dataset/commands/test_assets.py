@@ -33,8 +33,17 @@ def test_a_folder_is_listed_with_what_is_left_out_and_what_is_refused(
     assert "  025_mug/tsdf/textured.stl: the same object as 025_mug/google_16k/textured.stl" in said
     assert said[-2:] == [
         "mesh_dir: 1 file passed over",
-        "  broken.glb: expected a readable GLB mesh, found one that cannot be read",
+        "  broken.glb: expected a readable GLB mesh, found one that is cut short (4 of 12 bytes)",
     ]
+
+
+def test_further_files_of_a_vessel_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    for suffix in ("ply", "stl"):
+        trimesh.creation.box((0.1, 0.05, 0.04)).export(tmp_path / f"block.{suffix}")
+    assert main([str(tmp_path), "--glass", "--most", "0"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].endswith(": 1 object, 1 further file of these")
+    assert "  block.stl: the same object as block.ply" in said
 
 
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 
-from glassware.procedural.mesh_files.model import FilePart
 
-
-def _read(makers: ModuleType, folder: Path, mtl: str, **pictures: bytes) -> tuple[FilePart, list[str]]:
+def _read(makers: ModuleType, folder: Path, mtl: str, **pictures: bytes) -> tuple[Any, list[str]]:
     files = {f"{name}.png": content for name, content in pictures.items()}
     makers.written(folder, {"a.obj": makers.MAPPED, "look.mtl": f"newmtl skin\n{mtl}\n", **files})
     (part,), notes = makers.parts_of(folder / "a.obj")
