@@ -67,17 +67,38 @@ def stereo_labels(scene: Scene, frame: Frame, renderer: Renderer, points: SceneK
 
 
 def _visibility(renderer: Renderer, view: int, geometry: Geometry, eye: Eye) -> PairVisibility:
-    """Trace rays from the other eye to every point that this one sees."""
+    """Trace rays from the other eye to every point that this one sees, and that is in the other one's picture."""
+    first, background = (
+        np.where(np.isfinite(depth), OUTSIDE, NOTHING).astype(np.uint8) for depth in (geometry.Z, geometry.background_Z)
+    )
+    # The first surface of nine pixels of ten is opaque, so it is the background as well, and one ray tells both.
+    same = np.equal(geometry.Z, geometry.background_Z)
+    for depth, wanted in ((geometry.Z, first == OUTSIDE), (geometry.background_Z, (background == OUTSIDE) & ~same)):
+        place, nothing_before, no_opaque_before = _sight(renderer, view, eye, depth, wanted)
+        if depth is geometry.Z:
+            first.ravel()[place] = np.where(nothing_before, BOTH, HIDDEN)
+            place, no_opaque_before = place[same.ravel()[place]], no_opaque_before[same.ravel()[place]]
+        background.ravel()[place] = np.where(no_opaque_before, BOTH, HIDDEN)
+    return PairVisibility(first, background)
+
+
+def _sight(
+    renderer: Renderer, view: int, eye: Eye, depth: np.ndarray, wanted: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return which wanted pixels of an eye show a point that is in the other eye's picture, and what hides it there.
+
+    Returns
+    -------
+    place : (n,) int
+        The pixels, by their number in the picture.
+    nothing_before, no_opaque_before : (n,) bool
+        Whether no surface, and whether no opaque one, is between the point and the other eye.
+    """
     camera, other = renderer.scene.cameras[view], "right" if eye == "left" else "left"
     here, there = eye_camera(camera, eye), eye_camera(camera, other)
-    codes = []
-    for depth, field in ((geometry.Z, "first_distance"), (geometry.background_Z, "opaque_distance")):
-        seen = np.isfinite(depth)
-        world = transformed(here.world_T_camera, unproject(depth, here.K)[seen])
-        distance = np.linalg.norm(world - there.world_T_camera[:3, 3], axis=1)
-        free = getattr(renderer.line_of_sight(view, world, other), field) >= distance - SURFACE_TOLERANCE
-        inside = inside_picture(project(world, there.K, there.world_T_camera)[0], there.width, there.height)
-        code = np.full(depth.shape, NOTHING, np.uint8)
-        code[seen] = np.where(inside, np.where(free, BOTH, HIDDEN), OUTSIDE)
-        codes.append(code)
-    return PairVisibility(*codes)
+    world = transformed(here.world_T_camera, unproject(depth, here.K)[wanted])
+    inside = inside_picture(project(world, there.K, there.world_T_camera)[0], there.width, there.height)
+    place, world = np.flatnonzero(wanted)[inside], world[inside]
+    distance = np.linalg.norm(world - there.world_T_camera[:3, 3], axis=1) - SURFACE_TOLERANCE
+    sight = renderer.line_of_sight(view, world, other)
+    return place, sight.first_distance >= distance, sight.opaque_distance >= distance

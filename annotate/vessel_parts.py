@@ -48,14 +48,18 @@ def vessel_parts(
     turbid : sequence of int
         Materials whose surfaces are opaque (`opaque_media`).
     """
-    opaque = (layers.part == PARTS.index("opaque")) | np.isin(layers.material, turbid)
-    opaque &= np.isfinite(layers.Z)
+    shape = (layers.count.shape[0], layers.count.shape[1])
+    there = (layers.id == object_id).any(axis=0)  # rays that meet it, a few percent of the picture
+    Z, ids, kinds, material = (x[:, there] for x in (layers.Z, layers.id, layers.part, layers.material))
+    opaque = (kinds == PARTS.index("opaque")) | np.isin(material, turbid)
+    opaque &= np.isfinite(Z)
     behind = np.cumsum(opaque, axis=0) - opaque > 0
-    own = (layers.id == object_id) & np.isfinite(layers.Z) & ~behind
-    masks = {part: (own & (layers.part == PARTS.index(part))).any(axis=0) for part in PARTS[1:]}
+    own = (ids == object_id) & np.isfinite(Z) & ~behind
+    masks = {part: np.zeros(shape, bool) for part in PARTS[1:]}
+    for part, mask in masks.items():
+        mask[there] = (own & (kinds == PARTS.index(part))).any(axis=0)
     wet, top = masks["wet_wall"], masks["liquid_surface"]
     held = masks["liquid_interface"] | masks["content"]
-    shape = (layers.count.shape[0], layers.count.shape[1])
     opening = np.zeros(shape, bool)
     for mouth in mouths:
         opening |= polygon_mask(project(mouth, camera.K, camera.world_T_camera)[0], shape)

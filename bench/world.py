@@ -10,7 +10,7 @@ import argparse
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import wraps
 from itertools import combinations
 from pathlib import Path
@@ -25,13 +25,23 @@ from glassware.core.errors import InputError
 from glassware.dataset.settings.config import preset, validated
 from glassware.procedural.description.edits import solid_of
 from glassware.procedural.description.scene import GlassBody, Prop, Scene
+from glassware.procedural.physics import piles
 from glassware.procedural.placement.overlap import overlap
-from glassware.procedural.scene import arrange
+from glassware.procedural.scene import arrange, draw
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 
 #: Numbers of objects in a scene of the paper (Syn-TODD): fewest and most.
 PAPER = {"objects": "3 to 15", "vessels": "up to 7", "props": "up to 8"}
+#: Parts of drawing a scene whose processor time is measured, none within another: what it is, and its function.
+PARTS = (
+    ("vessels", draw, "draw_vessels"),
+    ("props", draw, "_props"),
+    ("places of what stands apart", arrange, "_apart"),
+    ("convex parts of what piles", piles, "_case"),
+    ("falling, coming to rest, checks", piles, "_settled"),
+)
+_NAMES = frozenset(what for what, *_ in PARTS)
 #: Tilt from the vertical beyond which an object leans or lies [rad].
 TILTED = np.radians(5.0)
 
@@ -45,34 +55,43 @@ def main() -> None:
     parser.add_argument("--load", action="store_true", help="load scenes into the renderer as well")
     request = parser.parse_args()
     for name in request.presets:
-        rows = table(name, range(request.first, request.first + request.count), request.load)
+        rows, times = tables(name, range(request.first, request.first + request.count), request.load)
         sys.stdout.write(f"\n{name}, {request.count} scenes of seed 1 from {request.first} on\n\n")
         sys.stdout.write("| figure | value |\n|---|---|\n")
         sys.stdout.write("".join(f"| {what} | {value} |\n" for what, value in rows))
+        sys.stdout.write("\n| processor time [s] | mean | longest | in scene |\n|---|---|---|---|\n")
+        sys.stdout.write("".join(f"| {row} |\n" for row in times))
         sys.stdout.flush()
 
 
-def table(name: str, scenes: range, load: bool) -> list[tuple[str, str]]:
-    """Return the rows of a preset's table."""
+def tables(name: str, scenes: range, load: bool) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return the rows of a preset's tables: what was drawn, and the processor time of each part."""
     settings = validated(SceneSettings, preset(name), "preset")
     seen, faults = Seen(), []
-    times: dict[str, float] = defaultdict(float)
-    total = []
+    times: list[dict[str, float]] = []
     for number in scenes:
+        parts: dict[str, float] = defaultdict(float)
         start = process_time()
         try:
-            with timed(times, arrange, "pile_up", "piles"), timed(times, arrange, "_apart", "places"):
+            with ExitStack() as stack:
+                for what, module, function in PARTS:
+                    stack.enter_context(timed(parts, module, function, what))
                 scene = draw_scene(settings, 1, number)
         except InputError as error:
             faults.append(f"{number}: {error}")
             continue
-        times["described"] += process_time() - start
+        parts["surroundings, light, cameras, and the rest"] = process_time() - start - sum(parts.values())
         if load:
             start_load = process_time()
             _load(scene)
-            times["loaded"] += process_time() - start_load
-        total.append(process_time() - start)
+            parts["loading into the renderer"] = process_time() - start_load
+        parts["all"] = process_time() - start
+        times.append(parts | {"scene": number})
         seen.add(scene)
+    return _figures(seen, faults), _times(times)
+
+
+def _figures(seen: Seen, faults: list[str]) -> list[tuple[str, str]]:
     return [
         ("failures", "; ".join(faults) or "none"),
         ("pairs of objects that overlap by more than 0.5 mm", f"{seen.overlaps} of {seen.pairs}"),
@@ -88,9 +107,18 @@ def table(name: str, scenes: range, load: bool) -> list[tuple[str, str]]:
             f"{1e3 * max([rest.moved for rest in seen.rests], default=0.0):.2f}",
         ),
         ("objects on another one; leaning or lying vessels", f"{_share(seen.upon, seen.objects)}; {_tilts(seen)}"),
-        ("processor time of a scene: mean, longest [s]", _mean(total)),
-        ("of it " + ", ".join(times), ", ".join(f"{value / max(len(total), 1):.2f}" for value in times.values())),
     ]
+
+
+def _times(times: list[dict[str, float]]) -> list[str]:
+    """Return a row for each part, and for a scene as a whole: mean, longest, and the scene that took longest."""
+    names = [what for what, *_ in PARTS] + [what for what in (times[0] if times else {}) if what not in _NAMES]
+    rows = []
+    for what in [name for name in names if name != "scene"]:
+        longest = max(times, key=lambda one: one.get(what, 0.0))
+        mean = sum(one.get(what, 0.0) for one in times) / len(times)
+        rows.append(f"{what} | {mean:.2f} | {longest.get(what, 0.0):.2f} | {longest['scene']:.0f}")
+    return rows
 
 
 class Seen:

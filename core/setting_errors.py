@@ -99,6 +99,9 @@ def fault(first: Any) -> tuple[str, str, str]:
     if ours:  # "expected ..., found ...", raised by one of our validators; one over several fields names a field first
         field, _, text = ours.rpartition("expected ")
         expected, _, found = text.rpartition(", found ")
+        given = first["input"]
+        if isinstance(given, list | tuple) and given and all(isinstance(one, str) for one in given):
+            found += f" ({' '.join(given)})"  # with the units that the user wrote
         return field.removesuffix(": "), expected, found
     found = shortened(first["input"])
     if kind == "literal_error":

@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from threading import Lock
 
 _STDOUT, _STDERR = 1, 2
@@ -41,6 +42,12 @@ def quiet() -> Iterator[None]:
                 _restore()
 
 
+@cache
+def _c_library() -> ctypes.CDLL:
+    """Return the functions of C; `ctypes` would make a class each time, which takes as long as the redirection."""
+    return ctypes.CDLL(None)
+
+
 def _redirect() -> None:
     _flush()
     for descriptor in (_STDOUT, _STDERR):
@@ -55,7 +62,7 @@ def _redirect() -> None:
 
 def _restore() -> None:
     # Discard what the library left in C's buffer.
-    ctypes.CDLL(None).fflush(None)
+    _c_library().fflush(None)
     for descriptor, kept in _kept.items():
         os.dup2(kept, descriptor)
         os.close(kept)
@@ -69,4 +76,4 @@ def _flush() -> None:
         if stream is not None:
             with suppress(OSError, ValueError):
                 stream.flush()
-    ctypes.CDLL(None).fflush(None)
+    _c_library().fflush(None)

@@ -13,6 +13,7 @@ from typing import cast
 
 from ..annotate.keypoints import SceneKeypoints, scene_keypoints
 from ..annotate.labels import label
+from ..annotate.mattes import Mattes, soft_mattes
 from ..annotate.stereo import StereoLabels, stereo_labels
 from ..core.arguments import as_path, check_type
 from ..core.errors import InputError
@@ -81,9 +82,10 @@ def write_scene(
             with stopwatch.stage("labels"):
                 labels = label(scene, frame, renderer, points)
                 stereo = pair_labels(files, frame, renderer, points)
+                mattes = requested_mattes(files, frame, renderer)
             on_view(view)
             with stopwatch.stage("writing"):
-                picture = writer.add(frame, labels, stereo)
+                picture = writer.add(frame, labels, stereo, mattes)
             with stopwatch.stage("checking"):
                 stored = StoredView(writer.folder / layout.view_name(view), view)
                 check_written(stored, scene, writer.records)
@@ -99,6 +101,11 @@ def pair_labels(files: FileKinds, frame: Frame, renderer: Renderer, points: Scen
     if not set(PAIR_KINDS) & set(files):
         return None
     return stereo_labels(renderer.scene, frame, renderer, points)
+
+
+def requested_mattes(files: FileKinds, frame: Frame, renderer: Renderer) -> Mattes | None:
+    """Return the soft mattes of a view; None where they are not requested."""
+    return soft_mattes(renderer, frame.view) if "mattes" in files else None
 
 
 def write(

@@ -14,6 +14,7 @@ from ..annotate.flow import flow_visibility, optical_flow
 from ..annotate.heatmap import view_heatmap
 from ..annotate.labels import LABELS_SCHEMA, Labels
 from ..annotate.masks import decode_mask
+from ..annotate.mattes import Mattes
 from ..annotate.outlines import fill_lines, openings
 from ..annotate.projection import disparity, project, transformed, unproject
 from ..annotate.stereo import PairVisibility
@@ -30,9 +31,10 @@ from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
 from .depth_cameras.from_labels import painted
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of, known_K
-from .format.exr import channel, read_exr, stacked
+from .format.exr import channel, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
+from .format.matte_files import read_mattes
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.partial_labels import PARTIAL_LABELS_SCHEMA, PartialLabels
 from .format.pictures import read_png
@@ -80,8 +82,7 @@ class StoredView:
 
         It is +inf where there is none, and in converted data sets NaN where it is unknown.
         """
-        path = self._stored(layout.GEOMETRY, "depth")
-        return channel(read_exr(path), "Z", path)
+        return read_channel(self._stored(layout.GEOMETRY, "depth"), "Z")
 
     def instances(self) -> np.ndarray:
         """Return the instance ids of the first surface, (H, W) uint16; 0 is nothing, or what no label names."""
@@ -170,7 +171,8 @@ class StoredView:
             path = self.folder / layout.RIGHT_GEOMETRY
             if not path.is_file():
                 raise _absent(stored, "disparity")
-        Z, camera = channel(read_exr(path), "background.Z" if background else "Z", path), self.camera()
+        name, camera = "background.Z" if background else "Z", self.camera()
+        Z = read_channel(path, name)
         return disparity(Z, camera.fx, camera.baseline).astype(np.float32)
 
     def pair_visibility(self, eye: Eye = "left") -> PairVisibility:
@@ -188,7 +190,7 @@ class StoredView:
         """
         measured = self.folder / layout.MEASURED_DEPTH
         if measured.is_file():
-            return channel(read_exr(measured), "Z", measured)
+            return read_channel(measured, "Z")
         return read_sensor_depth(self.folder / layout.SENSOR_DEPTH, self._sensor().unit)
 
     def sensor_valid(self) -> np.ndarray:
@@ -271,6 +273,13 @@ class StoredView:
         """Return the masks of each vessel's parts in the left picture, by name; it needs ``--write layers``."""
         return parts_of(self.scene(), self.layers(), self.camera())
 
+    def mattes(self) -> Mattes:
+        """Return the soft mattes of the left picture's objects; they need ``--write mattes``."""
+        self._of_kind(layout.MATTES, "mattes")
+        path = self.folder.parent / layout.OBJECTS
+        records = read_record(ObjectsFile, path, OBJECTS_SCHEMA).objects
+        return read_mattes(self.folder, records)
+
     def openings(self) -> dict[str, tuple[np.ndarray, ...]]:
         """Return the mouths of vessels in the left picture as polygons, by name, each (n, 2) [px]."""
         return self._lines(openings)
@@ -305,17 +314,17 @@ class StoredView:
 
     def _masks(self, eye: Eye, field: str, shape: tuple[int, ...]) -> np.ndarray:
         path = self.folder / (layout.LABELS if eye == "left" else layout.RIGHT_LABELS)
-        masks = np.zeros((0, *shape), bool)
+        masks = [np.zeros((0, *shape), bool)]
         for label in self.labels(eye).objects:
             rle = getattr(label, field)
             where = f"{path}: object {label.id} {field}"
             if rle.size != shape:
                 raise InputError(where, f"size {shape}", rle.size)
             try:
-                masks = np.concatenate([masks, decode_mask(rle.counts, rle.size)[None]])
+                masks.append(decode_mask(rle.counts, rle.size)[None])
             except ValueError as error:
                 raise InputError(where, "a mask", error) from error
-        return masks
+        return np.concatenate(masks)
 
 
 def _same_scene(view: StoredView, other: object) -> StoredView:

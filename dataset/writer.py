@@ -14,6 +14,7 @@ import numpy as np
 
 from ..annotate.keypoints import SceneKeypoints
 from ..annotate.labels import Labels
+from ..annotate.mattes import Mattes
 from ..annotate.stereo import StereoLabels
 from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
@@ -33,6 +34,7 @@ from .format.exr import half_numbers, unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
 from .format.light_file import write_light
 from .format.map_files import write_disparity, write_maps, write_pair
+from .format.matte_files import write_mattes
 from .format.objects_file import ObjectsFile, objects_file
 from .format.pictures import stored_radiance, write_png
 from .format.ray_files import write_layers, write_refraction
@@ -130,10 +132,12 @@ class SceneWriter:
         self.records = records  #: of the scene's objects
         self.rows: list[ViewRow] = []  #: of the index, one per view written
 
-    def add(self, frame: Frame, labels: Labels, stereo: StereoLabels | None = None) -> np.ndarray:
+    def add(
+        self, frame: Frame, labels: Labels, stereo: StereoLabels | None = None, mattes: Mattes | None = None
+    ) -> np.ndarray:
         """Write all files of a view; return its left picture, (H, W, 3) uint8."""
         folder = self.folder / layout.view_name(frame.view)
-        picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo)
+        picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo, mattes=mattes)
         self.rows.append(with_sensor(view_row(self._scene, frame.view, frame, labels), folder, frame.geometry))
         return picture
 
@@ -199,6 +203,7 @@ def write_view(
     files: FileKinds = KINDS,
     development: Development | None = None,
     stereo: StereoLabels | None = None,
+    mattes: Mattes | None = None,
 ) -> np.ndarray:
     """Write the files of a view into a new folder; return its left picture, (H, W, 3) uint8.
 
@@ -216,6 +221,8 @@ def write_view(
         The camera of the pictures, and its seed; by default the scene's.
     stereo : StereoLabels, optional
         What the right camera adds, for the kinds of files that hold it (`file_kinds.PAIR_KINDS`).
+    mattes : Mattes, optional
+        Soft mattes, where they are requested.
     """
     folder.mkdir()
     write_json(folder / layout.LABELS, labels)
@@ -245,6 +252,8 @@ def write_view(
     write_maps(folder, scene, frame, labels, files)
     if stereo is not None:
         _write_stereo(folder, scene.cameras[frame.view], frame.geometry, stereo, files)
+    if mattes is not None:
+        write_mattes(folder, scene, mattes)
     return left
 
 

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from glassware.annotate.masks import decode_mask
-from glassware.core.images import depth_colours, id_colours, normal_colours
+from glassware.core.images import depth_colours, id_colour, id_colours, normal_colours
 from glassware.dataset.reader import Dataset
 from glassware.dataset.stored_view import StoredView
 from glassware.procedural.vessels.families import FAMILIES
@@ -156,6 +156,36 @@ def vessels(view: StoredView) -> None:
     )
 
 
+def mattes(view: StoredView) -> None:
+    """Draw the edge of the largest vessel, and what all objects cover and pass on."""
+    found, labels = view.mattes(), view.labels()
+    glass = [place for place, passed in enumerate(found.transmittance) if (passed[found.coverage[place] > 0] > 0).any()]
+    place = max(glass, key=lambda one: found.coverage[one].sum())
+    mask = decode_mask(labels.objects[place].mask_seen.counts, labels.objects[place].mask_seen.size)
+    rows, columns = np.nonzero(mask)
+    top, left = int(rows.min()) - 4, int(columns.min()) - 4
+    part = (slice(max(top, 0), max(top, 0) + 36), slice(max(left, 0), max(left, 0) + 48))
+
+    def enlarged(values: np.ndarray) -> np.ndarray:
+        grey = np.rint(255 * values[part]).astype(np.uint8)
+        return cv2.resize(np.stack([grey] * 3, axis=-1), (WIDTH, HEIGHT), interpolation=cv2.INTER_NEAREST)
+
+    blend = sum(values[..., None] * np.array(id_colour(number)) for number, values in found.first.items())
+    opacity = found.coverage[..., None] * (1.0 - found.transmittance)
+    passed = np.prod(1.0 - opacity, axis=0)
+    sheet(
+        "labels-mattes",
+        [
+            panel(enlarged(mask.astype(float)), f"mask of object {found.ids[place]}, enlarged"),
+            panel(enlarged(found.coverage[place]), "its coverage"),
+            panel(np.rint(255 * found.transmittance[place]).astype(np.uint8), "what it passes on"),
+            panel(np.rint(blend).astype(np.uint8), "first surfaces (Cryptomatte)"),
+            panel(np.rint(255 * opacity[place]).astype(np.uint8), "its opacity"),
+            panel(np.rint(255 * passed).astype(np.uint8), "what all objects pass on"),
+        ],
+    )
+
+
 def main() -> None:
     """Draw all pictures."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -168,6 +198,7 @@ def main() -> None:
     stereo(view)
     objects(view, other)
     vessels(view)
+    mattes(view)
 
 
 if __name__ == "__main__":

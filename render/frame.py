@@ -60,6 +60,19 @@ class Layers:
 
 
 @dataclass(frozen=True, eq=False)
+class Transmission:
+    """What the first K surfaces along straight rays pass on, in their order; N rays, row by row.
+
+    Empty layers have id 0 and pass on everything.
+    """
+
+    id: np.ndarray  #: (K, N) uint16, instance id
+    material: np.ndarray  #: (K, N) uint16, material behind the surface: index into `materials_of(scene)`, 0 is air
+    surface: np.ndarray  #: (K, N) float32, 1 - Fresnel reflectance; 0 of an opaque surface
+    segment: np.ndarray  #: (K, N, 3) float32, what absorption leaves on the way to the surface from the one before
+
+
+@dataclass(frozen=True, eq=False)
 class Refraction:
     """Where refracted rays through the pixel centres end: at the first opaque surface, or outside the scene."""
 
@@ -149,6 +162,20 @@ class SurfaceLight:
     normal: np.ndarray  #: (n, 3) float32, world, on the side that receives the light
     irradiance: np.ndarray  #: (n, 3) float32, linear Rec.709 radiance times steradians
     paths: np.ndarray  #: (n,) uint32, number of paths that each point is the mean of
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A first look at a scene: a small, noisy picture of the first view's left eye, without caustics."""
+
+    radiance: np.ndarray  #: (h, w, 3) float32, linear Rec.709
+    exposure: float  #: factor from radiance to displayed light
+    tone: Tone  #: white balance and highlights
+
+    @property
+    def picture(self) -> np.ndarray:
+        """The 8-bit picture, (h, w, 3) uint8 red, green, blue."""
+        return srgb8(self.radiance, self.exposure, self.tone)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..core.arguments import check_type, described, whole_number
+from ..core.arguments import check_type, described, number, whole_number
 from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.randomness import stream_seed
@@ -21,12 +21,14 @@ from ..core.stopwatch import Stopwatch
 from ..procedural.description.scene import Scene
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight
+from .frame import EYES, Draft, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight, Transmission
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
 #: Most threads of the processor's kernels: more than the cores of any machine that this was run on.
 MOST_THREADS = 1024
+#: Most surfaces of a ray that are recorded, as `Picture.layers` has it.
+MAX_LAYERS = 64
 
 
 class Renderer:
@@ -47,6 +49,8 @@ class Renderer:
 
     on_stage : callable, optional
         Called with "loading" and, where the irradiance cache is filled, with "light", before each begins.
+    on_draft : callable, optional
+        Called with a `Draft` before the irradiance cache is filled, which takes most of the time to the first view.
 
     Attributes
     ----------
@@ -72,6 +76,7 @@ class Renderer:
         variant: str | None = None,
         threads: int | None = None,
         on_stage: Callable[[str], None] | None = None,
+        on_draft: Callable[[Draft], None] | None = None,
     ) -> None:
         # Checked before the lock, which a forked process may have inherited locked.
         check_process()
@@ -89,6 +94,7 @@ class Renderer:
             self.variant = activate(variant, spectral=scene.picture.spectral, threads=threads)
             _check_colours(self.variant, scene.picture.spectral)
             # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
+            from .cache.draft import draft_picture
             from .cache.scene_cache import make_tracer, uses_cache
             from .pictures.picture import PATH_TRACER
             from .scene.loaded_scene import load
@@ -97,6 +103,9 @@ class Renderer:
             cached = uses_cache(scene)
             with stopwatch.stage("loading"):
                 self.loaded = load(scene, for_cache=cached)
+            if cached and on_draft is not None:
+                with stopwatch.stage("draft"):
+                    on_draft(draft_picture(self.loaded))
             self._tracer, self._cache = PATH_TRACER, None
             if cached:
                 on_stage("light")
@@ -151,6 +160,43 @@ class Renderer:
         _check_eye(eye)
         with self._active():
             return trace_geometry(self.loaded, camera, eye)
+
+    def transmission(
+        self, view: int, layers: int, shift: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[Geometry, np.ndarray, Transmission]:
+        """Trace the left camera's straight rays beside the pixel centres, and what each surface along them passes on.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+        layers : int
+            Number of surfaces of each ray that are recorded, 1 to `MAX_LAYERS`.
+        shift : (float, float)
+            How far to the right and down of its pixel's centre each ray goes through the picture [px].
+
+        Returns
+        -------
+        geometry : Geometry
+            Of these rays.
+        count : (H, W) int
+            Surfaces along each ray, also of those that are not recorded.
+        transmission : Transmission
+            Of the recorded ones.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or a number is out of range.
+        """
+        from .labels.geometry import trace_transmission
+
+        camera, count = self.scene.cameras[self._view(view)], whole_number("layers", layers, 1, MAX_LAYERS)
+        u, v = (number(f"shift {axis}", by, -1.0, 1.0) for axis, by in zip("uv", shift, strict=True))
+        # A ray beside the pixel's centre is the ray through it of a camera whose principal point is shifted back.
+        beside = camera.model_copy(update={"centre": (camera.centre[0] - u, camera.centre[1] - v)})
+        with self._active():
+            return trace_transmission(self.loaded, beside, count)
 
     def line_of_sight(self, view: int, points: np.ndarray, eye: Eye = "left") -> LineOfSight:
         """Trace straight rays from one eye of a view towards points.

@@ -70,6 +70,10 @@ NOT_RUN = {
     "pip ": "downloads packages",
     "chromium ": "needs a browser; tests/dataset/report/test_page.py runs it where there is one",
     "glassware completion ": "changes the files of a shell; its output is tested in test_help_page",
+    "glassware tables ": "trains many networks; tests/learn/tables runs it",
+    "glassware train data --network ": "needs the data of another page; tests/learn/test_baselines.py runs it",
+    "glassware train data --encoder ": "needs the extra `encoder`; tests/learn/networks/test_efficientnet.py loads it",
+    "glassware evaluate keypose/": "needs trained networks; tests/learn/test_baselines.py runs it",
     "glassware train keypose-ours ": "takes minutes; tests/learn/data/test_partial_truth.py trains on such data",
     "glassware evaluate out-keypose/": "needs the weights of the run above",
     "ray ": "starts a cluster of several machines",
@@ -78,11 +82,18 @@ NOT_RUN = {
     ".venv/bin/python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
 #: Options of commands that are only parsed, and why.
-PARSED_ONLY = {"--executor": "needs a Ray cluster", "--devices": "needs CUDA devices"}
+PARSED_ONLY = {
+    "--rerun": "opens a window; tests/dataset/viewer reads the recordings",
+    "--executor": "needs a Ray cluster",
+    "--devices": "needs CUDA devices",
+}
 #: Commands that a page shows to be refused, and what the page says of them.
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
-PYTHON_NOT_RUN = {"load_reference(": "needs the weights that the authors of MVTrans released"}
+PYTHON_NOT_RUN = {
+    "load_reference(": "needs the weights that the authors of MVTrans released",
+    "from cryptomatte_api": "needs the extra `formats`; tests/dataset/format/test_cryptomatte.py reads such files",
+}
 #: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
 #: alone.
 PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")

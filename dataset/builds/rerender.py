@@ -18,7 +18,7 @@ from ...render.backend.variant import activate
 from ...render.renderer import Renderer
 from ..format import layout
 from ..format.dataset_file import DatasetFile, installed_versions
-from ..pipeline import pair_labels
+from ..pipeline import pair_labels, requested_mattes
 from ..writer import write_view
 
 
@@ -66,7 +66,8 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         for view in views:
             place, frame = again / layout.view_name(view), renderer.frame(view)
             labels, stereo = label(scene, frame, renderer, points), pair_labels(head.files, frame, renderer, points)
-            write_view(place, scene, frame, labels, head.files, head.developed, stereo)
+            mattes = requested_mattes(head.files, frame, renderer)
+            write_view(place, scene, frame, labels, head.files, head.developed, stereo, mattes)
             yield from _unlike(place, folder / layout.view_name(view))
 
 

@@ -40,6 +40,7 @@ REQUESTED = {
     "heatmap": (layout.HEATMAP,),
     "coordinates": (layout.COORDINATES,),
     "vessel-parts": (layout.VESSEL_PARTS,),
+    "mattes": (layout.MATTES, layout.CRYPTOMATTE),
 }
 #: Files that each view has, whatever was requested.
 _VIEW_FILES = (

@@ -18,6 +18,7 @@ _COMMANDS = {
     "render": ("one labelled scene from a seed (also: render-scene)", "render_scene"),
     "build": ("many scenes, by worker processes or a cluster (also: build-dataset)", "build_dataset"),
     "show": ("the contact sheet of a data set: opens it, or prints where it is", "show"),
+    "view": ("a data set in a browser or in Rerun: pictures, every label, 3D", "view"),
     "report": ("a page about a data set: pictures, what was drawn, time and size, licences", "report"),
     "verify": ("check a data set: files, labels, or by rendering views again", "verify"),
     "export": ("a data set in another project's layout: coco, bop, nerfstudio, ply, syn-todd, webdataset", "export"),
@@ -35,6 +36,7 @@ _PURPOSES = {
     "train": "train a network that finds glass in pictures (needs the extra `learn`)",
     "evaluate": "measure a network against the labels of a data set (needs the extra `learn`)",
     "predict": "objects and depth in pictures of your own (needs the extra `learn`)",
+    "tables": "the paper's tables: networks trained, compared and written up (needs the extra `learn`)",
 }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated
 
 import tyro
@@ -21,6 +20,7 @@ from ..reader import Dataset
 from ..report.page import page
 from ..report.summary import summarise
 from ..settings.config import parse_request
+from .page_file import check_page_file
 from .progress import tracked
 
 _DESCRIPTION = """Write a page about a data set, one HTML file that loads nothing: pictures of scenes, distributions of
@@ -55,7 +55,7 @@ def _report(arguments: Sequence[str]) -> None:
     if not (root / layout.DATASET).is_file():
         raise InputError(root, f"the folder of a data set, with {layout.DATASET}", "none")
     out = request.out or root / layout.REPORT
-    _check_out(out, root)
+    check_page_file("--out", out, root, _HTML)
     dataset = Dataset.open(root)
     if dataset.head.converted is not None:
         found = f"one that was converted from {dataset.head.converted.title}, which glassware inspect describes"
@@ -71,18 +71,6 @@ def _report(arguments: Sequence[str]) -> None:
     if summary.left_out:
         lines = [f"scene {scene_id}: {reason}" for scene_id, reason in summary.left_out.items()]
         raise WorkFailed("\n".join([f"{counted(len(lines), 'scene')} left out", *lines]))
-
-
-def _check_out(out: Path, root: Path) -> None:
-    """Refuse a page that could not be written after minutes of reading, or that would replace another kind of file."""
-    if out.suffix.lower() not in _HTML:
-        raise InputError("--out", f"a file that ends in {' or '.join(_HTML)}", out)
-    if out.is_dir():
-        raise InputError("--out", "a file", f"the folder {out}")
-    if not out.parent.is_dir():
-        raise InputError("--out", f"a file in a folder that is there, {out.parent}", "none")
-    if out.resolve().is_relative_to((root / layout.SCENES).resolve()):
-        raise InputError("--out", "a file outside the folders of scenes, which hold only their own files", out)
 
 
 if __name__ == "__main__":

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
 from ...core.passed_over import report
 from ...core.user_text import counted, sized
 from ...procedural.scene.asset_files import asset_files
 from ...procedural.scene.draw import draw_scene
 from ...render.backend.variant import activate
-from ...render.frame import LightCheck
+from ...render.frame import Draft, LightCheck
 from ...render.renderer import Renderer
 from ..builds.space import folder_size
 from ..format import layout
@@ -49,17 +52,34 @@ def made_scene(request: RenderScene, progress: SceneProgress) -> str:
     with stopwatch.stage("description"):
         scene = draw_scene(settings, request.seed, request.scene, files)
     start_dataset(request.out, head, [request.scene])
-    renderer = Renderer(scene, on_stage=progress.on_stage)
-    _say_light(renderer.light_check, request.verbose, progress)
-    progress.begin_views(len(scene.cameras))
-    shown = chosen_views(len(scene.cameras))
-    written = write_scene(request.out, renderer, stopwatch, progress.advance, shown, request.write)
-    progress.step("writing the index and the contact sheet")
-    with stopwatch.stage("preview"):
-        finish_dataset(request.out, head)
-        sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", written.previews)
-        write_png(request.out / layout.PREVIEW, sheet)
+    with _draft(request, progress) as show:
+        renderer = Renderer(scene, on_stage=progress.on_stage, on_draft=show)
+        _say_light(renderer.light_check, request.verbose, progress)
+        progress.begin_views(len(scene.cameras))
+        shown = chosen_views(len(scene.cameras))
+        written = write_scene(request.out, renderer, stopwatch, progress.advance, shown, request.write)
+        progress.step("writing the index and the contact sheet")
+        with stopwatch.stage("preview"):
+            finish_dataset(request.out, head)
+            sheet = contact_sheet(f"seed {request.seed}, scene {request.scene}", written.previews)
+            write_png(request.out / layout.PREVIEW, sheet)
     return _made(request, progress)
+
+
+@contextmanager
+def _draft(request: RenderScene, progress: SceneProgress) -> Iterator[Callable[[Draft], None]]:
+    """Yield what writes a first picture into the folder and says so; it is there until the block ends."""
+    path = request.out / layout.DRAFT
+
+    def show(draft: Draft) -> None:
+        write_png(path, draft.picture)
+        what = f"a draft of the first view, noisy and without caustics, until {layout.PREVIEW} is there"
+        progress.say(f"{progress.seconds:6.1f} s  {path}: {what}")
+
+    try:
+        yield show
+    finally:
+        path.unlink(missing_ok=True)
 
 
 def _say_light(check: LightCheck | None, verbose: bool, progress: SceneProgress) -> None:

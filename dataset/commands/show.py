@@ -51,10 +51,15 @@ def _show(arguments: Sequence[str]) -> None:
     sheet = root / layout.PREVIEW
     if not sheet.is_file():
         raise InputError(sheet, "a contact sheet, which render-scene and a finished build write", "none")
+    open_file(sheet)
+    Console().print(str(sheet.absolute()), markup=False, highlight=False, soft_wrap=True)
+
+
+def open_file(path: Path) -> None:
+    """Open a file with the desktop's own viewer; nothing happens where there is no display."""
     viewer = _viewer(os.environ)
     if viewer is not None:
-        subprocess.run([viewer, sheet.absolute()], check=False)
-    Console().print(str(sheet.absolute()), markup=False, highlight=False, soft_wrap=True)
+        subprocess.run([viewer, path.absolute()], check=False)
 
 
 def _viewer(environment: Mapping[str, str]) -> str | None:

@@ -55,7 +55,9 @@ class PileCounts(Model):
     given_up: int = Field(
         default=0, description="Scenes in which no pile came to rest, so that all objects stand apart"
     )
-    fell_again: int = Field(default=0, description="Objects that left the table or fell into a liquid, and fell again")
+    fell_again: int = Field(
+        default=0, description="Objects that fell again, as they left the table or did not come to rest"
+    )
 
 
 def counted_in(counts: PileCounts, rest: Rest | None) -> PileCounts:

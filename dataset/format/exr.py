@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,20 +17,21 @@ from ...core.silence import quiet
 _LARGEST_WHOLE = 1 << 24
 #: Largest number of a half: it represents all whole numbers up to 2048, and multiples of 32 up to this.
 _LARGEST_HALF = 65504
+_ALL_WHOLE = 2048
 #: Errors of the system on writing.
 _REFUSED = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 
-def write_exr(path: Path, channels: dict[str, np.ndarray]) -> None:
+def write_exr(path: Path, channels: dict[str, np.ndarray], attributes: Mapping[str, str] | None = None) -> None:
     """Write channels, each (H, W), with ZIP compression; the same channels give the same bytes.
 
     Float16 arrays are written as half, everything else as float32. Infinities and NaN survive. The header has no date
-    and no name, so that files can be compared.
+    and no name, so that files can be compared; `attributes` are added to it.
     """
     shapes = {values.shape for values in channels.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 2:
         raise ValueError(f"{path}: expected channels of one shape (H, W), got {shapes}")
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage} | dict(attributes or {})
     stored = {name: OpenEXR.Channel(_stored(values)) for name, values in channels.items()}
     try:
         OpenEXR.File(header, stored).write(str(path))
@@ -53,6 +55,42 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         if values.dtype not in (np.float32, np.float16):
             raise InputError(f"{path}: channel {name}", "float32 or half", values.dtype)
     return channels
+
+
+def read_channel(path: Path, name: str) -> np.ndarray:
+    """Return one channel of a file, (H, W) float32 or float16; InputError where it cannot be read, or has none such.
+
+    It takes half the time of `read_exr` for `geometry.exr`: the other channels are inflated, but not copied.
+    """
+    if not path.is_file():
+        raise InputError(path, "a readable EXR file", "none")
+    try:
+        with quiet():
+            file = OpenEXR.InputFile(str(path))
+            header = file.header()
+            data = file.channel(name) if name in header["channels"] else b""
+            file.close()
+    except (OSError, RuntimeError, ValueError, TypeError) as error:
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
+    if name not in header["channels"]:
+        raise InputError(path, f"a channel {name}", f"{sorted(header['channels'])}")
+    low, high = header["dataWindow"].min, header["dataWindow"].max
+    shape = (high.y - low.y + 1, high.x - low.x + 1)
+    kind = {2: np.float16, 4: np.float32}.get(len(data) // (shape[0] * shape[1]))
+    if kind is None:
+        raise InputError(f"{path}: channel {name}", "float32 or half", f"{len(data)} bytes of {shape[1]}x{shape[0]} px")
+    return np.frombuffer(data, kind).reshape(shape).copy()  # the buffer itself cannot be written to
+
+
+def exr_attributes(path: Path) -> dict[str, str]:
+    """Return the texts in a file's header; InputError where the file is missing or damaged."""
+    if not path.is_file():
+        raise InputError(path, "a readable EXR file", "none")
+    try:
+        with quiet(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
+            return {name: value for name, value in file.header().items() if isinstance(value, str)}
+    except (RuntimeError, ValueError) as error:
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
 
 
 def stacked(channels: dict[str, np.ndarray], names: str, path: Path) -> np.ndarray:
@@ -90,6 +128,8 @@ def half_numbers(values: np.ndarray, field: str) -> np.ndarray:
 
     They hold all up to 2048, and the ids of a room's surfaces.
     """
+    if values.dtype.kind in "bu" and values.max(initial=0) <= _ALL_WHOLE:
+        return values.astype(np.float16)
     whole = values.astype(np.int64)
     halves = np.minimum(whole, _LARGEST_HALF).astype(np.float16)
     wrong = halves.astype(np.int64) != whole

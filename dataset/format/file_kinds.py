@@ -13,6 +13,7 @@ pictures, depth, normals, ids, masks, poses and boxes, with which networks are t
 ``heatmap``       ``heatmap.png``: where objects are, as the networks learn it
 ``coordinates``   ``coordinates.exr``: object coordinates of first surfaces and back walls
 ``vessel-parts``  ``vessel_parts.png``: glass, wet wall, liquid surface, content, opening
+``mattes``        ``mattes.exr`` and ``cryptomatte.exr``: soft edges, and what each object lets through
 ``infrared``      ``ir_left.png``, ``ir_right.png``: a depth camera's infrared pictures, with `sensors.depth`
 ================  ========================================================================================
 """
@@ -36,6 +37,7 @@ FileKind = Literal[
     "heatmap",
     "coordinates",
     "vessel-parts",
+    "mattes",
     "infrared",
 ]
 KINDS: tuple[FileKind, ...] = get_args(FileKind)
@@ -60,6 +62,7 @@ KIND_BYTES: dict[str, float] = {
     "heatmap": 0.6,
     "coordinates": 0.6,
     "vessel-parts": 0.02,
+    "mattes": 0.7,
     "infrared": 1.4,
 }
 #: Description and meshes of a scene [bytes]: of the same scene.

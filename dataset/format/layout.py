@@ -2,7 +2,7 @@
 
 ::
 
-    dataset.json  views.parquet  preview.png
+    dataset.json  views.parquet  preview.png  report.html  view.html
     manifest.json  splits.json  build.jsonl           (only of builds)
     assets/<sha16>-<name>
     scenes/000007/
@@ -11,7 +11,7 @@
             camera.json  labels.json  instances.png
             left.png  right.png  left.exr  right.exr  geometry.exr  layers.exr  refraction.exr
             right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
-            heatmap.png  coordinates.exr  vessel_parts.png
+            heatmap.png  coordinates.exr  vessel_parts.png  mattes.exr  cryptomatte.exr
             sensor_depth.png  sensor_valid.png  ir_left.png  ir_right.png
             sensor_depth.exr  classes.png             (only of converted data sets)
 """
@@ -24,7 +24,10 @@ from pathlib import Path
 
 DATASET_SCHEMA = "glassware/dataset/1"
 
-DATASET, VIEWS, PREVIEW, REPORT = "dataset.json", "views.parquet", "preview.png", "report.html"
+DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
+REPORT, PAGE, RECORDING = "report.html", "view.html", "view.rrd"
+#: A first look at a scene that is being rendered, gone when it is done.
+DRAFT = "draft.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
 #: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
 LOCK = ".build.lock"
@@ -36,6 +39,7 @@ LAYERS, REFRACTION = "layers.exr", "refraction.exr"
 RIGHT_LABELS, RIGHT_INSTANCES, RIGHT_GEOMETRY = "right_labels.json", "right_instances.png", "right_geometry.exr"
 DISPARITY, PAIR, HEATMAP = "disparity.exr", "pair.png", "heatmap.png"
 COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
+MATTES, CRYPTOMATTE = "mattes.exr", "cryptomatte.exr"
 SENSOR_DEPTH, SENSOR_VALID = "sensor_depth.png", "sensor_valid.png"  # with the setting sensors.depth
 IR_LEFT, IR_RIGHT = "ir_left.png", "ir_right.png"
 #: Of converted data sets, where they have them.

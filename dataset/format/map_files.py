@@ -31,7 +31,7 @@ from ...procedural.description.material_list import opaque_media
 from ...procedural.description.scene import Scene
 from ...render.frame import Eye, Frame, Geometry, Layers
 from . import layout
-from .exr import channel, read_exr, stacked, unstacked, write_exr
+from .exr import read_channel, read_exr, stacked, unstacked, write_exr
 from .pictures import read_png, write_png
 
 #: Place of the two bits of each map in ``pair.png``.
@@ -86,7 +86,7 @@ def write_disparity(path: Path, camera: Camera, geometry: Geometry, right: Geome
 
 def read_disparity(path: Path, eye: Eye, background: bool) -> np.ndarray:
     """Return a map of ``disparity.exr``, (H, W) float32 [px]."""
-    return channel(read_exr(path), f"{eye}.background" if background else eye, path)
+    return read_channel(path, f"{eye}.background" if background else eye)
 
 
 def write_pair(path: Path, stereo: StereoLabels) -> None:

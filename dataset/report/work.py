@@ -67,7 +67,7 @@ def drawn_again(summary: Summary) -> Iterator[str]:
         ("scenes with a pile", f"{piles.scenes:,} of {summary.scenes:,}"),
         ("piles that did not come to rest", f"{piles.drawn_again:,}"),
         ("scenes that stand apart, as no pile came to rest", f"{piles.given_up:,}"),
-        ("objects that fell off or into a liquid", f"{piles.fell_again:,}"),
+        ("falls that were drawn again", f"{piles.fell_again:,}"),
         ("contents that did not fit their vessel", f"{summary.redrawn:,}"),
     ]
     yield card("piles", "What was drawn again", facts_table(facts))

@@ -43,7 +43,11 @@ COMMON: dict[str, tuple[CommonSection, ...]] = {
         ("of some formats", ("--liquids", "--polygons", "--layers", "--licence")),
     ),
     "glassware train": (
-        ("run", ("DATA", "--config", "--out", "--resume")),
+        ("run", ("DATA", "--network", "--config", "--out", "--resume")),
         ("training", ("--seed", "--steps", "--batch", "--views.count", "--machine.accelerator", "--machine.workers")),
+    ),
+    "glassware tables": (
+        ("table", ("DATA", "--experiment", "--config", "--out", "--split", "--compare")),
+        ("runs", ("--budget", "--seeds", "--only", "--checkpoints", "--batch", "--machine.accelerator")),
     ),
 }

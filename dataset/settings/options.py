@@ -25,6 +25,8 @@ SHORT = {
     "--spp": "--picture.spp",
     "--noise": "--picture.noise",
     "--hdri-dir": "--environment.hdri-dir",
+    "--network": "--network.name",
+    "--encoder": "--network.context",
 }
 #: Options whose values may be separated by commas.
 LISTS = ("--write",)

@@ -19,11 +19,13 @@ from ...procedural.description.scene import Scene
 from ...render.frame import EYES, Eye, Geometry, Layers
 from ..format import layout
 from ..format.camera_file import CAMERA_SCHEMA, CameraFile
+from ..format.exr import read_channel
 from ..format.map_files import read_pair
+from ..format.matte_files import read_mattes
 from ..format.objects_file import ObjectsFile
 from ..stored_view import StoredView
 from . import layers as layer_checks
-from . import maps, objects, pictures, refraction, sensors, surfaces
+from . import maps, mattes, objects, pictures, refraction, sensors, surfaces
 from .description import camera_faults
 from .fault import Fault
 from .pinhole import Pinhole, pinhole_of
@@ -78,6 +80,8 @@ class ViewChecks:
             self._refraction()
         self._check("sensor", ("depth", "ids"), self._sensor)
         self._maps()
+        if self._has(layout.MATTES):
+            self._mattes()
         return self.faults
 
     def _check(self, subject: str, needs: tuple[str, ...], check: Callable[[], list[Fault]]) -> None:
@@ -246,6 +250,18 @@ class ViewChecks:
                 ("object points",),
                 lambda: maps.part_faults(path, scene, geometry["left"], layers, mouths),
             )
+
+    def _mattes(self) -> None:
+        path, geometry = self.view.folder / layout.MATTES, self._geometry["left"]
+        stored, total = read_mattes(self.view.folder, self.records.objects), read_channel(path, "A")
+        needs = ("ids", "masks", "background", "transmittance")
+        self._check("mattes", needs, lambda: mattes.matte_contradictions(stored, total, geometry))
+        self._check(
+            "cryptomatte", ("mattes", *needs), lambda: mattes.cryptomatte_contradictions(stored, total, geometry)
+        )
+        if self.triangles is not None:
+            camera, triangles, rng = self._pinhole("left"), self.triangles, self._stream("mattes")
+            self._check("mattes", ("mattes",), lambda: mattes.matte_faults(stored, camera, triangles, rng))
 
     def _stream(self, name: str) -> np.random.Generator:
         return stream(self.scene.seed, self.scene.scene_id, f"verify/{self.view.number}/{name}")

@@ -16,9 +16,7 @@ from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
 from ..data.splits import SplitName
-from ..evaluation.report import tables
-from ..evaluation.run import evaluate
-from ..networks.build import select_device
+from .extra import check_extra
 
 _DESCRIPTION = """Measure how well a network finds glass: its predictions against the labels of a data set.
 
@@ -39,6 +37,11 @@ class Evaluate(Model):
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of a data set")
     split: SplitName = Field(default="val", description="Scenes to evaluate on")
     out: UserPath = Field(default=Path("out-evaluate"), description="Output folder")
+    detector: UserPath | None = Field(
+        default=None,
+        description="Checkpoint of a network that says where objects are, for networks that have to be told (keypose, "
+        "densefusion)",
+    )
     worst: int = Field(default=8, ge=0, le=1000, description="Number of worst samples drawn as images")
     workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: in the main process")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
@@ -60,6 +63,12 @@ def _evaluate(arguments: Sequence[str]) -> None:
     request = parse_request(Evaluate, arguments, "glassware evaluate", _DESCRIPTION)
     if request.checkpoint is None or request.data is None:
         raise InputError("glassware evaluate", "a checkpoint and the folder of a data set", "fewer")
+    check_extra("glassware evaluate")
+    # Loaded here: torch is an extra, and takes longer to load than help should take.
+    from ..evaluation.report import tables
+    from ..evaluation.run import evaluate
+    from ..networks.build import select_device
+
     console = _console()
 
     def say(line: str) -> None:
@@ -74,6 +83,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
         worst=request.worst,
         workers=request.workers,
         device=select_device(request.device, request.threads),
+        detector=request.detector,
     )
     for table in tables(found):
         console.print(table)

@@ -15,8 +15,7 @@ from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
-from ..evaluation.predict import predict
-from ..networks.build import select_device
+from .extra import check_extra
 
 _DESCRIPTION = """Find objects in pictures of your own, glass included: box, mask and pose of each, and depth.
 
@@ -58,6 +57,11 @@ def _predict(arguments: Sequence[str]) -> None:
     request = parse_request(Predict, arguments, "glassware predict", _DESCRIPTION)
     if request.checkpoint is None:
         raise InputError("glassware predict", "a checkpoint and pictures", "neither")
+    check_extra("glassware predict")
+    # Loaded here: torch is an extra, and takes longer to load than help should take.
+    from ..evaluation.predict import predict
+    from ..networks.build import select_device
+
     device = select_device(request.device, request.threads)
     found = predict(request.checkpoint, request.images, request.out, device, request.trust_cameras).objects
     console = Console()

@@ -14,8 +14,8 @@ from ...core.errors import InputError
 from ...core.exit_codes import run_command
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
-from ..training.run import train
 from ..training.settings import TrainSettings
+from .extra import check_extra
 
 _DESCRIPTION = """Train a network that finds glass in pictures: its boxes, masks, poses and depth.
 
@@ -55,6 +55,10 @@ def _train(arguments: Sequence[str]) -> None:
     request = parse_request(Train, arguments, "glassware train", _DESCRIPTION)
     if request.data is None:
         raise InputError("glassware train", "the folder of a data set", "none")
+    check_extra("glassware train")
+    # Loaded here: torch is an extra, and takes longer to load than help should take.
+    from ..training.run import train
+
     settings = TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})
     console = Console()
 

@@ -13,7 +13,7 @@ from ...annotate.symmetries import Symmetry
 from ...core.errors import InputError
 from ...core.randomness import stream
 from ...dataset.format import layout
-from ...dataset.format.exr import channel, read_exr
+from ...dataset.format.exr import read_channel
 from ...dataset.format.objects_file import ObjectRecord, ObjectsFile
 from ...dataset.format.pictures import read_png
 from ...dataset.reader import StoredView
@@ -56,12 +56,12 @@ def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, i
         Height and width of its images [px].
     """
     path = view.folder / layout.GEOMETRY
-    Z = channel(read_exr(path), "Z", path)
+    Z = read_channel(path, "Z")
     instances = read_png(view.folder / layout.INSTANCES)
     for name, values in ((layout.GEOMETRY, Z), (layout.INSTANCES, instances)):
         if values.shape != size:
             raise InputError(view.folder / name, f"{size[0]} x {size[1]} px", values.shape)
-    wrong = ~((Z > 0.0) & ((Z <= MAX_LENGTH) | np.isposinf(Z)))  # NaN as well
+    wrong = ~(Z > 0.0) | ((Z > MAX_LENGTH) & ~np.isposinf(Z))  # NaN as well
     if wrong.any():
         found = f"{Z[wrong][0]:g} in {int(wrong.sum())} pixels"
         raise InputError(f"{path}: Z", f"depths above 0 and up to {MAX_LENGTH:g} m, or +inf for none", found)
@@ -76,10 +76,12 @@ def read_ground_truth(view: StoredView, objects: ObjectsFile, size: tuple[int, i
             raise InputError(where, f"an object {label.id}, which {layout.LABELS} has", f"{sorted(records)}")
     # A room is surroundings to a network, whether it is a map at infinity or has walls with a depth.
     surroundings = instances >= FIRST_ROOM_ID
-    instances, Z = np.where(surroundings, _BACKGROUND_ID, instances), np.where(surroundings, np.inf, Z)
-    found = tuple(_object(records[label.id], label, instances, view) for label in labels)
+    if surroundings.any():
+        instances, Z = np.where(surroundings, _BACKGROUND_ID, instances), np.where(surroundings, np.inf, Z)
+    counts = np.bincount(instances.ravel(), minlength=1 << 16)
+    found = tuple(_object(records[label.id], label, int(counts[label.id]), view) for label in labels)
     known = {_BACKGROUND_ID, TABLE_ID, *(item.id for item in found)}
-    unknown = sorted(set(np.unique(instances).tolist()) - known)
+    unknown = sorted(set(np.flatnonzero(counts).tolist()) - known)
     if unknown:
         raise InputError(view.folder / layout.LABELS, f"an object {unknown[0]}, which {layout.INSTANCES} has", "none")
     keypoints = {record.id: np.array(record.keypoints, np.float64).reshape(-1, 3) for record in objects.objects}
@@ -92,7 +94,7 @@ def scene_surface_points(scene: Scene) -> dict[int, np.ndarray]:
     return {item.id: surface_points(item, SURFACE_POINTS, rng) for item in scene.objects}
 
 
-def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, view: StoredView) -> ViewObject:
+def _object(record: ObjectRecord, label: ObjectLabel, visible: int, view: StoredView) -> ViewObject:
     symmetry = _symmetry(record, view.folder.parent / layout.OBJECTS)
     pose = np.array(label.camera_T_object)
     check_rigid(pose, f"{view.folder / layout.LABELS}: object {label.id} camera_T_object")
@@ -107,7 +109,7 @@ def _object(record: ObjectRecord, label: ObjectLabel, instances: np.ndarray, vie
         fill=None if record.liquid is None else record.liquid.fill,
         camera_T_object=canonical_pose(pose, symmetry),
         size=np.array(record.size),
-        visible=int((instances == record.id).sum()),
+        visible=visible,
     )
 
 

@@ -5,18 +5,19 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterable, Iterator, Sequence
 
+import torch
 from torch.utils.data import DataLoader
 from torch.utils.data import Dataset as TorchDataset
 
 from ...core.errors import InputError
 from ...core.exit_codes import WorkFailed
-from .samples import Batch, Sample, SampleDataset, collate
+from .samples import Batch, Sample, Samples, collate
 
 
 class _SamplesOrErrors(TorchDataset):
     """Samples, or their InputError as a value: torch would change an exception raised in a worker process."""
 
-    def __init__(self, samples: SampleDataset) -> None:
+    def __init__(self, samples: Samples) -> None:
         super().__init__()
         self._samples = samples
 
@@ -30,12 +31,12 @@ class _SamplesOrErrors(TorchDataset):
             return error
 
 
-def load_batches(samples: SampleDataset, order: Iterable[list[tuple[int, int]]], workers: int) -> Iterator[Batch]:
+def load_batches(samples: Samples, order: Iterable[list[tuple[int, int]]], workers: int) -> Iterator[Batch]:
     """Yield batches of samples.
 
     Parameters
     ----------
-    samples : SampleDataset
+    samples : Samples
         The samples.
     order : iterable of lists
         The items of each batch, (index, draw) of `SampleDataset`.
@@ -55,6 +56,8 @@ def load_batches(samples: SampleDataset, order: Iterable[list[tuple[int, int]]],
         collate_fn=_collate_or_error,
         num_workers=workers,
         worker_init_fn=_ignore_signals,
+        # Otherwise the loader of a resumed run would draw from the generator that dropout draws from.
+        generator=torch.Generator(),
     )
     try:
         for found in loader:

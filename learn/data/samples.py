@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -23,11 +24,11 @@ from .augment import augmented
 from .geometric_augment import moved_pixels
 from .ground_truth import GroundTruth, read_ground_truth, scene_surface_points
 from .partial_truth import box_depths, check_learnable, read_partial_truth
-from .scaling import scaled_ground_truth, scaled_view
+from .scaling import fitted, fitted_K, scaled_depth, scaled_ground_truth, scaled_view
 from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
-from .views import check_colours, check_sides, check_sizes, read_camera, read_view
+from .views import CameraView, check_colours, check_sides, check_sizes, read_camera, read_view
 
 #: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
 DEPTH_QUANTILES = (0.005, 0.995)
@@ -45,6 +46,28 @@ class Sample:
     K: Tensor  #: (V, 3, 3) float32 [px]
     targets: dict[str, Tensor]  #: of `targets.view.view_targets`
     ground_truth: GroundTruth | None  #: the labels themselves; None unless `SampleDataset` was made with them
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedViews:
+    """The views of a sample, and the labels of the reference."""
+
+    name: str
+    views: tuple[CameraView, ...]  #: of one size; the reference first
+    labels: GroundTruth
+    sensor_depth: np.ndarray | None = None  #: (H, W) [m], 0 for none; of a data set with depth cameras, where asked for
+
+
+class Samples(Protocol):
+    """Samples by items (index, draw): of a view each, as in `SampleDataset`, or of an object each."""
+
+    def __len__(self) -> int:
+        """Return the number of indices."""
+        ...
+
+    def __getitem__(self, item: tuple[int, int]) -> Sample:
+        """Return the sample of an item."""
+        ...
 
 
 class SampleDataset(TorchDataset):
@@ -69,6 +92,8 @@ class SampleDataset(TorchDataset):
         Seed of the draws.
     ground_truth : bool
         Whether samples have their ground truth.
+    sensor_depth : bool
+        Whether `load` gives the depth of a depth camera, where the data set has one.
 
     Raises
     ------
@@ -86,11 +111,14 @@ class SampleDataset(TorchDataset):
         augment: AugmentSettings | None = None,
         seed: int = 0,
         ground_truth: bool = False,
+        sensor_depth: bool = False,
     ) -> None:
         if views.rule == "stereo" and views.count != 2:
             raise InputError("views.count", "2 with the rule stereo", views.count)
-        self._root, self._views, self._encoding = root, views, encoding
+        self.root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
+        self._with_sensor_depth = sensor_depth
+        self._last_labels: tuple[int, GroundTruth] | None = None
         self._surface_of: dict[int, dict[int, np.ndarray]] = {}
         self._objects_of: dict[int, ObjectsFile] = {}
         self._cameras_of: dict[int, list[CameraFile]] = {}
@@ -109,6 +137,21 @@ class SampleDataset(TorchDataset):
 
     def __getitem__(self, item: tuple[int, int]) -> Sample:
         """Return the sample of an item (index, draw)."""
+        loaded = self.load(item)
+        targets = view_targets(
+            loaded.labels.instances, loaded.labels.Z, loaded.labels.objects, loaded.views[0].K, self._encoding
+        )
+        return Sample(
+            name=loaded.name,
+            images=image_tensor(np.stack([view.picture for view in loaded.views]), self._encoding),
+            world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in loaded.views])).float(),
+            K=torch.from_numpy(np.stack([view.K for view in loaded.views])).float(),
+            targets={name: torch.from_numpy(values) for name, values in targets.items()},
+            ground_truth=loaded.labels if self._with_ground_truth else None,
+        )
+
+    def load(self, item: tuple[int, int]) -> LoadedViews:
+        """Return the views of an item (index, draw), augmented and at the size of the samples, and the labels."""
         index, draw = item
         scene, reference = self._references[index]
         rng = stream(self._seed, index, f"learn/samples/{draw}")
@@ -124,19 +167,42 @@ class SampleDataset(TorchDataset):
             views, labels = moved_pixels(views, labels, self._augment, rng)
         views = [scaled_view(view, size, self._views.fit) for view in views]
         check_sides(views[0].picture, reference.folder)
-        pictures = np.stack([view.picture for view in views])
         if self._augment is not None:
-            pictures = augmented(pictures, self._augment, rng)
+            pictures = augmented(np.stack([view.picture for view in views]), self._augment, rng)
+            views = [replace(view, picture=picture) for view, picture in zip(views, pictures, strict=True)]
         labels = scaled_ground_truth(labels, size, self._views.fit)
-        targets = view_targets(labels.instances, labels.Z, labels.objects, views[0].K, self._encoding)
-        return Sample(
-            name=str(reference.folder.relative_to(self._root)),
-            images=image_tensor(pictures, self._encoding),
-            world_T_camera=torch.from_numpy(np.stack([view.world_T_camera for view in views])).float(),
-            K=torch.from_numpy(np.stack([view.K for view in views])).float(),
-            targets={name: torch.from_numpy(values) for name, values in targets.items()},
-            ground_truth=replace(labels, surface=self._surface(scene)) if self._with_ground_truth else None,
-        )
+        if self._with_ground_truth:
+            labels = replace(labels, surface=self._surface(scene))
+        sensor = None
+        if self._with_sensor_depth and self._converted is None and reference.depth_camera() is not None:
+            sensor = scaled_depth(reference.sensor_depth(), size, self._views.fit)
+        return LoadedViews(str(reference.folder.relative_to(self.root)), tuple(views), labels, sensor)
+
+    def labels(self, index: int) -> GroundTruth:
+        """Return the labels of a reference at the size of the samples, without augmentation.
+
+        The last ones are kept: those who ask do so for one object after another.
+        """
+        if self._last_labels is None or self._last_labels[0] != index:
+            self._last_labels = index, self._unmoved_labels(index)
+        return self._last_labels[1]
+
+    def _unmoved_labels(self, index: int) -> GroundTruth:
+        scene, reference = self._references[index]
+        return scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
+
+    def cameras(self, index: int) -> list[tuple[np.ndarray, np.ndarray, tuple[int, int]]]:
+        """Return pose, K and (height, width) of all views of a reference's scene, the reference first.
+
+        Cameras are those of the stored pictures. Where a converted data set does not say where its cameras stand, there
+        is the reference alone.
+        """
+        scene, reference = self._references[index]
+        cameras, number = self._cameras(scene), scene.views.index(reference)
+        if self._converted is not None and self._converted.has.get("camera-poses", 0) < self._converted.views:
+            cameras, number = [cameras[number]], 0
+        ordered = [cameras[number], *cameras[:number], *cameras[number + 1 :]]
+        return [(one.world_T_camera, np.array(one.K), (one.height, one.width)) for one in ordered]
 
     def depth_range(self, max_views: int = 64) -> tuple[float, float]:
         """Return the depths between which objects lie, over evenly spaced references [m].
@@ -161,9 +227,21 @@ class SampleDataset(TorchDataset):
                 if depths.size:
                     found.append(np.quantile(depths, _QUANTILES))
         if not of_objects + of_table:
-            raise InputError(self._root, "a view with a surface in it", "none")
+            raise InputError(self.root, "a view with a surface in it", "none")
         near, far = np.quantile(np.concatenate(of_objects or of_table), DEPTH_QUANTILES)
         return float(near), float(far)
+
+    def fitted_camera(self, index: int) -> tuple[np.ndarray, tuple[int, int]]:
+        """Return K and (height, width) of a reference at the size of the samples, without augmentation."""
+        camera = read_camera(self._references[index][1])
+        fit = fitted((camera.height, camera.width), self._views.size, self._views.fit)
+        return fitted_K(np.array(camera.K), fit), fit.new
+
+    def focal_baseline(self) -> float:
+        """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""
+        baselines = [read_camera(view).baseline or 0.0 for _, view in self._references]
+        focal = (float(self.fitted_camera(index)[0][0, 0]) for index in range(len(self)))
+        return max(length * baseline for length, baseline in zip(focal, baselines, strict=True))
 
     def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE

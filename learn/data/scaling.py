@@ -115,6 +115,13 @@ def scaled_ground_truth(labels: GroundTruth, size: _Size | None, rule: FitRule =
     return replace(labels, instances=instances, Z=Z, objects=tuple(_recounted(o, instances) for o in labels.objects))
 
 
+def scaled_depth(depth: np.ndarray, size: _Size | None, rule: FitRule = "letterbox") -> np.ndarray:
+    """Return measured depth at another size, by nearest neighbour, (H, W) [m]; 0 where it is unknown or beside it."""
+    known = np.where(np.isfinite(depth), depth, 0.0)
+    fit = fitted((depth.shape[0], depth.shape[1]), size, rule)
+    return known if fit.old == fit.new else _fitted_values(known, fit, 0.0)
+
+
 def restored(values: np.ndarray, fit: Fit) -> np.ndarray:
     """Return maps (..., H', W') of a network at the size of the stored picture, by nearest neighbour, (..., H, W)."""
     rows, columns = (_nearest(before, after) for before, after in zip(fit.inner, fit.old, strict=True))

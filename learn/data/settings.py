@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ...core.model import Model, Ordered
-from ..networks.layers import SIZE_MULTIPLE
+from ..networks.settings import SIZE_MULTIPLE
 
 _Side = Annotated[int, Field(ge=SIZE_MULTIPLE, le=8192, multiple_of=SIZE_MULTIPLE)]
 _Zoom = Annotated[float, Field(ge=1.0, le=8.0)]

@@ -12,23 +12,26 @@ from torch import Tensor
 from ...annotate.boxes import EDGES
 from ...annotate.projection import project_camera
 from ..decoding.decode import Detections, decode
-from ..networks.settings import Variant
+from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..targets.objects import box_points
 from .samples import Batch
 
-#: Colours of the classes (background, table, transparent, opaque), and of objects in turn, sRGB.
-_CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60]], np.uint8)
+#: Colours of the classes (background, table, transparent, opaque, one more of SimNet), and of objects in turn, sRGB.
+_CLASSES = np.array([[30, 30, 40], [120, 100, 80], [80, 180, 255], [255, 160, 60], [255, 0, 0]], np.uint8)
 _OBJECTS = ((255, 80, 80), (80, 220, 80), (90, 140, 255), (255, 210, 60), (220, 90, 255), (60, 220, 220))
 
 
-def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: Variant) -> np.ndarray:
+def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], settings: NetworkSettings) -> np.ndarray:
     """Return the first sample of a batch as an image, predictions above targets, (2 H, 4 W, 3) uint8.
 
-    From left to right: the reference image with detections, depth, classes, heatmap.
+    From left to right: the reference image with detections, depth, classes, heatmap. Of networks that see one object,
+    its window with keypoints, or with points of its surface.
     """
-    first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if name != "planes"}
-    (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(variant))
+    if settings.name in ("keypose", "densefusion"):
+        return _object_picture(batch, outputs)
+    first = {name: value[:1].detach().float().cpu() for name, value in outputs.items() if value.ndim > 2}
+    (found,) = decode(first, batch.K[:1, 0].detach().double().cpu(), encoding_of(settings))
     picture = rgb(batch.images[0, 0])
     true = {name: value[0].detach().cpu().numpy() for name, value in batch.targets.items()}
     limits = depth_limits(true["depth"])
@@ -36,6 +39,34 @@ def sample_picture(batch: Batch, outputs: Mapping[str, Tensor], variant: Variant
     top += [_CLASSES[first["seg"][0].argmax(0).numpy()], _grey(first["heatmap"][0].numpy())]
     bottom = [picture, coloured_depth(true["depth"], limits), _CLASSES[true["seg"]], _grey(true["heatmap"])]
     return np.concatenate([np.concatenate(top, axis=1), np.concatenate(bottom, axis=1)], axis=0)
+
+
+def _object_picture(batch: Batch, outputs: Mapping[str, Tensor]) -> np.ndarray:
+    targets = {name: value[0].detach().cpu().numpy() for name, value in batch.targets.items()}
+    found = {name: value[0].detach().float().cpu().numpy() for name, value in outputs.items()}
+    picture = rgb(batch.images[0, 0])
+    if "keypoints" in found:
+        shown = (found["keypoints"][:, :2], targets["keypoints"][0, :, :2])
+        return np.concatenate([_with_dots(picture, points) for points in shown], axis=0)
+    # The window's pixels of the points are known, and what lies between them is nearly linear over an object.
+    rows, columns = np.divmod(targets["pixels"], picture.shape[1])
+    cloud = targets["cloud"]
+    directions = np.stack([cloud[:, 0] / cloud[:, 2], cloud[:, 1] / cloud[:, 2], np.ones(len(cloud))], axis=1)
+    to_window = np.linalg.lstsq(directions, np.stack([columns, rows], axis=1), rcond=None)[0]
+    drawn = []
+    for pose in (found["pose"], targets["pose"]):
+        points = targets["model"] @ pose[:3, :3].T + pose[:3, 3]
+        rays = np.stack([points[:, 0] / points[:, 2], points[:, 1] / points[:, 2], np.ones(len(points))], axis=1)
+        drawn.append(_with_dots(picture, rays @ to_window, radius=0))
+    return np.concatenate(drawn, axis=0)
+
+
+def _with_dots(picture: np.ndarray, points: np.ndarray, radius: int = 2) -> np.ndarray:
+    drawn = picture.copy()
+    for number, (x, y) in enumerate(points):
+        if max(abs(x), abs(y)) < 1e4:
+            cv2.circle(drawn, (round(float(x)), round(float(y))), radius, _OBJECTS[number % len(_OBJECTS)], -1)
+    return drawn
 
 
 def rgb(image: Tensor) -> np.ndarray:

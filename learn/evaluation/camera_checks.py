@@ -20,6 +20,9 @@ _MIDDLE = (0.3, 0.7)
 _LEAST_BASELINE, _MOST_BASELINE = 1e-3, 5.0
 #: A baseline of stereo cameras and of neighbouring views [m]: 0.03 to 0.3.
 _USUAL_BASELINE = 0.1
+#: Turn, and distance beside the x axis over the baseline, up to which a pair counts as rectified: half a pixel at a
+#: focal length of 500 px.
+_RECTIFIED = 1e-3
 #: Cosine beyond which an axis counts as upward [1]: 6 degrees above the horizon.
 _UPWARD = 0.1
 #: Angle between optical axes from which the place where they meet is well known [rad]: 6 degrees.
@@ -45,6 +48,28 @@ def check_cameras(views: Sequence[CameraView], paths: Sequence[Path]) -> None:
         _check_centre(view, path)
     _check_baselines(views, paths)
     _check_axes(views, paths)
+
+
+def check_rectified(views: Sequence[CameraView], paths: Sequence[Path]) -> None:
+    """Refuse views that are not the left and the right eye of a rectified stereo pair, which SimNet takes.
+
+    Raises
+    ------
+    InputError
+        Where there are not two, or the second is turned, lies elsewhere than to the right, or has another K.
+    """
+    if len(views) != 2:
+        raise InputError("pictures", "the two eyes of a stereo pair", len(views))
+    left, right = (view.world_T_camera for view in views)
+    relative = np.linalg.inv(left) @ right
+    baseline = float(relative[0, 3])
+    expected = "the right eye of a rectified pair: the same axes, to the right along x"
+    turned = float(np.abs(relative[:3, :3] - np.eye(3)).max())
+    if turned > _RECTIFIED or np.abs(relative[1:3, 3]).max() > _RECTIFIED * abs(baseline) + 1e-6 or baseline <= 0.0:
+        found = f"a turn of {turned:.2g} and the place {np.round(relative[:3, 3], 5).tolist()} m"
+        raise InputError(f"{paths[1]}: world_T_camera", expected, found)
+    if np.abs(views[0].K - views[1].K).max() > _RECTIFIED * views[0].K[0, 0]:
+        raise InputError(f"{paths[1]}: K", "that of the left eye", "another")
 
 
 def _check_centre(view: CameraView, path: Path) -> None:

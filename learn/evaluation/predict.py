@@ -29,7 +29,7 @@ from ..decoding.decode import Detections, decode
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
 from ..training.out_folder import make_out_folder
-from .camera_checks import check_cameras
+from .camera_checks import check_cameras, check_rectified
 from .score import check_finite, eval_mode
 
 #: What a network finds: it does not tell families of vessels apart, nor vessels from opaque props.
@@ -73,15 +73,20 @@ def predict(
     if len(images) < 2:
         raise InputError("pictures", "two or more views of one scene", len(images))
     network, settings = load_network(checkpoint)
+    name = settings.network.name
+    if name not in ("mvtrans", "simnet"):
+        raise InputError(checkpoint, "a network that finds objects (mvtrans, simnet)", name)
     make_out_folder(out)
     stored = [read_image_and_camera(path) for path in images]
     if not trust_cameras:
         check_cameras(stored, images)
+    if name == "simnet":
+        check_rectified(stored, images)
     views = [scaled_view(view, settings.views.size, settings.views.fit) for view in stored]
     check_sizes(views, images[0])
     for view, path in zip(views, images, strict=True):
         check_picture(view.picture, path)
-    encoding = encoding_of(settings.network.variant)
+    encoding = encoding_of(settings.network)
     pictures = image_tensor(np.stack([view.picture for view in views]), encoding)[None]
     poses = torch.from_numpy(np.stack([view.world_T_camera for view in views])).float()[None]
     K = torch.from_numpy(np.stack([view.K for view in views])).float()[None]

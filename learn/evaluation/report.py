@@ -16,15 +16,19 @@ from ..metrics.instances import instance_precision, mask_overlaps
 from ..metrics.pose import area_under_curve, fraction_near
 from .score import FOUND_IOU, PIXEL_GROUPS, ObjectScore, SampleScore
 
+#: Thresholds of the accuracy curve [m]: 0.1 m in steps of 5 mm.
+CURVE = tuple(round(0.005 * step, 3) for step in range(21))
+
 
 def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     """Return all metrics as JSON data: numbers, and None where a metric is undefined.
 
     Depth is in metres, angles in degrees, fractions from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and group
-    of pixels. ``floors``: the same at full size of what needs no network, the best constant depth and the true median
-    of each picture's pixels. ``boxes``: average precision at three IoUs, and the mean IoU of the detected objects (the
-    3D IoU of the paper) and of all. ``masks``: COCO average precision, and the mean IoU of all. ``pose``: see
-    `pose_metrics`. Then pose metrics by category and by fill of a vessel.
+    of pixels. ``floors``: the same at full size of what needs no network, the best constant depth, the true median of
+    each picture's pixels, and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the
+    mean IoU of the detected objects (the 3D IoU of the paper) and of all. ``masks``: COCO average precision, and the
+    mean IoU of all. ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by
+    category and by fill of a vessel.
     """
     boxes = [score.boxes for score in scores]
     masks = [score.masks for score in scores]
@@ -47,10 +51,11 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         },
         "masks": {**asdict(precision), "iou_all": mean_overlap([mask_overlaps(mask) for mask in masks], FOUND_IOU)[1]},
         "pose": pose_metrics(objects),
+        "keypoints": keypoint_metrics(objects),
         "by_category": _grouped(objects, [item.label.category for item in objects]),
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
     }
-    return _nan_to_none(whole)
+    return nan_to_none(whole)
 
 
 def _floors(kind: str, scores: Sequence[SampleScore]) -> dict[str, Any]:
@@ -58,6 +63,9 @@ def _floors(kind: str, scores: Sequence[SampleScore]) -> dict[str, Any]:
     return {
         "constant": None if constant is None else {"depth": constant[0], **asdict(constant[1])},
         "picture_median": _asdict(mean_errors([score.picture_median[kind] for score in scores])),
+        "semi_global": _asdict(
+            mean_errors([score.semi_global[kind] for score in scores if score.semi_global is not None])
+        ),
     }
 
 
@@ -84,6 +92,37 @@ def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
     }
 
 
+def keypoint_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
+    """Return the accuracy of the keypoints that all methods are compared on (`targets.keypoints`).
+
+    ``auc`` and ``near``: those of missed objects are within no threshold. ``mae`` [m] is over the objects found.
+    """
+    distances = [distance for item in objects for distance in item.keypoints or ()]
+    missed = sum(item.keypoint_count for item in objects if item.keypoints is None)
+    return {
+        "objects": len(objects),
+        "auc": area_under_curve(distances, missed),
+        "near": fraction_near(distances, missed),
+        "mae": _mean(distances),
+        "accuracy": [_within(distances, missed, limit) for limit in CURVE],
+    }
+
+
+def object_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
+    """Return the metrics of networks that see one object at a time, by category and by fill as well."""
+    return {
+        "keypoints": keypoint_metrics(objects),
+        "pose": pose_metrics(objects),
+        "by_category": _grouped(objects, [item.label.category for item in objects]),
+        "by_content": _grouped(objects, [fill_class(item) for item in objects]),
+    }
+
+
+def _within(distances: Sequence[float], missed: int, limit: float) -> float:
+    count = len(distances) + missed
+    return float((np.asarray(distances, float) < limit).sum() / count) if count else math.nan
+
+
 def fill_class(item: ObjectScore) -> str:
     """Return the fill of an object: ``solid`` if it is no vessel, ``empty``, ``under half``, ``over half``."""
     if not item.label.transparent:
@@ -98,6 +137,8 @@ def tables(found: dict[str, Any]) -> list[Table]:
 
     The paper's mAP of masks is the average precision at an IoU of 0.5, mask AP50 here; mask AP is COCO's.
     """
+    if "locations" in found:
+        return _object_tables(found)
     depth, boxes, masks, pose = (found[name] for name in ("depth", "boxes", "masks", "pose"))
     objects = depth["cleargrasp"]["objects"] or {}
     paper = [objects.get("rmse"), objects.get("mae"), objects.get("rel"), boxes["ap25"], boxes["iou_found"]]
@@ -108,13 +149,57 @@ def tables(found: dict[str, Any]) -> list[Table]:
     heading = ("pixels", "RMSE [m]", "MAE [m]", "REL", "1.05", "1.10", "1.25")
     kinds = _table("depth", ("size", *heading), _depth_rows(depth))
     floors = _table("depth without a network, full size", ("floor", *heading), _floor_rows(found["floors"]))
-    columns = ("objects", "found", "iou_all", "depth_mae", "auc", "near", "mae", "add_s", "translation", "rotation")
+    columns = (
+        "objects",
+        "found",
+        "iou_all",
+        "depth_mae",
+        "axis_mae",
+        "auc",
+        "near",
+        "mae",
+        "add_s",
+        "translation",
+        "rotation",
+    )
     rows = [
         [name, *(row[column] for column in columns)]
         for group in ("by_category", "by_content")
         for name, row in found[group].items()
     ]
     return [first, kinds, floors, _table("objects", ("kind", *columns), rows)]
+
+
+def _object_tables(found: dict[str, Any]) -> list[Table]:
+    names = (
+        "location",
+        "objects",
+        "AUC",
+        "<2 cm",
+        "MAE [m]",
+        "dropped",
+        "missed",
+        "lost",
+        "unknown",
+        "translation",
+        "rotation",
+    )
+    rows = []
+    for location, values in found["locations"].items():
+        keypoints, pose = values["keypoints"], values["pose"]
+        counts = [values[name] for name in ("dropped", "missed", "lost", "unknown")]
+        of_points = [keypoints[name] for name in ("objects", "auc", "near", "mae")]
+        rows.append([location, *of_points, *counts, pose["translation"], pose["rotation"]])
+    kinds = ("objects", "found", "axis_mae", "auc", "near", "mae", "add_s", "translation", "rotation")
+    groups = [
+        [name, *(row[column] for column in kinds)]
+        for group in ("by_category", "by_content")
+        for name, row in found["locations"]["truth"][group].items()
+    ]
+    return [
+        _table(f"{found['samples']} samples", names, rows),
+        _table("objects, true places", ("kind", *kinds), groups),
+    ]
 
 
 def _depth_rows(depth: dict[str, Any]) -> list[list[Any]]:
@@ -141,6 +226,7 @@ def _grouped(objects: Sequence[ObjectScore], names: Sequence[str]) -> dict[str, 
     return {
         name: {
             **pose_metrics(group),
+            "axis_mae": _mean([distance for item in group for distance in item.keypoints or ()]),
             "iou_all": _mean([item.iou for item in group]),
             "depth_mae": _mean([item.depth_mae for item in group if item.depth_mae is not None]),
         }
@@ -171,7 +257,10 @@ def _asdict(errors: Any) -> dict[str, float] | None:
     return None if errors is None else asdict(errors)
 
 
-def _nan_to_none(value: Any) -> Any:
+def nan_to_none(value: Any) -> Any:
+    """Return JSON data with None for the numbers that are undefined."""
     if isinstance(value, dict):
-        return {name: _nan_to_none(inner) for name, inner in value.items()}
+        return {name: nan_to_none(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [nan_to_none(inner) for inner in value]
     return None if isinstance(value, float) and math.isnan(value) else value

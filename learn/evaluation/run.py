@@ -11,20 +11,25 @@ import numpy as np
 import torch
 
 from ...core.atomic_io import write_atomically
+from ...core.errors import InputError
 from ...core.json_file import json_text
 from ...core.stopping import check_stop
 from ...dataset.format.pictures import write_png
 from ...dataset.reader import Dataset
 from ..data.dataset_digest import dataset_digest
 from ..data.loading import load_batches
-from ..data.samples import SampleDataset
+from ..data.samples import Batch, Samples
+from ..data.semi_global import filled_depth, semi_global_depth
 from ..data.splits import SplitName
-from ..data.visualise import sample_picture
+from ..data.views import CameraView
+from ..data.visualise import rgb, sample_picture
 from ..networks.build import Network
-from ..networks.settings import Variant
+from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
+from ..training.methods import outputs_of, samples_of
 from ..training.out_folder import make_out_folder
+from .object_scores import evaluate_objects, load_detector
 from .report import summarise
 from .score import SampleScore, eval_mode, score_sample
 
@@ -52,6 +57,7 @@ def evaluate(
     worst: int = 8,
     workers: int = 0,
     device: str = "cpu",
+    detector: Path | None = None,
 ) -> dict[str, Any]:
     """Evaluate the network of a checkpoint and write ``report.json`` and images of the worst samples.
 
@@ -73,23 +79,34 @@ def evaluate(
         Worker processes of the data loader; 0: load in this process.
     device : str
         Torch's name of the device.
+    detector : Path, optional
+        Checkpoint of a network that says where objects are, for KeyPose and DenseFusion.
 
     Returns
     -------
     dict
-        `report.summarise`, with the checkpoint and the data set.
+        `report.summarise`, or `object_scores.evaluate_objects`, with the checkpoint and the data set.
     """
     digest = dataset_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
     make_out_folder(out)
-    encoding = encoding_of(settings.network.variant)
-    samples = SampleDataset(data, split, settings.views, encoding, seed=_SEED, ground_truth=True)
-    scores, worst_samples = score_all(network.to(device), samples, settings.network.variant, say, worst, workers)
+    network = network.to(device)
+    worst_samples: list[WorstSample] = []
+    if settings.network.name in ("keypose", "densefusion"):
+        known_by = None if detector is None else load_detector(detector, settings)
+        summary = evaluate_objects(network, settings, data, split, say, detector=known_by, workers=workers)
+    else:
+        if detector is not None:
+            raise InputError("--detector", "keypose or densefusion, which find no objects", settings.network.name)
+        samples = samples_of(settings, data, split, seed=_SEED, ground_truth=True)
+        scores, worst_samples = score_all(network, samples, settings.network, say, worst, workers)
+        summary = summarise(scores)
     found = {
         "checkpoint": str(checkpoint),
+        "network": settings.network.name,
         "data": {"path": str(data), "split": split, "sha256": digest},
         "views": settings.views.model_dump(mode="json"),
-        **summarise(scores),
+        **summary,
     }
     for earlier in out.glob("worst-*.png"):
         earlier.unlink()
@@ -101,8 +118,8 @@ def evaluate(
 
 def score_all(
     network: Network,
-    samples: SampleDataset,
-    variant: Variant,
+    samples: Samples,
+    settings: NetworkSettings,
     say: Callable[[str], None],
     worst: int = 0,
     workers: int = 0,
@@ -117,18 +134,36 @@ def score_all(
         for number, batch in enumerate(load_batches(samples, order, workers), start=1):
             check_stop()
             moved = batch.to(device)
-            outputs = network(moved.images, moved.world_T_camera, moved.K)
+            outputs = outputs_of(network, moved, settings)
             outputs = {name: value.float().cpu() for name, value in outputs.items()}
             (labels,) = batch.ground_truths
+            matched = matched_depth(batch)
             assert labels is not None, "the data set was made with ground truth"
-            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(variant))
+            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(settings), matched)
             scores.append(score)
             if worst and (len(worst_samples) < worst or _depth_mae(score) > _depth_mae(worst_samples[-1].score)):
-                worst_samples.append(WorstSample(score, sample_picture(batch, outputs, variant)))
+                worst_samples.append(WorstSample(score, sample_picture(batch, outputs, settings)))
                 worst_samples = sorted(worst_samples, key=lambda case: -_depth_mae(case.score))[:worst]
             if number % _PROGRESS_STEP == 0 or number == len(samples):
                 say(f"sample {number}/{len(samples)}")
     return scores, worst_samples
+
+
+def matched_depth(batch: Batch) -> np.ndarray | None:
+    """Return the depth of a stereo pair by semi-global matching, holes filled, (H, W) [m]; None for other views."""
+    poses = batch.world_T_camera[0].double().numpy()
+    if len(poses) != 2:
+        return None
+    relative = np.linalg.inv(poses[0]) @ poses[1]
+    # Poses are of float32 here: turns of less than 1e-5 rad and 0.1 mm beside the x axis are none.
+    rectified = np.abs(relative[:3, :3] - np.eye(3)).max() < 1e-5 and np.abs(relative[1:3, 3]).max() < 1e-4
+    if not rectified or relative[0, 3] <= 0.0:
+        return None
+    left, right = (
+        CameraView(rgb(image), pose, K.double().numpy())
+        for image, pose, K in zip(batch.images[0], poses, batch.K[0], strict=True)
+    )
+    return filled_depth(semi_global_depth(left, right))
 
 
 def _depth_mae(score: SampleScore) -> float:

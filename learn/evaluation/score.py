@@ -18,6 +18,7 @@ from ..metrics.detection import ImageOverlaps, matches
 from ..metrics.instances import ImageMasks, image_masks
 from ..metrics.pose import PoseErrors, pose_errors
 from ..targets.encoding import Encoding
+from ..targets.keypoints import keypoint_distances, object_keypoints
 from ..targets.objects import ViewObject
 from ..targets.view import BACKGROUND, OPAQUE, TABLE, TRANSPARENT, detectable, semantic
 
@@ -41,6 +42,8 @@ class ObjectScore:
     pose: PoseErrors | None  #: None for a missed object
     points: int  #: number of keypoints
     depth_mae: float | None  #: over its visible pixels [m]; None where their depth is unknown
+    keypoints: tuple[float, ...] | None = None  #: distances of the compared keypoints [m]; None for a missed object
+    keypoint_count: int = 2  #: number of these: two on the axis, unless KeyPose predicts others
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,7 @@ class SampleScore:
     name: str
     full: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at full size
     small: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at the size of ClearGrasp
+    semi_global: dict[str, DepthErrors | None] | None  #: of semi-global matching, holes filled; None without a pair
     picture_median: dict[str, DepthErrors | None]  #: of the true depth's own median of its pixels, at full size
     histograms: dict[str, np.ndarray]  #: true depths of its pixels by `DEPTH_BINS`, pixels
     boxes: ImageOverlaps
@@ -58,7 +62,12 @@ class SampleScore:
 
 
 def score_sample(
-    name: str, outputs: Mapping[str, Tensor], K: Tensor, labels: GroundTruth, encoding: Encoding
+    name: str,
+    outputs: Mapping[str, Tensor],
+    K: Tensor,
+    labels: GroundTruth,
+    encoding: Encoding,
+    matched: np.ndarray | None = None,
 ) -> SampleScore:
     """Return the scores of one sample.
 
@@ -74,8 +83,10 @@ def score_sample(
         Its ground labels.
     encoding : Encoding
         Encoding of the network's fields.
+    matched : (H, W) float, optional
+        Depth by semi-global matching [m].
     """
-    fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits")}
+    fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits", "focal_baseline")}
     check_finite(fields, name)
     (found,) = decode(fields, K[None].double(), encoding)
     depth = outputs["depth"][0].cpu().numpy()
@@ -89,6 +100,9 @@ def score_sample(
         full={kind: depth_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
         small={kind: cleargrasp_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
         picture_median={kind: depth_errors(medians[kind], labels.Z, mask) for kind, mask in masks.items()},
+        semi_global=None
+        if matched is None
+        else {kind: depth_errors(matched, labels.Z, mask) for kind, mask in masks.items()},
         histograms={kind: depth_histogram(labels.Z, mask) for kind, mask in masks.items()},
         boxes=boxes,
         masks=_masks(found, labels, wanted),
@@ -143,8 +157,19 @@ def _objects(
             pose = pose_errors(camera_T_object, item.camera_T_object, points, item.symmetry, surface)
         iou = 0.0 if row is None else float(boxes.overlaps[row, column])
         errors = depth_errors(depth, labels.Z, labels.instances == item.id)
-        scores.append(ObjectScore(item, iou, pose, len(points), None if errors is None else errors.mae))
+        axis = None if row is None else axis_distances(found.camera_T_object[row].cpu().numpy(), item)
+        scores.append(ObjectScore(item, iou, pose, len(points), None if errors is None else errors.mae, axis))
     return tuple(scores)
+
+
+def axis_distances(camera_T_object: np.ndarray, item: ViewObject) -> tuple[float, ...]:
+    """Return the distances of an object's `axis_points` under a pose that was found [m].
+
+    The best of the orders that look the same counts, as for networks that predict these points alone.
+    """
+    local, orders = object_keypoints(item, np.zeros((0, 3)))
+    found, true = (local @ pose[:3, :3].T + pose[:3, 3] for pose in (camera_T_object, item.camera_T_object))
+    return tuple(keypoint_distances(found, true, orders).tolist())
 
 
 def eval_mode(network: torch.nn.Module) -> torch.nn.Module:

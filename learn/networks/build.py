@@ -5,16 +5,26 @@ from __future__ import annotations
 import torch
 
 from ...core.errors import InputError
+from .baselines.densefusion import DenseFusion
+from .baselines.keypose import KeyPose
+from .baselines.simnet import SimNet
 from .mvtrans import MVTrans
 from .reference import ReferenceMVTrans
 from .settings import NetworkSettings
 
-Network = MVTrans | ReferenceMVTrans
+Network = MVTrans | ReferenceMVTrans | SimNet | KeyPose | DenseFusion
 
 
 def build_network(settings: NetworkSettings) -> Network:
     """Return a network with new weights, drawn from torch's global generator."""
-    return ReferenceMVTrans() if settings.variant == "reference" else MVTrans(settings)
+    released = settings.variant == "reference"
+    if settings.name == "simnet":
+        return SimNet(settings.simnet, released=released)
+    if settings.name == "keypose":
+        return KeyPose(settings.keypose, released=released)
+    if settings.name == "densefusion":
+        return DenseFusion(settings.densefusion, released=released)
+    return ReferenceMVTrans() if released else MVTrans(settings)
 
 
 def select_device(device: str, threads: int | None) -> str:

@@ -9,9 +9,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from ...core.errors import InputError
-from .layers import Norm, conv_norm_3d, norm
+from .layers import conv_norm_3d, norm
 from .plane_sweep import plane_sweep_grid, quarter_intrinsics, source_T_reference, warp
-from .settings import NetworkSettings
+from .settings import NetworkSettings, Norm
 
 #: Keeps the mean over views finite where no view sees a point.
 _MIN_WEIGHT = 1e-6

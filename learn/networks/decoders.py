@@ -9,8 +9,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from .layers import Norm, conv_norm, norm
+from .layers import conv_norm, norm
 from .resnet import ResNet
+from .settings import Norm
 
 #: Features at 1/4, 1/8 and 1/16 of the image size.
 Pyramid = tuple[Tensor, Tensor, Tensor]

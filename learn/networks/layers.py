@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 from ...core.errors import InputError
+from .settings import SIZE_MULTIPLE, Norm
 
-Norm = Literal["batch", "group"]
 #: Groups of a group norm; fewer where they do not divide the channels. Heads have 32 channels, so a group has four:
 #: with the 32 groups of Wu & He ("Group Normalization", 2018) each channel would lose its mean, which heads predict.
 GROUPS = 8
 #: Channels up to which strided 1 x 1 convolutions count as narrow (`set_memory_formats`).
 NARROW = 16
-#: Height and width of images are multiples of this [px]: the coarsest features are at 1/32 of the image size.
-SIZE_MULTIPLE = 32
 
 
 def norm(kind: Norm, channels: int, dims: int = 2) -> nn.Module:
@@ -54,7 +51,7 @@ def initialise(net: nn.Module) -> None:
             nn.init.kaiming_normal_(module.weight, nonlinearity="relu")
             if module.bias is not None:
                 nn.init.zeros_(module.bias)
-        elif isinstance(module, nn.BatchNorm2d | nn.BatchNorm3d | nn.GroupNorm):
+        elif isinstance(module, nn.BatchNorm2d | nn.BatchNorm3d | nn.GroupNorm) and module.affine:
             nn.init.ones_(module.weight)
             nn.init.zeros_(module.bias)
 

@@ -14,7 +14,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 from torch.utils.checkpoint import checkpoint
 
-from .layers import Norm, conv_norm
+from .layers import conv_norm
+from .settings import Norm
 
 #: Side of the average-pooling windows, on features at 1/4 of the image size [px].
 POOLS = (32, 16, 8, 4)

@@ -18,6 +18,7 @@ from torch.nn import functional
 from ...core.errors import InputError
 from .cost_volume import CostVolume, Regularisation, soft_argmin, windowed_expectation
 from .decoders import ContextDecoder, DenseHead, FeaturePyramid, FieldHead, Pyramid
+from .efficientnet import EfficientNet
 from .layers import check_inputs, convex_upsample, initialise, upsample
 from .matching_features import MatchingFeatures, recompute
 from .plane_sweep import plane_depths
@@ -56,7 +57,10 @@ class MVTrans(nn.Module):
             settings.feature_channels, settings.feature_width, settings.feature_blocks, settings.norm
         )
         self.matching = CostVolume(settings)
-        self.context = ResNet(settings.context, width=settings.context_width)
+        if settings.context == "efficientnet-lite0":
+            self.context = EfficientNet()
+        else:
+            self.context = ResNet(settings.context, width=settings.context_width)
         self.decoder = ContextDecoder(self.context.channels, settings.planes, settings.decoder_width, settings.norm)
         self.regularisation = Regularisation(self.matching.channels, settings.volume_channels, settings.norm)
         self.pyramid = FeaturePyramid(

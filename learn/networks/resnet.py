@@ -7,15 +7,13 @@ stride in the 3x3 convolution of a block.)
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
 
 import torch
 from torch import Tensor, nn
 
 from ...core.errors import InputError
+from .settings import Depth
 from .weights_file import read_weights
-
-Depth = Literal["resnet18", "resnet50"]
 
 #: Blocks in each of the four layers.
 _BLOCKS = {"resnet18": (2, 2, 2, 2), "resnet50": (3, 4, 6, 3)}

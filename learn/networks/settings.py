@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model, Ordered
-from .layers import Norm
-from .resnet import Depth
+from .baselines.settings import DenseFusionSettings, KeyPoseSettings, SimNetSettings
 
+NetworkName = Literal["mvtrans", "simnet", "keypose", "densefusion"]
 Variant = Literal["corrected", "reference"]
+Norm = Literal["batch", "group"]
+Depth = Literal["resnet18", "resnet50"]
+#: Height and width of images are multiples of this [px]: the coarsest features are at 1/32 of the image size.
+SIZE_MULTIPLE = 32
 _Count = Annotated[int, Field(ge=1, le=64)]
 _Metres = Annotated[float, Field(gt=0.0, le=1000.0)]
 
 
 class NetworkSettings(Model):
-    """Settings of a network; the reference variant uses `variant` alone."""
+    """Settings of a network: its name and variant, those of MVTrans, and those of each of the others.
 
+    The reference variant of MVTrans uses `variant` alone.
+    """
+
+    name: NetworkName = Field(
+        default="mvtrans",
+        description="mvtrans; simnet and keypose, which take stereo pairs; densefusion, which takes depth and masks",
+    )
     variant: Variant = Field(
-        default="corrected", description="corrected: MVTrans as its paper describes it; reference: as it was released"
+        default="corrected", description="corrected: as its paper describes it, mended; reference: as it was released"
     )
     depth_range: Annotated[tuple[_Metres, _Metres], Ordered] | None = Field(
         default=None, description="Depth of the first and the last plane [m]; by default the range of the training data"
@@ -49,8 +60,14 @@ class NetworkSettings(Model):
         default=(3, 6, 3, 3), description="Residual blocks of the matching layers; PSMNet has 16 in the second"
     )
     volume_channels: int = Field(default=32, ge=2, le=256, description="Channels of the cost volume")
-    context: Depth = Field(default="resnet50", description="Context network, which sees the reference image")
-    context_width: int = Field(default=64, ge=4, le=256, description="Its first channels; 64 in torchvision")
+    context: Depth | Literal["efficientnet-lite0"] = Field(
+        default="resnet50",
+        description="Context network, which sees the reference image; efficientnet-lite0 begins with weights for "
+        "ImageNet (needs the extra `encoder`)",
+    )
+    context_width: int = Field(
+        default=64, ge=4, le=256, description="First channels of a ResNet there; 64 in torchvision"
+    )
     decoder_width: int = Field(
         default=64, ge=4, le=256, description="Channels of the context decoder at 1/4 of the image size"
     )
@@ -64,3 +81,12 @@ class NetworkSettings(Model):
     )
     norm: Norm = Field(default="batch", description="Normalisation of all layers but ResNets and heads")
     head_norm: Norm = Field(default="group", description="Normalisation of the heads; group in the paper")
+    simnet: SimNetSettings = SimNetSettings()
+    keypose: KeyPoseSettings = KeyPoseSettings()
+    densefusion: DenseFusionSettings = DenseFusionSettings()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_name(cls, data: Any) -> Any:
+        """Take a name for the settings with that name, as in a file with ``network: simnet``."""
+        return {"name": data} if isinstance(data, str) else data

@@ -14,7 +14,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ..networks.settings import Variant
+from ..networks.settings import NetworkSettings
 
 #: Factors of the vertex field, the covariance [1 / m^2] and the centre depth [1 / m] (the released code's).
 VERTEX_SCALE, COVARIANCE_SCALE, Z_SCALE = 100.0, 1000.0, 100.0
@@ -46,9 +46,15 @@ CORRECTED = Encoding(tuple(range(8)), 1.0, "covariance", stretch_contrast=False)
 REFERENCE = Encoding((0, 4, 6, 2, 1, 5, 7, 3), -1.0, "vertices", stretch_contrast=True)
 
 
-def encoding_of(variant: Variant) -> Encoding:
-    """Return the encoding of a network variant."""
-    return REFERENCE if variant == "reference" else CORRECTED
+#: Released networks that decode the covariance: the corrected conventions, with the released contrast.
+STRETCHED = Encoding(CORRECTED.corners, 1.0, "covariance", stretch_contrast=True)
+
+
+def encoding_of(settings: NetworkSettings) -> Encoding:
+    """Return the encoding of a network."""
+    if settings.variant == "corrected" or settings.name in ("keypose", "densefusion"):
+        return CORRECTED
+    return REFERENCE if settings.name == "mvtrans" else STRETCHED
 
 
 def encoded_vertices(vertices: np.ndarray, at: np.ndarray, size: tuple[int, int], encoding: Encoding) -> np.ndarray:

@@ -14,6 +14,7 @@ from typing import Literal
 
 import torch
 from pydantic import Field, ValidationError
+from pydantic_core import from_json
 from torch import Tensor
 
 from ...core.errors import InputError
@@ -80,9 +81,12 @@ def load_checkpoint(path: Path) -> Checkpoint:
     if "checkpoint" not in metadata:
         raise InputError(path, "a checkpoint of glassware train", "a safetensors file without its header")
     try:
-        header = CheckpointHeader.model_validate_json(metadata["checkpoint"])
+        # Not by `model_validate_json`, whose strict mode refuses the paths among the settings.
+        header = CheckpointHeader.model_validate(from_json(metadata["checkpoint"], allow_inf_nan=False), strict=False)
     except ValidationError as error:
         raise setting_error(path, error, CheckpointHeader) from error
+    except ValueError as error:  # pydantic's for a text that is no JSON
+        raise InputError(path, "a checkpoint of glassware train", "a header that is no JSON") from error
     if header.step > header.settings.steps:
         raise InputError(f"{path}: step", f"one of 0 to {header.settings.steps}", header.step)
     groups: dict[str, dict[str, Tensor]] = {group: {} for group in _GROUPS}

@@ -1,4 +1,4 @@
-"""The losses of MVTrans, with the weights of the released code.
+"""The losses of MVTrans and SimNet, with the weights of the released code.
 
 The paper (section III-D) names the Huber loss for depth and cross-entropy for classes, and gives no weights.
 """
@@ -8,50 +8,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import torch
-from pydantic import Field
 from torch import Tensor
 from torch.nn import functional
 
-from ...core.model import Model
 from ..networks.settings import NetworkSettings
 from ..targets.view import TRANSPARENT
+from .loss_weights import LossWeights
 
 #: Greatest target depth of the released code, also that of pixels without ground truth [m].
 REFERENCE_MAX_DEPTH = 3.0
 #: Factor of the coarse depth's target in the released code, which divides its loss by the same factor.
 REFERENCE_SCALE = 0.25
-
-
-class LossWeights(Model):
-    """Weight of each loss, and the transition of the Huber loss.
-
-    Errors below `huber` give error^2 / (2 huber), so at the 1 m of the released code errors of millimetres have hardly
-    a gradient; a small value approaches the absolute error.
-    """
-
-    huber: float = Field(
-        default=1.0, gt=0.0, description="Depth error where the Huber loss turns from quadratic to linear [m]"
-    )
-
-    depth: float = Field(default=1.0, ge=0.0, description="Weight of the Huber loss of the full-size depth [m]")
-    small_depth: float = Field(default=1.0, ge=0.0, description="Weight of the Huber loss of the coarse depth [m]")
-    planes: float = Field(
-        default=1.0, ge=0.0, description="Weight of the cross-entropy over depth planes (windowed readout only)"
-    )
-    seg: float = Field(default=1.0, ge=0.0, description="Weight of the cross-entropy of semantic classes")
-    heatmap: float = Field(default=100.0, ge=0.0, description="Weight of the squared error of the heatmap")
-    vertex: float = Field(
-        default=0.1, ge=0.0, description="Weight of the absolute error of the vertex field, summed over channels"
-    )
-    z_centroid: float = Field(
-        default=0.1, ge=0.0, description="Weight of the absolute error of the depth of box centres"
-    )
-    covariance: float = Field(
-        default=0.1, ge=0.0, description="Weight of the absolute error of the covariance, summed over channels"
-    )
-    offset: float = Field(
-        default=10.0, ge=0.0, description="Weight of the absolute error of offsets over image height, summed over both"
-    )
+#: Disparities above the first are the second in the released SimNet [px].
+_TOO_LARGE, _LARGEST = 128.0, 127.0
 
 
 def losses(
@@ -69,7 +38,7 @@ def losses(
     targets : mapping of Tensor
         Batch of `targets.view.view_targets`.
     settings : NetworkSettings
-        Settings of the network.
+        Settings of the network: MVTrans or SimNet.
     huber : float
         As in `LossWeights`.
 
@@ -82,6 +51,8 @@ def losses(
         "heatmap": functional.mse_loss(outputs["heatmap"], targets["heatmap"]),
         **{name: field_loss(outputs, targets, name) for name in ("vertex", "z_centroid", "covariance")},
     }
+    if settings.name == "simnet":
+        return found | _disparity_losses(outputs, targets, released=settings.variant == "reference")
     if settings.variant == "reference":
         return found | _reference_losses(outputs, targets, huber)
     found |= {
@@ -155,4 +126,28 @@ def _reference_losses(outputs: Mapping[str, Tensor], targets: Mapping[str, Tenso
         "seg": functional.cross_entropy(outputs["seg"], targets["seg"].clamp_max(TRANSPARENT)),
         "depth": functional.smooth_l1_loss(outputs["depth"], depth, beta=huber),
         "small_depth": functional.smooth_l1_loss(outputs["small_depth"], small, beta=huber) / REFERENCE_SCALE,
+    }
+
+
+def _disparity_losses(
+    outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], *, released: bool
+) -> dict[str, Tensor]:
+    """Return the losses of SimNet; the coarse disparity has the target at its own pixels, over 4.
+
+    The released network learns a disparity everywhere, 0 where there is no surface; the corrected one where depth is
+    known.
+    """
+    depth = targets["depth"]
+    known = depth > 0.0
+    disparity = torch.where(known, outputs["focal_baseline"][:, None, None] / torch.where(known, depth, 1.0), 0.0)
+    if released:
+        disparity = torch.where(disparity > _TOO_LARGE, _LARGEST, disparity)
+        known = torch.ones_like(known)
+    full = functional.smooth_l1_loss(outputs["disparity"], disparity, reduction="none")
+    # At 1/4 of the size a disparity is a quarter of its pixels.
+    small = functional.smooth_l1_loss(outputs["small_disparity"] / 4.0, at_quarter(disparity) / 4.0, reduction="none")
+    return {
+        "seg": functional.cross_entropy(outputs["seg"], targets["seg"]),
+        "disparity": masked_mean(full, known),
+        "small_disparity": masked_mean(small, at_quarter(known)),
     }

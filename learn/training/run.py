@@ -21,7 +21,8 @@ from ..data.loading import load_batches
 from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
 from .checkpoint import Checkpoint, load_checkpoint, load_weights, save_checkpoint
-from .losses import losses, total_loss
+from .losses import total_loss
+from .methods import losses_of, note_step, outputs_of, with_own_views
 from .out_folder import make_out_folder
 from .run_log import RunLog
 from .schedule import StepBatches, learning_rate_at
@@ -75,6 +76,7 @@ def train(
         Where a loss or a gradient is not finite.
     """
     Dataset.open(data)
+    settings = with_own_views(settings)
     if init is not None and resume is not None:
         raise InputError("init", "none beside resume, which goes on with a run", init)
     weights = None if init is None else load_checkpoint(init)
@@ -112,8 +114,9 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
             group["lr"] = learning_rate_at(step, settings.steps, settings.optimiser)
         batch = loaded.to(fabric.device)
         model.train()
-        outputs = model(batch.images, batch.world_T_camera, batch.K)
-        terms = losses(outputs, batch.targets, settings.network, settings.losses.huber)
+        progress = step / settings.steps
+        outputs = outputs_of(model, batch, settings.network, progress)
+        terms = losses_of(outputs, batch, settings, progress)
         total = total_loss(terms, settings.losses)
         _check_loss(total, terms, step, batch)
         optimiser.zero_grad(set_to_none=True)
@@ -121,6 +124,7 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
         norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
         _check_gradient(norm, step, batch)
         optimiser.step()
+        note_step(state.network, outputs)
         ema = _updated_ema(ema, state.network, settings.optimiser.ema)
         done = step + 1
         log.log_step(done, total, terms, optimiser.param_groups[0]["lr"], norm, batch, outputs)
@@ -153,8 +157,8 @@ def validate(state: TrainState, ema: dict[str, Tensor] | None) -> float:
     with torch.inference_mode():
         for index in evenly_spaced:
             batch = collate([state.val[(index, _VALIDATION_DRAW)]]).to(state.fabric.device)
-            outputs = network(batch.images, batch.world_T_camera, batch.K)
-            terms = losses(outputs, batch.targets, state.settings.network, weights.huber)
+            outputs = outputs_of(network, batch, state.settings.network)
+            terms = losses_of(outputs, batch, state.settings)
             values.append(float(total_loss(terms, weights)))
     return sum(values) / count
 

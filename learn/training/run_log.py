@@ -57,7 +57,7 @@ class RunLog:
             line += "" if norm is None else f", gradient {float(norm):.3g}"
             self._say(f"{line}, {seconds:.2f} s a step, {left / 60.0:.0f} min left")
         if step % self._settings.pictures_every == 0:
-            picture = sample_picture(batch, outputs, self._settings.network.variant)
+            picture = sample_picture(batch, outputs, self._settings.network)
             self._writer.add_image("sample", picture, step, dataformats="HWC")
 
     def log_validation(self, step: int, loss: float) -> None:

@@ -11,7 +11,7 @@ from ...core.user_text import UserPath
 from ..data.settings import AugmentSettings, ViewSettings
 from ..data.splits import SplitName
 from ..networks.settings import NetworkSettings
-from .losses import LossWeights
+from .loss_weights import LossWeights
 
 _Beta = Annotated[float, Field(ge=0.0, lt=1.0)]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import torch
 from lightning_fabric import Fabric
@@ -12,20 +12,19 @@ from torch import Tensor
 
 from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
-from ..data.samples import SampleDataset
+from ..data.samples import Samples
 from ..networks.build import Network, build_network
+from ..networks.efficientnet import EfficientNet, load_efficientnet, published_weights
 from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
-from ..targets.encoding import encoding_of
 from .checkpoint import Checkpoint, check_weights, load_weights
+from .methods import samples_of, with_data
 from .settings import MachineSettings, TrainSettings
 
 #: Seed of the validation samples: the same in every run, so that their losses compare.
 _VALIDATION_SEED = 0
-#: How far the planes reach beyond the depths of the training data, as a fraction: other scenes are a little larger.
-_DEPTH_MARGIN = 0.1
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
 
@@ -36,8 +35,8 @@ class TrainState:
 
     fabric: Fabric
     settings: TrainSettings
-    train: SampleDataset
-    val: SampleDataset | None
+    train: Samples
+    val: Samples | None
     data: DatasetRecord
     network: Network
     optimiser: torch.optim.Optimizer
@@ -56,13 +55,11 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     fabric.launch()
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
-    encoding = encoding_of(settings.network.variant)
-    views, seed = settings.views, settings.seed
-    train = SampleDataset(data, settings.train_split, views, encoding, augment=settings.augment, seed=seed)
+    train = samples_of(settings, data, settings.train_split, augment=settings.augment, seed=settings.seed)
+    settings, train = with_data(settings, train)
     val = None
     if settings.val_split != "none":
-        val = SampleDataset(data, settings.val_split, views, encoding, seed=_VALIDATION_SEED)
-    settings = _with_depth_range(settings, train)
+        val = samples_of(settings, data, settings.val_split, seed=_VALIDATION_SEED)
     torch.manual_seed(settings.seed)
     network = build_network(settings.network)
     options = {"lr": settings.optimiser.learning_rate, "betas": settings.optimiser.betas}
@@ -74,13 +71,16 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
 
 
 def load_pretrained_context(state: TrainState) -> None:
-    """Load the pretrained weights of the context network, where the settings name a file."""
+    """Load the pretrained weights of the context network: of the file that the settings name, or of its package."""
     path = state.settings.pretrained
-    if path is None:
-        return
-    if not isinstance(state.network, MVTrans):
-        raise InputError("pretrained", "none for the reference variant, whose weights come from its checkpoints", path)
-    load_pretrained(state.network.context, path)
+    context = state.network.context if isinstance(state.network, MVTrans) else None
+    if isinstance(context, EfficientNet):
+        load_efficientnet(context, path or published_weights())
+    elif path is not None:
+        if context is None:
+            expected = "none for the reference variant and for other networks, whose weights come from checkpoints"
+            raise InputError("pretrained", expected, path)
+        load_pretrained(context, path)
 
 
 def with_network_of(settings: TrainSettings, start: Checkpoint, where: Path) -> TrainSettings:
@@ -99,8 +99,7 @@ def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, w
         found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
         raise InputError(f"{where}: data set", f"that of {data}", found)
     new, old = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")
-    if new["network"]["depth_range"] is None:
-        new["network"]["depth_range"] = old["network"]["depth_range"]
+    new["network"] = _with_open_values(new["network"], old["network"])
     for name in sorted(new.keys() - set(_FREE)):
         if new[name] != old[name]:
             raise InputError(f"{where}: {name}", f"{new[name]}", f"{old[name]} in the checkpoint")
@@ -174,10 +173,12 @@ def _precision(machine: MachineSettings) -> Literal["32-true", "bf16-mixed"]:
     return "bf16-mixed" if torch.cuda.is_bf16_supported(including_emulation=False) else "32-true"
 
 
-def _with_depth_range(settings: TrainSettings, data: SampleDataset) -> TrainSettings:
-    if settings.network.variant == "reference" or settings.network.depth_range is not None:
-        return settings
-    near, far = data.depth_range()
-    limits = ((1.0 - _DEPTH_MARGIN) * near, (1.0 + _DEPTH_MARGIN) * far)
-    network = settings.network.model_dump() | {"depth_range": limits}
-    return settings.model_copy(update={"network": NetworkSettings.model_validate(network)})
+def _with_open_values(new: dict[str, Any], old: dict[str, Any]) -> dict[str, Any]:
+    """Return settings of a network with those of a checkpoint that follow from the data, where they are left open."""
+    result = dict(new)
+    for name, value in new.items():
+        if isinstance(value, dict):
+            result[name] = _with_open_values(value, old[name])
+        elif value in (None, []):
+            result[name] = old[name]
+    return result

@@ -17,7 +17,7 @@ class Rest(Model):
         description="Whether no pile came to rest in as many attempts, so that all objects stand apart",
     )
     fell_again: int = Field(
-        ge=0, description="Falls that were drawn again, as the object left the table or fell into a liquid"
+        ge=0, description="Falls that were drawn again, as the object left the table or did not come to rest"
     )
     seconds: float = Field(ge=0.0, description="Simulated time [s]")
     moved: float = Field(ge=0.0, description="The most that any point moved in the last second [m]")

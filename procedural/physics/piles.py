@@ -3,92 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import chain, combinations, product
 
 import numpy as np
 
 from ...core.errors import InputError
 from ...core.randomness import stream
-from ..description.bodies import TABLE_ID, GlassBody, SceneObject, liquid_solid
-from ..description.edits import in_world, solid_of
+from ..description.bodies import TABLE_ID, GlassBody, SceneObject
 from ..description.material import OpaqueMaterial
 from ..description.rest import Rest, no_rest
-from ..placement.overlap import ALLOWANCE, Solid, overlap
-from ..placement.placement import CONTACT_GAP, PlacementSettings, apart, draw_positions, inside
-from ..placement.resting import resting_turn, turn_about_z
+from ..placement.placement import CONTACT_GAP, PlacementSettings, draw_positions
+from ..placement.resting import turn_about_z
 from .bodies import mechanics_of
 from .bodies import with_attached as mechanics_with
+from .falling import calm, fall
+from .faults import is_spoilt, made_upright, overlapping, strays, take_away, unsteady
 from .parts import body_parts
 from .parts import with_attached as parts_with
+from .pile_state import Case, Run, outline_of
 from .rest import comes_to_rest
-from .sections import hull
 from .settings import PhysicsSettings
 from .substances import substance_of
-from .world import (
-    FALL_STEP,
-    RigidBody,
-    World,
-    advance,
-    build_world,
-    contacts,
-    is_broken,
-    let_go,
-    place,
-    poses,
-    put_away,
-    speeds,
-)
+from .world import RigidBody, build_world, contacts, is_broken, let_go, poses, restart
 
-#: Time between two props that fall [s]: the first has landed, or nearly so.
-_INTERVAL = 0.15
-#: Speed below which vessels that were held are let go [m/s], and the longest time until then [s].
-_SLOW, _HOLD_TIME = 0.05, 2.0
-#: Places tried for a prop before the disc grows, and its growth [1].
-_TRIES, _GROWTH = 30, 1.2
-#: How often each prop that leaves the table, or falls into a liquid, may fall again on average [1].
-_FALLS_AGAIN = 0.5
-#: Depth below the table's top at which an object has left it [m].
-_LOST = 0.05
-#: Tilt at which a filled vessel is upset [rad], whatever follows.
-_SPILT = 0.1
-#: Largest tilt of a filled vessel at rest [rad], which is then made upright: at a height of 0.3 m the rim moves by as
-#: much as the gap of contacts.
-_UPRIGHT = 3e-4
-#: Fraction of props that begin to fall in a pose in which they could lie, and the tilt that they then have [rad].
-_FLAT_FRACTION, _FLAT_TILT = 0.5, 0.15
-
-
-@dataclass(frozen=True, eq=False)
-class _Case:
-    """What all attempts at a scene have in common."""
-
-    objects: Sequence[SceneObject]
-    bodies: list[RigidBody]
-    falls: list[int]  #: numbers of the objects that fall
-    stands: list[int]  #: numbers of those that stand from the beginning
-    filled: list[int]
-    board: np.ndarray
-    friction: float
-    settings: PhysicsSettings
-    placement: PlacementSettings
-    attached: list[Sequence[SceneObject]]  #: parts that move with each object, in its frame
-
-
-@dataclass(eq=False)
-class _Run:
-    """An attempt under way."""
-
-    case: _Case
-    world: World
-    rng: np.random.Generator
-    centre: np.ndarray  #: of the disc over which props fall [m]
-    radius: float
-    fell_again: int = 0
-    seconds: float = 0.0
-    moved: float = 0.0
-    standing: dict[int, np.ndarray] = field(default_factory=dict)  #: poses of vessels as they were placed
-    here: set[int] = field(default_factory=set)  #: numbers of the objects that are in the scene
+#: How often each object that falls may fall again on average [1] before the whole pile is drawn anew.
+_FALLS_AGAIN = 1.5
+#: Simulated time of all attempts after which a pile that nobody asked for is given up [s]: some 10 s of one core.
+_LONGEST_UNASKED = 30.0
+#: Growth of the disc after something left the table, which has to land nearer, and after something did not come to rest
+#: or overlaps, which has to land where there is more room [1].
+_NEARER, _WIDER = 0.8, 1.2
 
 
 def pile_up(
@@ -105,8 +48,8 @@ def pile_up(
     """Return the poses of objects that came to rest after a fall, or None where no pile does.
 
     What stands is placed first, apart from each other, and held. The others fall one after another. Then everything is
-    let go until it is at rest. A pile that does not come to rest, upsets a filled vessel, or loses an object again and
-    again is drawn anew, from a stream of its own.
+    let go until it is at rest. What leaves the table, upsets a filled vessel, does not come to rest or is in another
+    object falls again. A pile in which that happens again and again is drawn anew, from a stream of its own.
 
     Parameters
     ----------
@@ -136,17 +79,16 @@ def pile_up(
         Where no attempt comes to rest and `piled_probability` is 1, or what stands does not fit on the table.
     """
     case = _case(objects, stands, board, table, settings, placement, attached or {})
-    fault = ""
+    fault, unasked, seconds = "", settings.piled_probability < 1.0, 0.0
     for attempt in range(settings.attempts):
-        rng = stream(seed, scene_id, f"physics/{attempt}")
-        run, found = _begun(case, rng), np.empty((0, 4, 4))
-        fault = _settled(run)
+        run = _begun(case, stream(seed, scene_id, f"physics/{attempt}"))
+        fault, found = _settled(run)
         if not fault:
-            found = poses(run.world)
-            fault = _upset(case, found) or _overlapping(case, found)
-        if not fault:
-            return [*np.asarray(found)], _record(run, attempt)
-    if settings.piled_probability < 1.0:  # nobody asked for this pile
+            return [*found], _record(run, attempt)
+        seconds += run.seconds
+        if unasked and seconds > _LONGEST_UNASKED:
+            return None, no_rest(attempt + 1)
+    if unasked:
         return None, no_rest(settings.attempts)
     where, expected = "physics.attempts, physics.longest_time", "a pile that comes to rest in one of "
     raise InputError(where, f"{expected}{settings.attempts} attempts", f"none; the last one {fault}")
@@ -160,24 +102,24 @@ def _case(
     settings: PhysicsSettings,
     placement: PlacementSettings,
     attached: Mapping[str, Sequence[SceneObject]],
-) -> _Case:
+) -> Case:
     parts = [attached.get(item.name, ()) for item in objects]
     bodies = [
         RigidBody(parts_with(body_parts(item), some), mechanics_with(mechanics_of(item), some))
         for item, some in zip(objects, parts, strict=True)
     ]
     numbers = range(len(objects))
-    return _Case(
+    return Case(
         objects=objects,
         bodies=bodies,
         falls=[number for number in numbers if not stands[number]],
         stands=[number for number in numbers if stands[number]],
         filled=[number for number in numbers if _is_filled(objects[number])],
         board=board,
-        friction=substance_of(table).friction,
         settings=settings,
         placement=placement,
         attached=parts,
+        world=build_world(bodies, board, substance_of(table).friction),
     )
 
 
@@ -185,30 +127,28 @@ def _is_filled(item: SceneObject) -> bool:
     return isinstance(item, GlassBody) and item.liquid is not None
 
 
-def _begun(case: _Case, rng: np.random.Generator) -> _Run:
-    """Return a world in which the vessels stand and everything else waits."""
+def _begun(case: Case, rng: np.random.Generator) -> Run:
+    """Begin an attempt: the vessels stand and everything else waits."""
     turned = {number: turn_about_z(rng.uniform(0.0, 2.0 * np.pi)) for number in case.stands}
-    outlines = [_outline(case.bodies[number].parts.hull, turned[number]) for number in case.stands]
+    hulls = [body.parts.hull for body in case.bodies]
+    outlines = [outline_of(hulls[number], turned[number]) for number in case.stands]
     shifts = draw_positions(outlines, case.board, case.placement, rng)
-    bodies = list(case.bodies)
-    for number, shift in zip(case.stands, shifts, strict=True):
-        pose = turned[number]
-        pose[:3, 3] = [*shift, CONTACT_GAP - bodies[number].parts.hull[:, 2].min()]
-        bodies[number] = RigidBody(bodies[number].parts, bodies[number].mechanics, pose)
+    for (number, pose), shift in zip(turned.items(), shifts, strict=True):
+        pose[:3, 3] = [*shift, CONTACT_GAP - hulls[number][:, 2].min()]
+    restart(case.world, [turned.get(number) for number in range(len(case.bodies))])
     angle, distance = rng.uniform(0.0, 2.0 * np.pi), case.placement.radius * np.sqrt(rng.random())
-    return _Run(
+    return Run(
         case=case,
-        world=build_world(bodies, case.board, case.friction),
         rng=rng,
         centre=0.5 * distance * np.array([np.cos(angle), np.sin(angle)]),
         radius=float(rng.uniform(*case.settings.pile_radius)),
-        standing={number: pose for number in case.stands if (pose := bodies[number].pose) is not None},
+        standing=turned,
         here=set(case.stands),
     )
 
 
-def _settled(run: _Run) -> str:
-    """Let everything fall and come to rest; return why it did not, or nothing."""
+def _settled(run: Run) -> tuple[str, np.ndarray]:
+    """Let everything fall and come to rest; return why it did not, or nothing, and the poses (n, 4, 4)."""
     case, world = run.case, run.world
     sizes = {number: np.ptp(case.bodies[number].parts.hull, axis=0).prod() for number in case.falls}
     # The large first, more or less, as people stack things.
@@ -216,174 +156,49 @@ def _settled(run: _Run) -> str:
     held = True
     while True:
         for number in order:
-            _fall(run, number)
+            fall(run, number)
             if is_broken(world):
-                return "broke off"
+                return "broke off", poses(world)
         if held:
-            _calm(run)
+            calm(run)
             for number in case.stands:
                 let_go(world, number)
             held = False
-        among = np.array([number in run.here for number in range(len(case.objects))])
-        still, seconds, moved = comes_to_rest(
-            world, among, case.settings.longest_time, lambda now, among=among: _is_spoilt(case, now[among], now)
-        )
-        run.seconds += seconds
-        if is_broken(world):
-            return "broke off"
-        order = _strays(run)
-        if not order:
-            run.moved = moved
-            return "" if still else f"still moved after {case.settings.longest_time:g} s"
+        fault, order = _at_rest(run)
+        found = poses(world)
+        if not fault:
+            fault = made_upright(case, found)
+        if not fault:
+            fault, order = overlapping(case, found)
+            run.radius *= _WIDER
+        if not fault:
+            return "", found
         run.fell_again += len(order)
-        if run.fell_again > _FALLS_AGAIN * max(len(case.falls), 1) or set(order) & set(case.stands):
-            return (
-                f"lost {case.objects[order[0]].name} again and again, from the table, in a liquid or off a full vessel"
-            )
-        run.radius *= 0.8
+        if not order or run.fell_again > _FALLS_AGAIN * len(case.falls) or set(order) & set(case.stands):
+            return fault, found
+        take_away(run, order)
 
 
-def _is_spoilt(case: _Case, there: np.ndarray, every: np.ndarray) -> bool:
-    """Return whether an object has left the table, or a filled vessel is upset."""
-    return bool((there[:, 2, 3] < -_LOST).any() or (every[case.filled, 2, 2] < np.cos(_SPILT)).any())
+def _at_rest(run: Run) -> tuple[str, list[int]]:
+    """Simulate until all is at rest; return why it is not, or nothing, and which objects have to fall again."""
+    case, world = run.case, run.world
+    among = np.array([number in run.here for number in range(len(case.objects))])
+    end = comes_to_rest(world, among, case.settings.longest_time, lambda now: is_spoilt(case, now[among], now))
+    run.seconds, run.moved = run.seconds + end.seconds, end.moved
+    if is_broken(world):
+        return "broke off", []
+    away = strays(run)
+    if away:
+        run.radius *= _NEARER
+        first = case.objects[away[0]].name
+        return f"lost {first} again and again, from the table, in a liquid or off a full vessel", away
+    if end.still:
+        return "", []
+    run.radius *= _WIDER
+    return f"still moved after {case.settings.longest_time:g} s", unsteady(run, end.restless)
 
 
-def _calm(run: _Run) -> None:
-    """Simulate while the vessels are held, until what fell is slow."""
-    numbers, time = [number for number in run.case.falls if number in run.here], 0.0
-    while time < _HOLD_TIME and numbers and speeds(run.world)[numbers].max() > _SLOW:
-        advance(run.world, _INTERVAL, FALL_STEP)
-        time += _INTERVAL
-    run.seconds += time
-
-
-def _fall(run: _Run, number: int) -> None:
-    """Let an object fall over the disc, from a height over what is below it."""
-    hull_points = run.case.bodies[number].parts.hull
-    pose = _tumbled(run.rng, hull_points)
-    outline = _outline(hull_points, pose)
-    shift = _spot(run, outline)
-    below = 0.0
-    for other, other_pose in enumerate(poses(run.world)):
-        if other in run.here and other != number:
-            points = run.case.bodies[other].parts.hull
-            if not apart(_outline(points, other_pose), outline + shift, 0.0):
-                below = max(below, float((points @ other_pose[2, :3]).max() + other_pose[2, 3]))
-    height = run.rng.uniform(*run.case.settings.drop_height)
-    pose[:3, 3] = [*shift, below + height - float((hull_points @ pose[2, :3]).min())]
-    let_go(run.world, number, pose)
-    run.here.add(number)
-    advance(run.world, _INTERVAL, FALL_STEP)
-    run.seconds += _INTERVAL
-
-
-def _tumbled(rng: np.random.Generator, points: np.ndarray) -> np.ndarray:
-    """Return a turn of an object that falls: any, or one in which it could nearly lie."""
-    from scipy.spatial.transform import Rotation
-
-    lies = rng.random() < _FLAT_FRACTION
-    any_turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
-    tilt = Rotation.from_rotvec(_FLAT_TILT * rng.normal(size=3) / np.sqrt(3.0)).as_matrix()
-    pose = np.eye(4)
-    pose[:3, :3] = tilt @ resting_turn(points, rng)[:3, :3] if lies else any_turn
-    return pose
-
-
-def _spot(run: _Run, outline: np.ndarray) -> np.ndarray:
-    """Return a place for an outline in the disc, on the table and over no filled vessel."""
-    current = poses(run.world)
-    mouths = [_outline(run.case.bodies[number].parts.hull, current[number]) for number in run.case.filled]
-    radius, shift = run.radius, run.centre
-    while radius < 2.0 * float(np.linalg.norm(run.case.board, axis=1).max()):
-        for _ in range(_TRIES):
-            angle, distance = run.rng.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(run.rng.random())
-            shift = run.centre + distance * np.array([np.cos(angle), np.sin(angle)])
-            at = outline + shift
-            if inside(at, run.case.board, 0.0) and all(apart(at, mouth, 0.0) for mouth in mouths):
-                return shift
-        radius = radius * _GROWTH + 0.005
-    return shift
-
-
-def _strays(run: _Run) -> list[int]:
-    """Put away and return the objects that left the table, lie in a liquid, or have upset a filled vessel.
-
-    Such a vessel is put upright again where it stood.
-    """
-    found, current = [], poses(run.world)
-    touching = contacts(run.world)
-    upset = [number for number in run.case.filled if _tilt(current[number]) > _UPRIGHT]
-    culprits = {one for number in upset for pair in touching if number in pair for one in pair} & set(run.case.falls)
-    middles = current[:, 2, 3]
-    liquids = [in_world(liquid_solid(run.case.objects[i]), current[i]) for i in run.case.filled]  # pyright: ignore
-    for number in sorted(run.here):
-        lost = middles[number] < -_LOST or number in culprits or not _is_over_table(run.case, number, current[number])
-        if not lost and number in run.case.falls and liquids:
-            body = solid_of(run.case.objects[number].model_copy(update={"world_T_object": current[number]}))
-            lost = any(_meet(body, liquid) for liquid in liquids)
-        if lost:
-            found.append(number)
-            put_away(run.world, number)
-            run.here.discard(number)
-    if found:
-        for number in upset:
-            place(run.world, number, run.standing[number])
-    return found
-
-
-def _is_over_table(case: _Case, number: int, pose: np.ndarray) -> bool:
-    """Return whether an object's centre of gravity is over the table, whose corners are round where it is."""
-    centre = pose[:3, :3] @ np.array(case.bodies[number].mechanics.whole.centre_of_mass) + pose[:3, 3]
-    return inside(centre[None, :2], case.board, 0.0)
-
-
-def _tilt(pose: np.ndarray) -> float:
-    """Return the angle of an object's z axis to the vertical [rad]."""
-    return float(np.arctan2(np.hypot(*pose[:2, 2]), pose[2, 2]))
-
-
-def _meet(a: Solid, b: Solid) -> bool:
-    """Return whether bodies have anything in common."""
-    if (np.maximum(a.points.min(0), b.points.min(0)) > np.minimum(a.points.max(0), b.points.max(0))).any():
-        return False
-    return overlap(a, b) if a.exact is None or b.exact is None else not (a.exact ^ b.exact).is_empty()
-
-
-def _upset(case: _Case, found: np.ndarray) -> str:
-    """Make filled vessels exactly upright; return which one is not nearly so, or nothing."""
-    for number in case.filled:
-        pose = found[number].copy()
-        standing = CONTACT_GAP - float(case.bodies[number].parts.hull[:, 2].min())
-        if _tilt(pose) > _UPRIGHT or abs(pose[2, 3] - standing) > CONTACT_GAP + _UPRIGHT:
-            return f"upset {case.objects[number].name}, which holds a liquid"
-        found[number] = turn_about_z(float(np.arctan2(pose[1, 0], pose[0, 0])))
-        found[number, :3, 3] = [*pose[:2, 3], standing]
-    return ""
-
-
-def _overlapping(case: _Case, found: np.ndarray) -> str:
-    """Return which objects overlap, or nothing: measured on their meshes, not on the parts that were simulated."""
-    groups = [
-        [item.model_copy(update={"world_T_object": pose}), *placed_parts(some, pose)]
-        for item, some, pose in zip(case.objects, case.attached, found, strict=True)
-    ]
-    solids = [[(item.name, solid_of(item)) for item in group] for group in groups]
-    for first, second in combinations(solids, 2):
-        for (name, solid), (other, another) in product(first, second):
-            if overlap(solid, another):
-                return f"left {name} in {other}"
-    for name, solid in chain.from_iterable(solids):
-        if solid.points[:, 2].min() < -ALLOWANCE:
-            return f"left {name} in the table"
-    return ""
-
-
-def placed_parts(parts: Sequence[SceneObject], world_T_host: np.ndarray) -> list[SceneObject]:
-    """Return parts with poses in the world, of parts with poses in the frame of the object that they move with."""
-    return [part.model_copy(update={"world_T_object": world_T_host @ part.world_T_object}) for part in parts]
-
-
-def _record(run: _Run, attempt: int) -> Rest:
+def _record(run: Run, attempt: int) -> Rest:
     ids = {-1: TABLE_ID} | {number: item.id for number, item in enumerate(run.case.objects)}
     pairs = sorted(tuple(sorted((ids[first], ids[second]))) for first, second in contacts(run.world))
     return Rest(
@@ -393,8 +208,3 @@ def _record(run: _Run, attempt: int) -> Rest:
         moved=run.moved,
         contacts=tuple((first, second) for first, second in pairs),
     )
-
-
-def _outline(points: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """Return the convex outline of a body seen from above, (k, 2) [m]."""
-    return hull(points @ pose[:2, :3].T + pose[:2, 3])

@@ -33,7 +33,7 @@ class PhysicsSettings(Model):
         default=(0.03, 0.15), description="Radius of the disc over which the props of a pile fall, within 0 and 0.5 [m]"
     )
     longest_time: float = Field(
-        default=6.0, ge=2.0, le=120.0, description="Simulated time after which a pile has to be at rest [s]"
+        default=4.0, ge=2.0, le=120.0, description="Simulated time after which a pile has to be at rest [s]"
     )
     attempts: int = Field(
         default=12, ge=1, le=200, description="Piles that are drawn for a scene, each anew, until one comes to rest"

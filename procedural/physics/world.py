@@ -19,9 +19,11 @@ from .parts import BodyParts
 from .substances import ROLLING_ARM, TURNING_ARM
 from .wedges import ConvexPart
 
-#: Time step while bodies fall, and afterwards [s]: at 1 m/s, a fall from 5 cm, a body moves by a millimetre a step, as
-#: thick as the thinnest glass.
-FALL_STEP, REST_STEP = 1e-3, 2e-3
+#: The most that a body moves in a step [m]: as much as the thinnest glass is thick.
+_REACH = 1e-3
+#: Time between two choices of the step [s], and the fewest and most steps in it [1]. At 1 m/s, a fall from 5 cm, a
+#: millimetre takes a millisecond; contacts want a step of at most half their time constant.
+_CHOICE, _FEWEST_STEPS, _MOST_STEPS = 0.01, 3, 10
 #: Time constant of contacts [s] and their damping ratio [1]: some steps, critically damped, so nothing bounces.
 _CONTACT = (0.01, 1.0)
 #: Impedance of contacts (at no and full depth, width [m], midpoint, power): nearly rigid from the first tenth of a
@@ -32,9 +34,8 @@ FRICTION_STIFFNESS = 100.0
 #: Directions in which a contact resists: with friction against sliding, and against turning and rolling as well. A pair
 #: has the larger of both. Parts of one body touch another in many places, which keep each other from turning.
 SLIDING, ROLLING = 3, 6
-#: Damping of motion and of turning while bodies fall, and once all have fallen [1/s]: balls stop rolling in a second
-#: or two. What is out of balance moves all the same, and poses at rest do not depend on it.
-_DAMPING, _LATE_DAMPING = (0.5, 3.0), (10.0, 10.0)
+#: Damping of motion and of turning while bodies fall [1/s].
+_DAMPING = (0.5, 3.0)
 #: Damping of bodies that are held [1/s]: they move by less than a micrometre under an impact.
 _HELD = 1e6
 #: Thickness of the table top [m]: nothing falls through it.
@@ -88,7 +89,7 @@ def build_world(bodies: Sequence[RigidBody], board: np.ndarray, friction: float)
     import mujoco  # here, as only piles need it
 
     spec = mujoco.MjSpec()
-    spec.option.timestep, spec.option.gravity = FALL_STEP, [0.0, 0.0, -GRAVITY]
+    spec.option.gravity = [0.0, 0.0, -GRAVITY]
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, FRICTION_STIFFNESS
     spec.compiler.balanceinertia = True
@@ -101,10 +102,22 @@ def build_world(bodies: Sequence[RigidBody], board: np.ndarray, friction: float)
     data = mujoco.MjData(model)
     radii = np.array([np.linalg.norm(body.parts.hull, axis=1).max() for body in bodies])
     world = World(model, data, radii)
-    for number in range(len(bodies)):
-        hold(world, number)
-    mujoco.mj_forward(model, data)
+    restart(world, [body.pose for body in bodies])
     return world
+
+
+def restart(world: World, held: Sequence[np.ndarray | None]) -> None:
+    """Begin anew, with each body held in a pose, or waiting where it has none."""
+    import mujoco
+
+    mujoco.mj_resetData(world.model, world.data)
+    for number, pose in enumerate(held):
+        if pose is None:
+            put_away(world, number)
+        else:
+            place(world, number, pose)
+            hold(world, number)
+    mujoco.mj_forward(world.model, world.data)
 
 
 def hold(world: World, number: int) -> None:
@@ -121,9 +134,9 @@ def let_go(world: World, number: int, pose: np.ndarray | None = None) -> None:
         place(world, number, pose)
 
 
-def slow_down(world: World, number: int) -> None:
-    """Damp a body that is free more than before, so that it comes to rest soon."""
-    _set_damping(world, number, _LATE_DAMPING)
+def slow_down(world: World, number: int, rate: float) -> None:
+    """Damp the motion and the turning of a body that is free [1/s], so that it comes to rest soon."""
+    _set_damping(world, number, (rate, rate))
 
 
 def place(world: World, number: int, pose: np.ndarray) -> None:
@@ -140,12 +153,17 @@ def put_away(world: World, number: int) -> None:
     hold(world, number)
 
 
-def advance(world: World, seconds: float, step: float = REST_STEP) -> None:
-    """Simulate for some time [s], in steps [s]."""
+def advance(world: World, seconds: float) -> None:
+    """Simulate for some time [s], in steps that are short while bodies are fast."""
     import mujoco
 
-    world.model.opt.timestep = step
-    mujoco.mj_step(world.model, world.data, nstep=max(1, round(seconds / step)))
+    for _ in range(max(1, round(seconds / _CHOICE))):
+        fastest = float(speeds(world).max(initial=0.0)) + GRAVITY * _CHOICE
+        # (What is not finite is no number of steps; `is_broken` says so.)
+        wanted = fastest * _CHOICE / _REACH if np.isfinite(fastest) else _MOST_STEPS
+        steps = int(np.clip(np.ceil(wanted), _FEWEST_STEPS, _MOST_STEPS))
+        world.model.opt.timestep = _CHOICE / steps
+        mujoco.mj_step(world.model, world.data, nstep=steps)
 
 
 def is_broken(world: World) -> bool:

@@ -12,7 +12,8 @@ from ..description.rest import Rest
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, SceneObject, Vessel
 from ..description.surroundings import Table
 from ..physics.bodies import mechanics_of
-from ..physics.piles import pile_up, placed_parts
+from ..physics.faults import placed_parts
+from ..physics.piles import pile_up
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline

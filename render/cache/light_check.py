@@ -31,6 +31,8 @@ BOUND, STANDARD_ERRORS = 0.02, 3.0
 _PIXELS = (128, 512, 2048)
 #: Samples of each pixel by both methods, and views that pixels are taken from at most.
 _SAMPLES, _VIEWS = 64, 4
+#: Samples of a pixel that its sequence has room for [1].
+MAX_SAMPLES = 1 << 14
 #: Standard deviation of the window in which light is averaged to tell parts of an object [px].
 _WINDOW = 3.0
 #: Regions of fewer pixels in these views are left out: nobody sees them.
@@ -195,7 +197,7 @@ def _luminances(loaded: LoadedScene, method: Tracer, view: np.ndarray, pixel: np
             pixel[here].astype(np.uint32),
             (np.arange(len(here), dtype=np.uint32) * _SAMPLES) % (1 << 20),
             _SAMPLES,
-            1 << 14,
+            MAX_SAMPLES,
             (seed + int(number)) % (1 << 32),
         )
         radiance = method.trace(loaded, ray, weight, sampler, loaded.description.picture).radiance

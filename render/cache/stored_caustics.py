@@ -63,9 +63,12 @@ def path_tracer_with_caustics(loaded: LoadedScene, cache: IrradianceCache) -> Tr
     Paths from the camera hit the sun through glass once in 100,000 diffuse bounces: a path-traced picture of a few
     hundred samples has none of its caustics, and its noise does not show what is missing.
     """
-    if cache.caustics is None:
-        return PATH_TRACER
-    caustics = stored_caustics(loaded, cache.points, cache.caustics)
+    return PATH_TRACER if cache.caustics is None else path_tracer_with_photons(loaded, cache.points, cache.caustics)
+
+
+def path_tracer_with_photons(loaded: LoadedScene, points: CachePoints, moments: np.ndarray) -> Tracer:
+    """Return the path tracer that reads caustics from moments of photons, as `stored_caustics` takes them."""
+    caustics = stored_caustics(loaded, points, moments)
 
     def trace_with_caustics(
         loaded: LoadedScene, ray: mi.Ray3f, weight: mi.UnpolarizedSpectrum, sampler: SobolSampler, picture: Picture

@@ -12,11 +12,19 @@ import numpy as np
 from ...procedural.description.camera import Camera
 from ...procedural.description.surroundings import ROOM_IDS
 from .._mitsuba import dr, mi, syntax
-from ..frame import Eye, Geometry, Layers, LineOfSight
+from ..frame import Eye, Geometry, Layers, LineOfSight, Transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import clearance, leave, pinhole, pixel_rays, without_crack
 from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
-from .layers import LayerRecorder, RayHit, layer_recorder, recorded_layers, write_layer
+from .layers import (
+    LayerRecorder,
+    RayHit,
+    layer_recorder,
+    recorded_layers,
+    recorded_transmission,
+    write_layer,
+    write_transmission,
+)
 
 #: Maximum number of objects of a scene [1]: the silhouettes are bits of a 64-bit integer.
 MAX_OBJECTS = 63
@@ -62,12 +70,43 @@ def trace_straight(loaded: LoadedScene, camera: Camera, layers: int, eye: Eye = 
     eye : {"left", "right"}
         Which of the two.
     """
+    geometry, recorder, count = _recorded(loaded, camera, layers, eye)
+    return geometry, recorded_layers(recorder, count, (camera.height, camera.width))
+
+
+def trace_transmission(loaded: LoadedScene, camera: Camera, layers: int) -> tuple[Geometry, np.ndarray, Transmission]:
+    """Return what the straight rays of the left camera hit, and what each surface along them passes on.
+
+    Parameters
+    ----------
+    loaded : LoadedScene
+        The scene.
+    camera : Camera
+        The stereo pair.
+    layers : int
+        Number of surfaces of each ray that are recorded.
+
+    Returns
+    -------
+    geometry : Geometry
+    count : (H, W) int
+        Surfaces along each ray, also of those that are not recorded.
+    transmission : Transmission
+    """
+    geometry, recorder, count = _recorded(loaded, camera, layers, "left", transmission=True)
+    return geometry, np.array(count).reshape(camera.height, camera.width), recorded_transmission(recorder)
+
+
+def _recorded(
+    loaded: LoadedScene, camera: Camera, layers: int, eye: Eye, transmission: bool = False
+) -> tuple[Geometry, LayerRecorder, mi.UInt32]:
+    """Trace the rays of one eye; return their geometry, their recorded surfaces, and the number of all of them."""
     objects = len(loaded.description.objects)
     if objects > MAX_OBJECTS:
         raise ValueError(f"a scene of {objects} objects: labels support at most {MAX_OBJECTS}")
     view = pinhole(camera, eye)
     ray, depth_per_distance = pixel_rays(view, dr.arange(mi.UInt32, camera.width * camera.height), mi.Point2f(0.0))
-    recorder = layer_recorder(loaded, view, depth_per_distance, layers)
+    recorder = layer_recorder(loaded, view, depth_per_distance, layers, transmission)
     hits = straight_hits(loaded, ray, recorder)
     Z, background_Z = hits.first * depth_per_distance, hits.background * depth_per_distance
     facing = dr.select(dr.dot(hits.normal, ray.d) > 0.0, -hits.normal, hits.normal)
@@ -85,7 +124,7 @@ def trace_straight(loaded: LoadedScene, camera: Camera, layers: int, eye: Eye = 
         crossed=_bits(hits.crossed, objects, shape),
         reached=_bits(hits.reached, objects, shape),
     )
-    return geometry, recorded_layers(recorder, hits.count, shape)
+    return geometry, recorder, hits.count
 
 
 def line_of_sight(loaded: LoadedScene, origin: np.ndarray, points: np.ndarray) -> LineOfSight:
@@ -148,6 +187,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         distance = dr.dot(si.p - origin, direction)
 
         write_layer(recorder, table, count, RayHit(si, ray, distance), active)
+        layer = mi.UInt32(count)
         count += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
         nearest = active & (first_id == 0)
@@ -159,8 +199,9 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         stops = unblocked & surface.opaque
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
-        passed = straight_transmittance(table, surface, ray, start_normal, unblocked)
-        transmittance *= dr.select(unblocked, passed, 1.0)
+        absorbed, through = straight_passage(table, surface, ray, start_normal, unblocked)
+        write_transmission(recorder, layer, dr.select(surface.opaque, 0.0, through), absorbed, unblocked)
+        transmittance *= dr.select(unblocked, absorbed * dr.select(surface.opaque, 1.0, through), 1.0)
         start_normal = mi.Normal3f(surface.ns)
 
         bit = dr.select(active & (item >= 0), mi.UInt64(1) << mi.UInt64(dr.maximum(item, 0)), mi.UInt64(0))
@@ -179,7 +220,15 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
 def straight_transmittance(
     table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
 ) -> mi.Color3f:
-    """Return the Beer-Lambert factor of the segment times the Fresnel transmittance of the surface at its end.
+    """Return what a segment and the surface at its end pass on (`straight_passage`); an opaque one changes nothing."""
+    absorbed, through = straight_passage(table, surface, ray, start_normal, active)
+    return absorbed * dr.select(surface.opaque, 1.0, through)
+
+
+def straight_passage(
+    table: SurfaceTable, surface: SurfaceMedia, ray: mi.Ray3f, start_normal: mi.Normal3f, active: mi.Bool
+) -> tuple[mi.Color3f, mi.Float]:
+    """Return the Beer-Lambert factor of the segment, and the Fresnel transmittance of the surface at its end.
 
     A straight ray has no true angle inside glass. By Snell's law n sin(theta) is the same in all layers of a wall with
     parallel faces, so the angle in a medium follows from the straight ray's, which is the one in air. In a round wall
@@ -192,7 +241,7 @@ def straight_transmittance(
     absorbed = dr.exp(-dr.gather(mi.Color3f, table.sigma_a_rgb, surface.before, active) * surface.distance * factor)
     cos_i = _inner_cosine(incident, index)
     reflectance, *_ = mi.fresnel(cos_i, relative_index_d(table.eta_d, surface, active))
-    return absorbed * dr.select(surface.opaque, 1.0, 1.0 - reflectance)
+    return absorbed, 1.0 - reflectance
 
 
 def _inner_cosine(cos_air: mi.Float, index: mi.Float) -> mi.Float:

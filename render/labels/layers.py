@@ -9,7 +9,7 @@ import numpy as np
 from ...procedural.description.material_list import materials_of
 from ...procedural.description.scene import Prop
 from .._mitsuba import dr, mi
-from ..frame import Layers
+from ..frame import Layers, Transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole
 from ..scene.surfaces import ROOM_OBJECT, SurfaceTable, registry_id
@@ -41,17 +41,24 @@ class LayerRecorder:
     distance: mi.Float
     normal: tuple[mi.Float16, mi.Float16, mi.Float16]
     word: mi.UInt32
+    #: what each surface passes on, and what the segment before it does (three colours); None where it is not wanted
+    passed: tuple[mi.Float, mi.Float, mi.Float, mi.Float] | None = None
 
 
-def layer_recorder(loaded: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, count: int) -> LayerRecorder:
-    """Return empty buffers for the first `count` surfaces along each ray of one eye."""
+def layer_recorder(
+    loaded: LoadedScene, view: Pinhole, depth_per_distance: mi.Float, count: int, transmission: bool = False
+) -> LayerRecorder:
+    """Return empty buffers for the first `count` surfaces along each ray of one eye, also for what they pass on."""
     rays = dr.width(depth_per_distance)
     front, back = _materials_by_row(loaded)
     size = max(count * rays, 1)
     word = dr.zeros(mi.UInt32, size)
     distance = dr.full(mi.Float, np.inf, size)
     normal = (dr.zeros(mi.Float16, size), dr.zeros(mi.Float16, size), dr.zeros(mi.Float16, size))
-    dr.eval(depth_per_distance, distance, normal, word)
+    passed = None
+    if transmission:
+        passed = (dr.ones(mi.Float, size), dr.ones(mi.Float, size), dr.ones(mi.Float, size), dr.ones(mi.Float, size))
+    dr.eval(depth_per_distance, distance, normal, word, passed)
     return LayerRecorder(
         count=dr.opaque(mi.UInt32, count),
         rays=dr.opaque(mi.UInt32, rays),
@@ -63,6 +70,7 @@ def layer_recorder(loaded: LoadedScene, view: Pinhole, depth_per_distance: mi.Fl
         distance=distance,
         normal=normal,
         word=word,
+        passed=passed,
     )
 
 
@@ -89,6 +97,36 @@ def write_layer(
     dr.scatter(recorder.word, word, at, active)
     for axis in range(3):
         dr.scatter(recorder.normal[axis], mi.Float16(facing[axis]), at, active)
+
+
+def write_transmission(
+    recorder: LayerRecorder | None, layer: mi.UInt32, surface: mi.Float, segment: mi.Color3f, active: mi.Bool
+) -> None:
+    """Write what the surface that each ray hits passes on, and the segment before it, unless nobody wants to know."""
+    if recorder is None or recorder.passed is None:
+        return
+    active = active & (layer < recorder.count)
+    at = layer * recorder.rays + recorder.lane
+    for buffer, value in zip(recorder.passed, (surface, segment.x, segment.y, segment.z), strict=True):
+        dr.scatter(buffer, value, at, active)
+
+
+def recorded_transmission(recorder: LayerRecorder) -> Transmission:
+    """Return what the recorded surfaces of all rays pass on."""
+    assert recorder.passed is not None
+    count, rays = int(recorder.count[0]), int(recorder.rays[0])
+
+    def stored(values: mi.Float | mi.UInt32) -> np.ndarray:
+        return np.array(values)[: count * rays].reshape(count, rays)
+
+    word = stored(recorder.word)
+    surface, *segment = (stored(values) for values in recorder.passed)
+    return Transmission(
+        id=(word & 0xFFFF).astype(np.uint16),
+        material=(word >> _MATERIAL_SHIFT).astype(np.uint16),
+        surface=surface,
+        segment=np.stack(segment, axis=-1),
+    )
 
 
 def recorded_layers(recorder: LayerRecorder, surfaces: mi.UInt32, shape: tuple[int, int]) -> Layers:

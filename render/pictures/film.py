@@ -19,10 +19,9 @@ class Film:
     def __init__(self, pixels: int) -> None:
         self.samples, self._squares = np.zeros(pixels, np.int64), np.zeros(pixels)  # N, the sum of n, and that of n^2
         self._weighted = np.zeros((3, pixels))  # sum of n m
-        self.segments = np.zeros(pixels)  #: segments of all paths of each pixel: what its samples cost
         self._second, self._cross = np.zeros((3, pixels)), np.zeros((3, pixels))  # sums of (n m)^2 and of n^2 m
 
-    def add(self, counts: np.ndarray, size: int, sums: np.ndarray, segments: np.ndarray | None = None) -> None:
+    def add(self, counts: np.ndarray, size: int, sums: np.ndarray) -> None:
         """Add groups of equal size, ordered by pixel.
 
         Parameters
@@ -33,8 +32,6 @@ class Film:
             Samples of each group.
         sums : (3, groups) float
             Radiance, summed over each group.
-        segments : (groups,) int, optional
-            Segments of the paths of each group.
         """
         sampled = np.flatnonzero(counts)
         first = (np.cumsum(counts) - counts)[sampled]
@@ -42,8 +39,6 @@ class Film:
         self._weighted[:, sampled] += total
         self._cross[:, sampled] += size * total
         self._second[:, sampled] += np.stack([np.add.reduceat(np.square(x, dtype=np.float64), first) for x in sums])
-        if segments is not None:
-            self.segments[sampled] += np.add.reduceat(segments, first, dtype=np.float64)
         self.samples += size * counts
         self._squares += size**2 * counts
 

@@ -26,7 +26,6 @@ from .sample_weights import (
     first_counts,
     group_counts,
     remaining_counts,
-    share_of,
 )
 from .sampler import SobolSampler, sample_4d, sobol_sampler
 
@@ -162,8 +161,8 @@ def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> n
         counts = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size)
         first = first_counts(counts)
         found = _add_weighted(source, film, first, group_size)
-        share = _share_of(film, guides, counts * group_size, source.exposure)
-        wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, share)
+        noise = _glass_noise(film, guides, counts * group_size, source.exposure)
+        wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, noise)
         rest = remaining_counts(wanted, first, int((counts - first).sum()))
         return found + _add_weighted(source, film, rest, group_size)
     found = _add_groups(source, film, batch_spp // group_size * every, group_size)
@@ -179,17 +178,17 @@ def _add_weighted(source: _Source, film: Film, counts: np.ndarray, group_size: i
     return found + _add_groups(source, film, counts - factor * large, group_size)
 
 
-def _share_of(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
-    """Return what further samples are shared out by (`share_of`), (H, W), for the noise of a number of `samples`."""
+def _glass_noise(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
+    """Return the displayed noise around each pixel of glass, (H, W), that a number of `samples` would leave."""
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
     variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
     means = (channels * film.means).sum(axis=0)
-    return share_of(displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure))
+    return displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure)
 
 
 def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
-    found, sums, segments = np.zeros(2, np.int64), [], []
+    found, sums = np.zeros(2, np.int64), []
     if group_size == 0 or not counts.any():
         return found
     pixel = np.repeat(np.arange(len(counts), dtype=np.uint32), counts)
@@ -203,8 +202,7 @@ def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int
         result = _trace_pass(source, pixel[part], index[part], group_size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
         sums.append([np.array(dr.block_sum(channel, group_size)) for channel in result.radiance])
-        segments.append(np.array(dr.block_sum(result.segments, group_size)))
-    film.add(counts, group_size, np.concatenate(sums, axis=1), np.concatenate(segments))
+    film.add(counts, group_size, np.concatenate(sums, axis=1))
     return found
 
 

@@ -6,7 +6,7 @@ through glass, where neighbouring pixels have little in common. Measured on five
 geometry before the first sample, so the means stay unbiased.
 
 Within glass the noise differs: most of the error is in a twentieth of its pixels, at rims and where the walls mirror
-lamps. So a part of the samples comes first and tells where; the rest goes there (`relative_noise`).
+lamps. So a part of the samples comes first and tells where; the rest goes there (`displayed_noise`).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class SampleWeights:
 
 
 def group_counts(
-    glass: np.ndarray, polished: np.ndarray, weights: SampleWeights, groups: float, share: np.ndarray | None = None
+    glass: np.ndarray, polished: np.ndarray, weights: SampleWeights, groups: float, noise: np.ndarray | None = None
 ) -> np.ndarray:
     """Return the number of sample groups of each pixel.
 
@@ -56,8 +56,8 @@ def group_counts(
         Relative number of samples; reduced where the other pixels would get too few groups.
     groups : float
         Mean number of groups of a pixel.
-    share : (H, W) float, optional
-        What the additional samples of glass are shared out by (`share_of`), in any unit. Polish keeps its number: its
+    noise : (H, W) float, optional
+        Noise by which the additional samples of glass are shared out (`displayed_noise`). Polish keeps its number: its
         samples are cheap, and would be bought with those of glass.
 
     Returns
@@ -67,19 +67,20 @@ def group_counts(
     """
     extra = np.maximum(_dilated(glass) * (weights.glass - 1.0), _dilated(polished) * (weights.polished - 1.0)).ravel()
     mean = extra.mean()
-    if share is not None:
+    if noise is not None:
         inside = _dilated(glass).ravel() > 0
-        extra[inside] = _shared_out(extra[inside], share.ravel()[inside])
+        extra[inside] = _shared_out(extra[inside], noise.ravel()[inside])
     if mean > 0.0:
         extra *= min(1.0, max(groups / _MIN_GROUPS - 1.0, 0.0) / mean)
     return _rounded((1.0 + extra) / (1.0 + extra.mean()) * groups)
 
 
-def _shared_out(extra: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Return the same number of additional samples, in proportion to a share."""
-    if not extra.any() or not share.any():
+def _shared_out(extra: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Return the same number of additional samples, shared out by noise."""
+    if not extra.any() or not noise.any():
         return extra
-    shared = extra * np.clip(share / np.average(share, weights=extra), _LEAST, _MOST)
+    weight = noise**_NOISE_POWER
+    shared = extra * np.clip(weight / np.average(weight, weights=extra), _LEAST, _MOST)
     return shared * (extra.sum() / shared.sum())
 
 
@@ -95,11 +96,6 @@ def remaining_counts(counts: np.ndarray, first: np.ndarray, total: int) -> np.nd
     """
     missing = np.maximum(counts - first, 0).astype(np.float64)
     return _rounded(missing * (total / max(missing.sum(), 1.0)))
-
-
-def share_of(noise: np.ndarray) -> np.ndarray:
-    """Return what additional samples are shared out by, for displayed noise of each pixel (`displayed_noise`)."""
-    return noise**_NOISE_POWER
 
 
 def displayed_noise(means: np.ndarray, variance: np.ndarray, glass: np.ndarray, exposure: float) -> np.ndarray:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import glassware as gw
-from glassware.dataset.builds.verify import label_faults
 from glassware.dataset.commands.develop import main as develop
 from glassware.dataset.commands.render_scene import main as render_scene
+from glassware.dataset.verification.scene import scene_label_faults
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.surroundings import ConstantEnvironment
 from glassware.procedural.optics.medium import Medium
@@ -48,7 +48,7 @@ def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(b
     # The pattern is seen through the slab: most of it is reported as the table behind.
     assert np.nanmedian((depth - Z)[~table]) > 0.02
     assert view.infrared("right").shape == (200, 320)
-    assert list(label_faults(root, 0, developed=False)) == []
+    assert list(scene_label_faults(root, 0)) == []
     (row,) = gw.Dataset.open(root).index().to_pylist()
     assert row["sensor_depth"] == "scenes/000000/000/sensor_depth.png"
     assert row["sensor_behind"][0] > 0.5

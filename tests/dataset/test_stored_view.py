@@ -72,6 +72,17 @@ def test_lines_of_vessels_are_those_of_objects_json(view, proven):
         assert parts[name].opening.any() or not np.isfinite(mouth).all()
 
 
+def test_mattes_are_the_masks_but_for_edges(view):
+    mattes, geometry = view.mattes(), view.geometry()
+    assert mattes.coverage.shape == geometry.reached.shape
+    assert np.abs(mattes.coverage - geometry.reached).mean() < 0.02
+    certain = mattes.coverage == 1.0
+    assert geometry.reached[certain].all()
+    total = np.sum([*mattes.first.values()], axis=0)
+    assert (total[geometry.id > 0] > 0.0).all()
+    np.testing.assert_array_equal(mattes.coverage * 16, np.rint(mattes.coverage * 16))
+
+
 def test_flow_is_between_views_of_one_scene(view, bare):
     assert np.nanmax(np.abs(view.flow(view))) < 1e-6
     with pytest.raises(InputError, match="other: expected a view of the same scene"):
@@ -87,6 +98,7 @@ def test_flow_is_between_views_of_one_scene(view, bare):
         (lambda view: view.pair_visibility(), "disparity"),
         (lambda view: view.object_coordinates(back=True), "coordinates"),
         (lambda view: view.vessel_parts(), "layers"),
+        (lambda view: view.mattes(), "mattes"),
     ],
 )
 def test_a_label_that_is_not_there_says_how_it_is_made(bare, ask, kind):

@@ -12,7 +12,7 @@ from glassware.learn.evaluation.report import summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.targets.encoding import CORRECTED
 from glassware.learn.training.checkpoint import load_network
-from glassware.learn.training.losses import LossWeights
+from glassware.learn.training.loss_weights import LossWeights
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
 
@@ -70,7 +70,7 @@ def test_a_small_network_learns_one_sample_by_heart(pair, tmp_path, switches):
     train(settings, pair, tmp_path, None, lambda _line: None)
     network, kept = load_network(tmp_path / "last.safetensors")
     samples = SampleDataset(pair, "all", views, CORRECTED, ground_truth=True)
-    scores, _ = score_all(network, samples, kept.network.variant, lambda _line: None)
+    scores, _ = score_all(network, samples, kept.network, lambda _line: None)
     found = summarise(scores)
     assert found["pose"]["objects"] == 2
     assert found["depth"]["full"]["all"]["mae"] < DEPTH

@@ -27,7 +27,6 @@ from ....procedural.physics.world import (
     FRICTION_STIFFNESS,
     MEETS_BODIES,
     MEETS_TABLE,
-    REST_STEP,
     SLIDING,
     contact_settings,
 )
@@ -43,6 +42,8 @@ from .xml_files import element, quaternion, write_xml
 _FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 #: Width of the sensor [m]: any will do, as focal lengths are in pixels; that of 35 mm film.
 _SENSOR = 0.036
+#: Time step [s]: a fifth of the time constant of contacts.
+_STEP = 2e-3
 #: Group of geometry that viewers show, and that of contacts, which they hide (MuJoCo's own menagerie of models).
 _SHOWN, _HIDDEN = 2, 3
 
@@ -84,7 +85,7 @@ def write_mjcf(folder: Path, scene: Scene, records: Sequence[ObjectRecord], ids:
     (folder / "meshes").mkdir()
     root = tree.Element("mujoco", model=f"scene {scene.scene_id}")
     element(root, "compiler", angle="radian", meshdir="meshes", balanceinertia="true")
-    option = {"timestep": REST_STEP, "gravity": [0.0, 0.0, -GRAVITY], "integrator": "implicitfast"}
+    option = {"timestep": _STEP, "gravity": [0.0, 0.0, -GRAVITY], "integrator": "implicitfast"}
     element(root, "option", **option, cone="elliptic", impratio=FRICTION_STIFFNESS)
     widest = max(scene.cameras, key=lambda camera: camera.width)
     element(element(root, "visual"), "global", offwidth=widest.width, offheight=max(c.height for c in scene.cameras))

@@ -162,9 +162,11 @@ def test_a_scene_that_is_stopped_leaves_no_half_of_it(small, tmp_path, number):
 
 
 @pytest.mark.slow
-def test_stored_light_is_checked_and_gives_the_same_files_on_one_core(render_scene, small, tmp_path):
+def test_stored_light_is_checked_and_gives_the_same_files_on_one_core(backend, small, tmp_path, capsys):
     shared = ("--seed", 7, "--config", small, "--picture.light", "shared")
-    assert render_scene(*shared, "--out", tmp_path / "all").code == 0
+    assert main([*map(str, shared), "--out", str(tmp_path / "all")]) == 0
+    assert f"{tmp_path / 'all' / 'draft.png'}: a draft of the first view" in capsys.readouterr().out
+    assert not (tmp_path / "all" / "draft.png").exists()
     check = json.loads((tmp_path / "all/scenes/000000/views.json").read_text())["light"]
     assert check["scene_id"] == 0
     assert check["mode"] == "shared"

@@ -8,7 +8,25 @@ import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
-from glassware.dataset.format.exr import channel, read_exr, stacked, unstacked, write_exr
+from glassware.dataset.format.exr import channel, read_channel, read_exr, stacked, unstacked, write_exr
+
+
+def test_one_channel_is_that_of_all(tmp_path):
+    path, rng = tmp_path / "a.exr", np.random.default_rng(2)
+    channels = {"Z": rng.random((5, 7), np.float32), "N.X": rng.random((5, 7), np.float32).astype(np.float16)}
+    write_exr(path, channels)
+    for name, values in channels.items():
+        found = read_channel(path, name)
+        assert found.dtype == values.dtype
+        np.testing.assert_array_equal(found, values)
+    with pytest.raises(InputError, match=r"a channel Y, found \['N.X', 'Z'\]"):
+        read_channel(path, "Y")
+    for content in (b"no picture", path.read_bytes()[:-20], None):
+        (tmp_path / "b.exr").unlink(missing_ok=True)
+        if content is not None:
+            (tmp_path / "b.exr").write_bytes(content)
+        with pytest.raises(InputError, match=r"b\.exr"):
+            read_channel(tmp_path / "b.exr", "Z")
 
 
 def test_channels_come_back_bit_by_bit_with_infinities(tmp_path, rng):
@@ -39,7 +57,7 @@ def test_colour_channels_and_named_layers_live_in_one_file(tmp_path, rng):
 def test_the_same_channels_give_the_same_bytes_on_one_core_too(tmp_path):
     script = (
         "import sys, pathlib, numpy as np\n"
-        "from glassware.dataset.format.exr import write_exr\n"
+        "from glassware.dataset.format.exr import read_channel, write_exr\n"
         "Z = np.sin(np.arange(240 * 320, dtype=np.float32)).reshape(240, 320)\n"
         "write_exr(pathlib.Path(sys.argv[1]), {'Z': Z, 'N.X': Z[::-1]})\n"
     )

@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from glassware.annotate.masks import decode_mask, encode_mask
-from glassware.dataset.format.exr import read_exr, write_exr
+from glassware.dataset.format.exr import exr_attributes, read_exr, write_exr
 from glassware.dataset.format.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
 from glassware.dataset.verification.scene import WrongLabelError, check_written, scene_label_faults
@@ -31,8 +31,9 @@ def _json(path: Path, change: Change) -> None:
 
 def _exr(path: Path, change: Change) -> None:
     channels = read_exr(path)
+    named = {key: text for key, text in exr_attributes(path).items() if key.startswith("cryptomatte/")}
     change(channels)
-    write_exr(path, channels)
+    write_exr(path, channels, named)
 
 
 def _png(path: Path, change: Change) -> None:
@@ -124,6 +125,14 @@ def _set(value: float) -> Callable[[np.ndarray, np.ndarray], None]:
         values[some] = value
 
     return change
+
+
+def _complement(channels: dict[str, np.ndarray], prefix: str) -> None:
+    """Change the fractions of the object that covers the most."""
+    number = max(2, 3, key=lambda one: channels[f"coverage.{one}"].sum())
+    for name, values in channels.items():
+        if name.startswith(f"{prefix}{number}"):
+            np.subtract(1.0, values, out=values)
 
 
 def _swapped_ids(ids: np.ndarray) -> None:
@@ -222,6 +231,9 @@ FAULTS: list[tuple[str, str, Change, str]] = [
     ("heatmap", f"{VIEW}/heatmap.png", _half_of_it, "heatmap"),
     ("object coordinates", f"{VIEW}/coordinates.exr", _at("Y", _plus(0.05), "Y"), "coordinates front.XYZ"),
     ("parts of vessels", f"{VIEW}/vessel_parts.png", lambda bits: np.bitwise_xor(bits, 4, out=bits), "vessel parts"),
+    ("coverage", f"{VIEW}/mattes.exr", lambda c: _complement(c, "coverage."), "mattes coverage"),
+    ("what a vessel passes on", f"{VIEW}/mattes.exr", lambda c: _complement(c, "transmittance."), "mattes trans"),
+    ("first surfaces of pixels", f"{VIEW}/cryptomatte.exr", lambda c: c["CryptoObject00.G"].fill(0.5), "mattes first"),
     ("black picture", f"{VIEW}/left.png", lambda picture: picture.fill(0), "pictures"),
     ("white picture", f"{VIEW}/right.png", lambda picture: picture.fill(255), "pictures"),
     ("radiance", f"{VIEW}/left.exr", _at("G", _plus(5.0), "G"), "radiance"),

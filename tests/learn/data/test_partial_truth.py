@@ -15,6 +15,7 @@ from glassware.dataset.commands.convert import main as convert
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.networks.build import build_network
+from glassware.learn.networks.settings import NetworkSettings
 from glassware.learn.targets.encoding import encoding_of
 from glassware.learn.training.losses import LossWeights, losses, total_loss
 
@@ -37,7 +38,7 @@ def samples(makers, root: Path, write: str, views: ViewSettings = STEREO, *optio
     getattr(makers, write)(root / "source")
     if not (root / "out").exists():
         assert convert([str(root / "source"), "--out", str(root / "out"), "--rows", "0", *options]) == 0
-    return SampleDataset(root / "out", "all", views, encoding_of("corrected"), **more)
+    return SampleDataset(root / "out", "all", views, encoding_of(NetworkSettings()), **more)
 
 
 def test_keypose_gives_stereo_samples_with_depth_masks_and_boxes(makers, tmp_path):
@@ -66,7 +67,7 @@ def test_keypose_without_depth_learns_boxes_and_takes_its_planes_from_them(maker
     for path in folder.glob("*.exr"):
         path.unlink()
     assert convert([str(tmp_path / "source"), "--out", str(tmp_path / "out"), "--rows", "0"]) == 0
-    found = SampleDataset(tmp_path / "out", "all", STEREO, encoding_of("corrected"), augment=AugmentSettings())
+    found = SampleDataset(tmp_path / "out", "all", STEREO, encoding_of(NetworkSettings()), augment=AugmentSettings())
     assert not found[(0, 0)].targets["depth"].any()
     near, far = found.depth_range()
     assert 0.55 < near < far < 0.65

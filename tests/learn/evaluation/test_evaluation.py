@@ -80,7 +80,7 @@ def test_damaged_weights_are_one_clear_line(samples, tiny):
     net = build_network(tiny)
     torch.nn.init.constant_(net.get_parameter("vertex_head.predictor.bias"), float("nan"))
     with pytest.raises(InputError, match=r"scenes/000000/000: vertex: expected finite numbers from the network"):
-        score_all(net, samples, "corrected", lambda _line: None)
+        score_all(net, samples, NetworkSettings(), lambda _line: None)
 
 
 def test_depth_errors_are_over_the_pixels_of_their_kind(samples):
@@ -119,7 +119,7 @@ def test_evaluation_changes_no_weight_and_no_statistic(samples, tiny, changes):
     net.train()
     before = {name: value.clone() for name, value in net.state_dict().items()}
     threads = torch.get_num_threads()
-    scores, worst = score_all(net, samples, "corrected", lambda _line: None, worst=2)
+    scores, worst = score_all(net, samples, NetworkSettings(), lambda _line: None, worst=2)
     assert len(scores) == 10
     assert len(worst) == 2
     assert before.keys() == net.state_dict().keys()
@@ -131,7 +131,7 @@ def test_evaluation_changes_no_weight_and_no_statistic(samples, tiny, changes):
 
 
 def test_the_worst_samples_have_the_greatest_errors_of_depth(samples, tiny):
-    scores, worst = score_all(build_network(tiny), samples, "corrected", lambda _line: None, worst=3)
+    scores, worst = score_all(build_network(tiny), samples, NetworkSettings(), lambda _line: None, worst=3)
     errors = sorted((_error_of_objects(score) for score in scores), reverse=True)
     assert [_error_of_objects(case.score) for case in worst] == errors[:3]
     assert worst[0].picture.shape == (2 * 96, 4 * 128, 3)

@@ -167,3 +167,10 @@ def test_a_released_checkpoint_is_read(tmp_path):
     network, settings = load_network(tmp_path / "released.ckpt")
     assert isinstance(network, ReferenceMVTrans)
     assert settings.network.variant == "reference"
+
+
+def test_paths_among_the_settings_are_kept(tiny, tmp_path):
+    settings = TrainSettings.model_validate({"network": tiny.model_dump(), "pretrained": tmp_path / "weights.pth"})
+    checkpoint = Checkpoint(settings, None, 0, {}, None, {}, torch.get_rng_state(), math.inf)
+    save_checkpoint(tmp_path / "kept.safetensors", checkpoint)
+    assert load_checkpoint(tmp_path / "kept.safetensors").settings == settings

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from glassware.learn.training.losses import LossWeights, losses, plane_loss, total_loss
+from glassware.learn.training.loss_weights import LossWeights
+from glassware.learn.training.losses import losses, plane_loss, total_loss
 
 H, W = 32, 64
 

@@ -11,8 +11,11 @@ from glassware.core.mesh import Mesh
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import TABLE_ID
 from glassware.procedural.primitives import bodies, scenes
+from glassware.procedural.surroundings.colour import luminance
 from glassware.render.cache import scene_cache
-from glassware.render.cache.light_check import BOUND, regions_of
+from glassware.render.cache.draft import draft_picture
+from glassware.render.cache.light_check import BOUND, _luminances, regions_of
+from glassware.render.cache.stored_caustics import path_tracer_with_caustics
 from glassware.render.scene.loaded_scene import load
 
 
@@ -93,3 +96,14 @@ def test_a_prop_that_only_the_second_comparison_finds_is_path_traced_too(blocks,
     _, check, _ = scene_cache.make_tracer(blocks)
     assert check.mode == "shared"
     assert check.traced == (2, 3)
+
+
+def test_a_draft_shows_the_light_that_pictures_are_compared_with(blocks, cache):
+    found = draft_picture(blocks).radiance.astype(np.float64)
+    pixel = np.arange(found.shape[0] * found.shape[1])
+    reference = path_tracer_with_caustics(blocks, cache)
+    expected = _luminances(blocks, reference, np.zeros_like(pixel), pixel, 5).reshape(found.shape[:2])
+    # Means over squares of 12 pixels: 2,300 paths of the draft, each of which is off by less than its mean, and some
+    # ten squares of forty-eight with an edge between light and dark.
+    means = [each.reshape(6, 12, 8, 12).mean(axis=(1, 3)) for each in (luminance(found), expected)]
+    np.testing.assert_allclose(*means, rtol=0.08)

@@ -17,7 +17,6 @@ from glassware.render.pictures.sample_weights import (
     first_counts,
     group_counts,
     remaining_counts,
-    share_of,
 )
 
 #: Independent pictures of each kind, and the side of the blocks that are compared [px].
@@ -85,7 +84,7 @@ def test_noisy_glass_gets_more_of_the_same_number_of_samples():
     glass, weights = _spot(), SampleWeights(glass=4.0, polished=2.0)
     plain = group_counts(glass, np.zeros_like(glass), weights, 64)
     noise = np.where(np.arange(30) < 12, 0.01, 0.03) * np.ones((20, 1))
-    wanted = group_counts(glass, np.zeros_like(glass), weights, 64, share_of(noise, np.full((20, 30), 5.0)))
+    wanted = group_counts(glass, np.zeros_like(glass), weights, 64, noise)
     assert wanted.sum() == plain.sum()
     first = first_counts(plain)
     rest = remaining_counts(wanted, first, int((plain - first).sum()))
@@ -99,11 +98,6 @@ def test_noisy_glass_gets_more_of_the_same_number_of_samples():
     assert noisy / quiet == pytest.approx((1.0 + 1.93 * less) / (1.0 + less), rel=0.05)
     # What shows neither glass nor polish keeps its number.
     np.testing.assert_allclose(both[:5], plain.reshape(20, 30)[:5], atol=1)
-
-
-def test_samples_that_cost_four_times_as_much_are_half_as_many():
-    share = share_of(np.full((1, 2), 0.02), np.array([[3.0, 12.0]]))[0]
-    assert share[0] / share[1] == pytest.approx(2.0)
 
 
 def test_the_samples_of_a_pixel_do_not_decide_how_many_more_it_gets(rng):

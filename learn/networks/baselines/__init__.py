@@ -1,0 +1,1 @@
+"""The networks that MVTrans is compared with: SimNet, KeyPose, DenseFusion, and their settings."""

@@ -1,0 +1,189 @@
+"""The experiments: rows that are trained, and columns that are read from their reports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, get_args
+
+from ..training.settings import TrainSettings
+from . import published
+
+ExperimentName = Literal["keypose", "syn-todd", "ablation"]
+EXPERIMENTS: tuple[ExperimentName, ...] = get_args(ExperimentName)
+
+#: Learning rates of the released codes, over that of MVTrans and SimNet; KeyPose's clipping and its weight decay.
+_KEYPOSE = {"learning_rate": 1e-3 / 6e-4, "clip": 5.0, "weight_decay": 1e-5}
+_DENSEFUSION = {"learning_rate": 1e-4 / 6e-4, "weight_decay": 0.0}
+#: The row whose network says where objects are, and completes depth.
+DETECTOR = "mvtrans-stereo"
+_STEREO = {"views": {"rule": "stereo", "count": 2}}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One network of a table."""
+
+    name: str
+    title: str
+    changes: Mapping[str, Any]  #: of the common settings
+    optimiser: Mapping[str, float] = field(default_factory=dict)  #: `learning_rate` as a factor
+    views: int | None = None  #: of plots against the number of views
+    needs_detector: bool = False  #: trained on what the detector's network gives
+
+
+@dataclass(frozen=True)
+class Column:
+    """One figure of a table."""
+
+    name: str
+    title: str
+    read: Callable[[Mapping[str, Any]], float | None]  #: from a report
+    digits: int
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A table."""
+
+    name: ExperimentName
+    title: str
+    rows: tuple[Row, ...]
+    columns: tuple[Column, ...]
+    paper: Mapping[str, Mapping[str, float]]  #: by row and column, in the units of the columns
+
+
+def experiment(name: ExperimentName) -> Experiment:
+    """Return an experiment by its name."""
+    if name == "keypose":
+        title = "3D keypoints of transparent objects (the paper's table I)"
+        return Experiment(name, title, _keypose_rows(), _KEYPOSE_COLUMNS, published.KEYPOSE)
+    if name == "syn-todd":
+        title = "Depth, boxes and masks of synthetic scenes (the paper's table II)"
+        return Experiment(name, title, (_simnet(), *_mvtrans()), _SCENE_COLUMNS, published.SYN_TODD)
+    return Experiment(name, "What each part of MVTrans is for", _ablation_rows(), _SCENE_COLUMNS, {})
+
+
+def row_settings(row: Row, common: TrainSettings) -> TrainSettings:
+    """Return the settings of a row: the common ones, and what makes the row."""
+    data = common.model_dump()
+    for group, values in row.changes.items():
+        for name, value in values.items():
+            nested = isinstance(value, dict)
+            data[group][name] = data[group][name] | value if nested else value
+    for name, value in row.optimiser.items():
+        scaled = name == "learning_rate"
+        data["optimiser"][name] = data["optimiser"][name] * value if scaled else value
+    return TrainSettings.model_validate(data)
+
+
+def _mvtrans() -> tuple[Row, ...]:
+    return tuple(
+        Row(
+            f"mvtrans-{count}",
+            f"MVTrans, {count} views",
+            {"network": {"name": "mvtrans"}, "views": {"count": count, "rule": "distance"}},
+            views=count,
+        )
+        for count in (2, 3, 5)
+    )
+
+
+def _simnet() -> Row:
+    return Row("simnet", "SimNet", {"network": {"name": "simnet"}, **_STEREO})
+
+
+def _keypose_rows() -> tuple[Row, ...]:
+    stereo = Row(DETECTOR, "MVTrans, both eyes", {"network": {"name": "mvtrans"}, **_STEREO})
+    dense = (
+        Row(
+            f"densefusion-{depth}",
+            f"DenseFusion, {depth} depth",
+            {"network": {"name": "densefusion", "densefusion": {"depth": depth}}, **_STEREO},
+            _DENSEFUSION,
+            needs_detector=depth == "completed",
+        )
+        for depth in ("true", "raw", "completed")
+    )
+    keypose = Row("keypose", "KeyPose", {"network": {"name": "keypose"}, **_STEREO}, _KEYPOSE)
+    return (*dense, _simnet(), keypose, stereo, *_mvtrans())
+
+
+def _ablation_rows() -> tuple[Row, ...]:
+    switches = {
+        "base": ("MVTrans, 2 views", {}),
+        "released": ("as it was released", {"network": {"variant": "reference"}}),
+        "concat": ("features concatenated, not correlated", {"network": {"matching": "concat"}}),
+        "group": ("features correlated in groups", {"network": {"matching": "group"}}),
+        "linear": ("planes at equal steps of depth", {"network": {"spacing": "linear"}}),
+        "inverse": ("planes at equal steps of 1 / depth", {"network": {"spacing": "inverse"}}),
+        "windowed": ("depth around the best plane", {"network": {"readout": "windowed"}}),
+        "encoder": ("context by EfficientNet-Lite0, ImageNet", {"network": {"context": "efficientnet-lite0"}}),
+        "visibility": ("3 views, weighted by visibility", {"network": {"fusion": "visibility"}, "views": {"count": 3}}),
+        "3-views": ("3 views", {"views": {"count": 3}}),
+        "5-views": ("5 views", {"views": {"count": 5}}),
+    }
+    views = {"base": 2, "3-views": 3, "5-views": 5}
+    return tuple(
+        Row(name, title, _with_mvtrans(changes), views=views.get(name)) for name, (title, changes) in switches.items()
+    )
+
+
+def _with_mvtrans(changes: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "network": {"name": "mvtrans", **changes.get("network", {})},
+        "views": {"count": 2, "rule": "distance", **changes.get("views", {})},
+    }
+
+
+def _value(report: Mapping[str, Any], *path: str) -> float | None:
+    found: Any = report
+    for name in path:
+        if not isinstance(found, Mapping) or name not in found:
+            return None
+        found = found[name]
+    return found
+
+
+def _of_keypoints(name: str, location: str = "truth") -> Callable[[Mapping[str, Any]], float | None]:
+    """Return what reads a figure of keypoints; networks that find objects themselves have one for all locations."""
+
+    def read(report: Mapping[str, Any]) -> float | None:
+        if "locations" in report:
+            return _value(report, "locations", location, "keypoints", name)
+        return _value(report, "keypoints", name)
+
+    return read
+
+
+def _scaled(factor: float, read: Callable[[Mapping[str, Any]], float | None]) -> Callable:
+    def scaled(report: Mapping[str, Any]) -> float | None:
+        value = read(report)
+        return None if value is None else factor * value
+
+    return scaled
+
+
+def _of(*path: str, factor: float = 1.0) -> Callable[[Mapping[str, Any]], float | None]:
+    return _scaled(factor, lambda report: _value(report, *path))
+
+
+_KEYPOSE_COLUMNS = (
+    Column("auc", "AUC [%]", _scaled(100.0, _of_keypoints("auc")), 1),
+    Column("near", "<2 cm [%]", _scaled(100.0, _of_keypoints("near")), 1),
+    Column("mae", "MAE [mm]", _scaled(1000.0, _of_keypoints("mae")), 1),
+    Column("auc_jitter", "AUC, places off by 20 px [%]", _scaled(100.0, _of_keypoints("auc", "jitter")), 1),
+    Column("auc_detector", "AUC, places detected [%]", _scaled(100.0, _of_keypoints("auc", "detector")), 1),
+    Column("ap25", "3D mAP [%]", _of("boxes", "ap25", factor=100.0), 1),
+    Column("iou_found", "3D IoU [%]", _of("boxes", "iou_found", factor=100.0), 1),
+)
+_DEPTH = ("depth", "cleargrasp", "objects")
+_SCENE_COLUMNS = (
+    Column("rmse", "RMSE [m]", _of(*_DEPTH, "rmse"), 3),
+    Column("mae", "MAE [m]", _of(*_DEPTH, "mae"), 3),
+    Column("rel", "REL", _of(*_DEPTH, "rel"), 3),
+    Column("ap25", "3D mAP [%]", _of("boxes", "ap25", factor=100.0), 2),
+    Column("iou_found", "3D IoU [%]", _of("boxes", "iou_found", factor=100.0), 2),
+    Column("ap50", "mAP [%]", _of("masks", "ap50", factor=100.0), 2),
+    Column("mask_iou", "IoU [%]", _of("masks", "iou_all", factor=100.0), 2),
+)

@@ -1,0 +1,249 @@
+"""Training and evaluation of the rows of a table; what is done is kept, and interrupted runs go on."""
+
+from __future__ import annotations
+
+import json
+import platform
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Literal
+
+import torch
+from pydantic import Field
+from torch.utils.flop_counter import FlopCounterMode
+
+from ...core.atomic_io import write_atomically
+from ...core.errors import InputError
+from ...core.json_file import json_text, parsed, read_json
+from ...core.model import Model
+from ...core.stopping import check_stop
+from ..data.dataset_digest import dataset_digest
+from ..data.samples import collate
+from ..data.splits import SplitName
+from ..evaluation.run import evaluate
+from ..networks.settings import NetworkName
+from ..training.checkpoint import load_checkpoint, load_network
+from ..training.losses import total_loss
+from ..training.methods import losses_of, outputs_of, samples_of, with_own_views
+from ..training.run import BEST, LAST, train
+from ..training.settings import TrainSettings
+from ..training.train_state import set_up_training
+from .experiments import DETECTOR, Experiment, Row, row_settings
+
+#: Samples that the paper's networks see: 400,000 steps of 5 (released settings of two views).
+PAPER_SAMPLES = 2_000_000
+#: Fraction of a budget that is left for loading, validation and evaluation.
+_OVERHEAD = 0.25
+#: Steps that are measured, after one that is not.
+_MEASURED = 2
+#: Least steps of a run.
+_FEWEST_STEPS = 2
+PLAN_SCHEMA = "glassware/tables-plan/1"
+
+
+class Plan(Model):
+    """What a table is made of; written before the first run, so that a later call goes on with the same."""
+
+    schema_version: Literal["glassware/tables-plan/1"] = PLAN_SCHEMA
+    experiment: str
+    data: str = Field(description="Digest of the data set")
+    settings: TrainSettings = Field(description="Common settings")
+    seeds: int
+    split: SplitName
+    budget: float | None = Field(description="Minutes of training; null: the paper's number of samples")
+    samples: int = Field(description="Samples that each run sees")
+    seconds: dict[str, float] = Field(description="Measured time of a training step of each row, by budget [s]")
+    machine: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """What is known of a row."""
+
+    reports: tuple[Mapping[str, Any], ...]  #: of each seed
+    reason: str = ""  #: why it was not run
+    facts: Mapping[str, float] | None = None  #: parameters, gmac, samples seen, steps, seconds of a step
+
+
+def make_plan(
+    what: Experiment,
+    common: TrainSettings,
+    data: Path,
+    out: Path,
+    *,
+    budget: float | None,
+    seeds: int,
+    split: SplitName,
+    rows: Sequence[Row],
+    say: Callable[[str], None],
+) -> Plan:
+    """Return the plan of a folder, or make one and write it; InputError where the folder has another.
+
+    With a budget every run sees the same number of samples, so many that all runs together take that time on this
+    machine, by two measured steps of each.
+    """
+    digest = dataset_digest(data)
+    path = out / "plan.json"
+    if path.is_file():
+        plan = parsed(Plan, read_json(path), path)
+        requested = (what.name, digest, common, seeds, split, budget)
+        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget) != requested:
+            raise InputError(
+                path, "the plan of the same experiment, data, settings, seeds, split and budget", "another"
+            )
+        return plan
+    seconds: dict[str, float] = {}
+    samples = PAPER_SAMPLES
+    if budget is not None:
+        for row in rows:
+            seconds[row.name] = _step_seconds(row, common, data)
+            say(f"{row.title}: {seconds[row.name]:.2f} s a step")
+        whole = seeds * sum(seconds.values())
+        steps = max(_FEWEST_STEPS, int(60.0 * budget * (1.0 - _OVERHEAD) / whole)) if whole else _FEWEST_STEPS
+        samples = min(steps * common.batch, PAPER_SAMPLES)
+    plan = Plan(
+        experiment=what.name,
+        data=digest,
+        settings=common,
+        seeds=seeds,
+        split=split,
+        budget=budget,
+        samples=samples,
+        seconds=seconds,
+        machine=f"{platform.machine()}, {torch.get_num_threads()} threads, torch {torch.__version__}",
+    )
+    write_atomically(path, json_text(plan.model_dump(mode="json")).encode())
+    return plan
+
+
+def run_row(
+    row: Row,
+    plan: Plan,
+    data: Path,
+    out: Path,
+    *,
+    given: Path | None,
+    detectors: Mapping[int, Path],
+    say: Callable[[str], None],
+) -> Result:
+    """Train a row for each seed and evaluate it, or what of that is left to do; or evaluate a given checkpoint."""
+    reports, facts = [], {}
+    for seed in range(plan.seeds if given is None else 1):
+        check_stop()
+        folder = out / "runs" / f"{row.name}-{seed}"
+        if row.needs_detector and seed not in detectors:
+            return Result((), "not run: no network to complete depth")
+        checkpoint = given
+        if checkpoint is None:
+            settings = seeded_settings(row, plan, seed, detectors.get(seed))
+            try:
+                checkpoint = _trained(settings, data, folder, say, row)
+            except InputError as error:
+                return Result((), f"not run: {error}")
+        known = _report_of(checkpoint, data, plan.split, folder / "report", detectors.get(seed), say)
+        reports.append(known)
+        facts = _facts(checkpoint, data, plan)
+    return Result(tuple(reports), facts=facts)
+
+
+def seeded_settings(row: Row, plan: Plan, seed: int, detector: Path | None) -> TrainSettings:
+    """Return the settings of one run of a row."""
+    settings = row_settings(row, plan.settings)
+    steps = max(plan.samples // settings.batch, _FEWEST_STEPS)
+    every = max(steps // 10, 1)
+    changes: dict[str, Any] = {
+        "steps": steps,
+        "seed": settings.seed + seed,
+        "save_every": min(settings.save_every, every),
+        "validate_every": max(steps // 4, 1),
+        "optimiser": settings.optimiser.model_copy(update={"warmup": min(settings.optimiser.warmup, steps // 10)}),
+    }
+    if row.needs_detector:
+        options = settings.network.densefusion.model_copy(update={"completion": detector})
+        changes["network"] = settings.network.model_copy(update={"densefusion": options})
+    return settings.model_copy(update=changes)
+
+
+def detector_of(out: Path, seeds: int, checkpoints: Mapping[str, Path]) -> dict[int, Path]:
+    """Return the checkpoints of the detector by seed: those that are trained, or the given one for all."""
+    if DETECTOR in checkpoints:
+        return dict.fromkeys(range(seeds), checkpoints[DETECTOR])
+    paths = {seed: _chosen(out / "runs" / f"{DETECTOR}-{seed}") for seed in range(seeds)}
+    return {seed: path for seed, path in paths.items() if path.is_file()}
+
+
+def _trained(settings: TrainSettings, data: Path, folder: Path, say: Callable[[str], None], row: Row) -> Path:
+    last = folder / LAST
+    if last.is_file() and load_checkpoint(last).step >= settings.steps:
+        return _chosen(folder)
+    say(f"{row.title}, seed {settings.seed}: {settings.steps} steps")
+    train(settings, data, folder, last if last.is_file() else None, say)
+    return _chosen(folder)
+
+
+def _chosen(folder: Path) -> Path:
+    """Return the checkpoint of the least validation loss, or the last one where there is no validation."""
+    return folder / BEST if (folder / BEST).is_file() else folder / LAST
+
+
+def _report_of(
+    checkpoint: Path, data: Path, split: SplitName, folder: Path, detector: Path | None, say: Callable[[str], None]
+) -> dict[str, Any]:
+    path = folder / "report.json"
+    known_by = detector if _network_name(checkpoint) in ("keypose", "densefusion") else None
+    if path.is_file() and path.stat().st_mtime >= checkpoint.stat().st_mtime:
+        known = json.loads(path.read_bytes())
+        same_detector = known_by is None or "detector" in known.get("locations", {})
+        if known["checkpoint"] == str(checkpoint) and known["data"]["split"] == split and same_detector:
+            return known
+    return evaluate(checkpoint, data, split, folder, say, worst=2, detector=known_by)
+
+
+def _network_name(checkpoint: Path) -> NetworkName:
+    return load_network(checkpoint)[1].network.name
+
+
+def _facts(checkpoint: Path, data: Path, plan: Plan) -> dict[str, float]:
+    """Return parameters [1e6] and cost of a pass [1e9 multiplications and additions] of a network, and what it saw."""
+    network, settings = load_network(checkpoint)
+    samples = samples_of(settings, data, plan.split, ground_truth=True)
+    batch = collate([samples[(0, 0)]])
+    with torch.inference_mode(), FlopCounterMode(display=False) as counter:
+        outputs_of(network, batch, settings.network)
+    return {
+        "parameters": sum(value.numel() for value in network.parameters()) / 1e6,
+        "gmac": counter.get_total_flops() / 2e9,
+        "seen": float(settings.steps * settings.batch),
+        "evaluated": float(len(samples)),
+    }
+
+
+def _step_seconds(row: Row, common: TrainSettings, data: Path) -> float:
+    """Return the time of a training step of a row; that of the true depth for completed depth, which comes first."""
+    settings = row_settings(row, common)
+    if row.needs_detector:
+        options = settings.network.densefusion.model_copy(update={"depth": "true"})
+        settings = settings.model_copy(update={"network": settings.network.model_copy(update={"densefusion": options})})
+    settings = with_own_views(settings.model_copy(update={"val_split": "none"}))
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            state = set_up_training(settings, data, Path(folder))
+            batches = [
+                collate([state.train[(index % len(state.train), draw)] for index in range(settings.batch)])
+                for draw in range(_MEASURED + 1)
+            ]
+        except InputError:
+            return 0.0  # it cannot be run on this data, and its row will say why
+    start = perf_counter()
+    for number, batch in enumerate(batches):
+        if number == 1:
+            start = perf_counter()
+        outputs = outputs_of(state.network.train(), batch, settings.network, 0.0)
+        loss = total_loss(losses_of(outputs, batch, state.settings), settings.losses)
+        state.optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        state.optimiser.step()
+    return (perf_counter() - start) / _MEASURED

@@ -1,0 +1,168 @@
+"""The paper's tables: cells, figures, files, and the one command that fills them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import yaml
+
+from glassware.dataset.commands.glassware import main
+from glassware.learn.tables.cells import NOT_RUN, experiment_table, latex, markdown
+from glassware.learn.tables.comparison import comparison_table
+from glassware.learn.tables.experiments import EXPERIMENTS, experiment, row_settings
+from glassware.learn.tables.plots import bar_plot, experiment_plots, line_plot
+from glassware.learn.tables.runs import Plan, Result, seeded_settings
+from glassware.learn.training.settings import TrainSettings
+
+#: A report of a network that is told where objects are, and of one that finds them.
+TOLD: dict[str, Any] = {
+    "keypoints": {"auc": 0.5, "near": 0.25, "mae": 0.0123, "accuracy": list(np.linspace(0.0, 1.0, 21))}
+}
+TOLD |= {"by_category": {"cup": {"axis_mae": 0.02}}, "kept": {"auc": 0.75}, "dropped": 2, "missed": 0, "lost": 0}
+TOLD |= {"unknown": 0}
+TOLD["keypoints"]["objects"] = 8
+REPORT = {"locations": {"truth": TOLD, "jitter": TOLD}}
+FACTS = {"parameters": 0.28, "gmac": 6.04, "seen": 400.0, "evaluated": 8.0}
+
+
+@pytest.fixture
+def plan() -> Plan:
+    return Plan(
+        experiment="keypose",
+        data="0" * 64,
+        settings=TrainSettings(),
+        seeds=2,
+        split="test",
+        budget=3.0,
+        samples=400,
+        seconds={},
+        machine="a machine",
+    )
+
+
+@pytest.fixture
+def table(plan):
+    better = {"locations": {"truth": TOLD | {"keypoints": TOLD["keypoints"] | {"auc": 0.7}}}}
+    results = {"keypose": Result((REPORT, better), facts=FACTS), "simnet": Result((), "not run: no stereo")}
+    return experiment_table(experiment("keypose"), plan, results)
+
+
+def test_a_cell_has_our_mean_over_seeds_and_the_papers_figure(table):
+    (row,) = (row for row in table.rows if row[0].ours == "KeyPose")
+    assert row[1].text() == "60.0 ± 14.1 (paper 90.0)"
+    assert row[3].text() == "12.3 ± 0.0 (paper 9.9)"
+    assert [cell.ours for cell in row[-5:]] == ["0.28", "6.04", "2", "400", "8"]
+
+
+def test_what_was_not_run_says_so_and_why(table):
+    (row,) = (row for row in table.rows if row[0].ours == "SimNet")
+    assert {cell.ours for cell in row[1:]} == {NOT_RUN}
+    assert row[1].paper == "87.9"
+    assert "SimNet: not run: no stereo" in table.notes
+    assert any("0.02 % of the paper's 2,000,000" in note for note in table.notes)
+    assert any("2 dropped of 8 objects; without them AUC 75.0 %" in note for note in table.notes)
+
+
+def test_tables_are_written_in_markdown_and_latex(table):
+    lines = markdown(table).splitlines()
+    rows = [line for line in lines if line.startswith("|")]
+    assert len(rows) == len(table.rows) + 2
+    assert len({line.count(" | ") for line in rows}) == 1
+    text = latex(table)
+    assert r"60.0 $\pm$ 14.1 (paper 90.0)" in text
+    assert text.count(r"\\") == len(table.rows) + 1
+    assert "<2" not in text
+
+
+def test_the_papers_figures_are_where_the_paper_has_them():
+    of = {name: experiment(name) for name in EXPERIMENTS}
+    assert of["keypose"].paper["mvtrans-5"] == {"auc": 92.9, "near": 94.0, "mae": 7.2, "ap25": 92.2}
+    assert of["syn-todd"].paper["mvtrans-3"]["rmse"] == 0.125
+    for what in of.values():
+        names = {row.name for row in what.rows}
+        columns = {column.name for column in what.columns}
+        assert set(what.paper) <= names
+        assert all(set(values) <= columns for values in what.paper.values())
+
+
+def test_every_row_has_settings_and_sees_equally_many_samples(plan):
+    for name in EXPERIMENTS:
+        for row in experiment(name).rows:
+            chosen = seeded_settings(row, plan, 1, None)
+            assert (chosen.steps * chosen.batch, chosen.seed) == (400, 1)
+    rows = {row.name: row for row in experiment("keypose").rows}
+    rate = TrainSettings().optimiser.learning_rate
+    assert row_settings(rows["keypose"], TrainSettings()).optimiser.learning_rate == pytest.approx(rate * 10 / 6)
+    assert row_settings(rows["mvtrans-3"], TrainSettings()).views.count == 3
+
+
+def test_plots_are_pictures_with_a_line_or_bar_for_each_row(plan):
+    plots = experiment_plots(experiment("keypose"), {"keypose": Result((REPORT,), facts=FACTS)})
+    assert set(plots) == {"accuracy", "categories"}
+    for picture in plots.values():
+        assert ElementTree.fromstring(picture).tag.endswith("svg")
+    lines = line_plot("a < b", "x", "y", {"one": [(0.0, 0.0), (1.0, 2.0)], "two": [(0.0, 1.0), (1.0, 1.0)]})
+    found = ElementTree.fromstring(lines)
+    places = [line.attrib["points"].split() for line in found.iter() if line.tag.endswith("polyline")]
+    # The first line ends at the top, and begins at the bottom; the second lies half as high.
+    tops = [[float(place.split(",")[1]) for place in line] for line in places]
+    assert tops[0][0] > tops[1][0] == tops[1][1] > tops[0][1]
+    assert tops[1][0] == pytest.approx(sum(tops[0]) / 2)
+    assert ElementTree.fromstring(bar_plot("bars", "y", {"one": {"cup": 1.0}, "two": {"mug": 2.0}})) is not None
+
+
+def test_data_sets_are_counted_from_their_files(rendered):
+    table = comparison_table((rendered,))
+    name, samples, objects, scenes, annotations, _source = (cell.ours for cell in table.rows[0])
+    assert (samples, scenes) == ("10", "2")
+    assert "transparent" in objects
+    assert "right pictures" in annotations
+    assert "depth, normals" in annotations
+    assert "refraction" not in annotations
+    assert name
+    assert any(row[0].ours == "Syn-TODD" and "1,996" in row[3].ours for row in table.rows[1:])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--only", "simnets"], "only: expected rows of keypose: densefusion-true"),
+        (["--checkpoints", "simnet"], "checkpoints: expected ROW=PATH with a row of"),
+        (["--experiment", "all"], "expected one of keypose, syn-todd, ablation"),
+    ],
+)
+def test_a_wrong_request_is_one_line(rendered, tmp_path, capsys, options, message):
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["tables", str(rendered), "--experiment", "keypose", *options, *out]) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_one_command_fills_the_table_and_goes_on_where_it_stopped(rendered, tiny, tmp_path, capsys):
+    network = tiny.model_dump(mode="json") | {"depth_range": None}
+    network["keypose"] |= {"crop": [32, 48], "filters": 4}
+    settings = {"network": network, "machine": {"accelerator": "cpu", "workers": 0, "threads": 1}, "batch": 2}
+    (tmp_path / "run.yaml").write_text(yaml.safe_dump(settings))
+    out = tmp_path / "report"
+    command = ["tables", str(rendered), "--experiment", "keypose", "--config", str(tmp_path / "run.yaml")]
+    command += ["--only", "keypose", "mvtrans-stereo", "--budget", "0.02", "--split", "val", "--out", str(out)]
+    assert main(command) == 0
+    first = (out / "tables.md").read_text()
+    assert "not run (paper 87.9)" in first
+    assert ElementTree.fromstring((out / "accuracy.svg").read_text()) is not None
+    results = json.loads((out / "results.json").read_text())
+    assert set(results["rows"]) == {"keypose", "mvtrans-stereo"}
+    assert "detector" in results["rows"]["keypose"]["reports"][0]["locations"]
+    capsys.readouterr()
+    assert main(command) == 0
+    assert "steps" not in capsys.readouterr().out  # nothing is trained again
+    assert (out / "tables.md").read_text() == first
+    (out / "runs" / "keypose-0" / "report" / "report.json").unlink()
+    assert main(command) == 0
+    assert (out / "tables.md").read_text() == first
+    assert main([*command, "--seeds", "2"]) == 2
+    assert "plan.json: expected the plan of the same experiment" in capsys.readouterr().err
