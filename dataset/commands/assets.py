@@ -13,6 +13,7 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.exit_codes import run_command
+from ...core.folders import listed_in
 from ...core.images import srgb8
 from ...core.model import Model
 from ...core.passed_over import report
@@ -21,7 +22,7 @@ from ...core.remembered import Checked
 from ...core.units import volume_text
 from ...core.user_text import UserPath, counted
 from ...procedural.description.scene import FIRST_OBJECT_ID, SceneObject
-from ...procedural.mesh_files.layouts import Listing, Place
+from ...procedural.mesh_files.layouts import UNREAD_SUFFIXES, Listing, Place
 from ...procedural.own_vessels.draw import draw_own_vessel
 from ...procedural.own_vessels.files import VesselFile, vessel_listing
 from ...procedural.own_vessels.usable import checked_vessels
@@ -97,6 +98,11 @@ def _say_left_out(request: Assets, listed: Listing, stages: SceneProgress) -> No
         stages.say(f"left out: {counted(len(listed.left_out), 'further file')} of objects that are used")
         left_out = [(path.relative_to(request.folder).as_posix(), why) for path, why in listed.left_out]
         stages.say_all(f"  {name}: {why}" for name, why in left_out[: request.rows])
+    unread = listed_in(request.folder, UNREAD_SUFFIXES)
+    if unread:
+        kinds = " ".join(sorted({path.suffix.lower() for path in unread}))
+        stages.say(f"not read: {counted(len(unread), 'file')} ({kinds}); Blender and others write them as GLB")
+        stages.say_all(f"  {path.relative_to(request.folder).as_posix()}" for path in unread[: request.rows])
 
 
 def _vessels(request: Assets, stages: SceneProgress) -> tuple[list[SceneObject], list[str]]:
