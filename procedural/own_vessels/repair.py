@@ -161,8 +161,8 @@ def _proper(vertices: np.ndarray, faces: np.ndarray, walls_between: bool = True)
     if not walls_between:
         # A face is even where its corners rise in their order around it.
         even = (np.diff(faces, axis=1, append=faces[:, :1]) > 0).sum(1) == 2
-        share = np.bincount(group.reshape(-1), even) / np.bincount(group.reshape(-1))
-        first = first[(share == 0.0) | (share == 1.0)]
+        fraction = np.bincount(group.reshape(-1), even) / np.bincount(group.reshape(-1))
+        first = first[(fraction == 0.0) | (fraction == 1.0)]
     return _used(vertices, faces[np.sort(first)])
 
 

@@ -62,7 +62,7 @@ def split_at_junctions(vertices: np.ndarray, faces: np.ndarray, reach: float) ->
             break
         points = np.unique([start[loose], end[loose]])
         tree = cKDTree(vertices[points])
-        taken, pieces = set(), []
+        split, pieces = set(), []
         for corner in loose.tolist():
             a, b, c = (int(faces[corner // 3, (corner + k) % 3]) for k in range(3))
             line = vertices[b] - vertices[a]
@@ -71,14 +71,14 @@ def split_at_junctions(vertices: np.ndarray, faces: np.ndarray, reach: float) ->
             along = (vertices[near] - vertices[a]) @ line / length
             off = np.linalg.norm(vertices[near] - vertices[a] - along[:, None] * line / length, axis=1)
             on = (off <= reach) & (along > reach) & (along < length - reach) & (near != c)
-            if corner // 3 in taken or not on.any():
+            if corner // 3 in split or not on.any():
                 continue
-            taken.add(corner // 3)
+            split.add(corner // 3)
             way = [a, *near[on][np.argsort(along[on])].tolist(), b]
             pieces += [[first, second, c] for first, second in pairwise(way)]
-        if not taken:
+        if not split:
             break
-        faces = np.concatenate([np.delete(faces, sorted(taken), axis=0), np.array(pieces, faces.dtype)])
+        faces = np.concatenate([np.delete(faces, sorted(split), axis=0), np.array(pieces, faces.dtype)])
     return faces
 
 

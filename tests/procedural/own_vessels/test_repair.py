@@ -29,7 +29,7 @@ def without(mesh: trimesh.Trimesh, *faces: int) -> trimesh.Trimesh:
 def test_a_small_hole_in_a_beaker_is_filled_before_open_surfaces_get_a_thickness(
     own_shapes: ModuleType, tmp_path: Path
 ) -> None:
-    mesh = own_shapes.beaker(rows=40)
+    mesh = own_shapes.beaker(64, rows=40)
     path = own_shapes.saved(without(mesh, 1000), tmp_path / "b.ply")
     for settings in ({}, {"shell": 0.002}):
         assert volume_of(shape(path, **settings).solid) == pytest.approx(mesh.volume, rel=1e-3)
@@ -44,15 +44,15 @@ def test_a_hole_in_the_side_of_a_sheet_is_filled_and_a_narrow_mouth_stays() -> N
 
 
 def test_closed_bodies_beside_an_open_one_keep_their_walls(own_shapes: ModuleType, tmp_path: Path) -> None:
-    beaker, label = own_shapes.beaker(), own_shapes.sheet().apply_translation([0.1, 0.0, 0.0])
+    beaker, label = own_shapes.beaker(48), own_shapes.sheet().apply_translation([0.1, 0.0, 0.0])
     found = shape(own_shapes.saved(own_shapes.with_bodies(beaker, label), tmp_path / "b.ply"), shell=0.003)
     floors = sorted(hollow.volume for hollow in interior_of(found.solid).hollows)
-    assert floors[1] == pytest.approx(own_shapes.capacity(), rel=0.03)
+    assert floors[1] == pytest.approx(own_shapes.capacity(48), rel=0.03)
     assert floors[0] == pytest.approx(own_shapes.capacity(64, 0.003), rel=0.03)
 
 
 def test_an_edge_that_others_end_on_is_split_there(own_shapes: ModuleType, tmp_path: Path) -> None:
-    mesh = own_shapes.beaker()
+    mesh = own_shapes.beaker(48)
     a, b, c = mesh.faces[10]
     vertices = np.vstack([mesh.vertices, mesh.vertices[[a, b]].mean(0)])
     new = len(mesh.vertices)
@@ -62,11 +62,26 @@ def test_an_edge_that_others_end_on_is_split_there(own_shapes: ModuleType, tmp_p
         assert volume_of(shape(path, **settings).solid) == pytest.approx(mesh.volume, rel=1e-4)
 
 
-def test_bodies_that_share_a_face_become_one(own_shapes: ModuleType, tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", ["ply", "stl"])
+@pytest.mark.parametrize("mirrored", [True, False], ids=["same diagonals", "other diagonals"])
+def test_bodies_that_share_a_face_become_one(
+    own_shapes: ModuleType, tmp_path: Path, suffix: str, mirrored: bool
+) -> None:
     box = trimesh.creation.box((0.05, 0.05, 0.05))
-    mirrored = trimesh.Trimesh(box.vertices * [-1, 1, 1] + [0.05, 0, 0], box.faces[:, ::-1], process=False)
-    found = shape(own_shapes.saved(own_shapes.with_bodies(box, mirrored), tmp_path / "two.stl"))
-    assert volume_of(found.solid) == pytest.approx(2 * 0.05**3)
+    other = trimesh.Trimesh(box.vertices * [-1, 1, 1], box.faces[:, ::-1], process=False) if mirrored else box.copy()
+    two = own_shapes.with_bodies(box, other.apply_translation([0.05, 0, 0]))
+    found = shape(own_shapes.saved(two, tmp_path / f"two.{suffix}"))
+    assert volume_of(found.solid) == pytest.approx(2 * 0.05**3, rel=1e-5)
+
+
+def test_a_base_of_its_own_under_a_beaker_becomes_part_of_it(own_shapes: ModuleType, tmp_path: Path) -> None:
+    beaker = own_shapes.beaker(48)
+    base = trimesh.creation.revolve(
+        np.array([(0.0, -0.005), (own_shapes.RADIUS, -0.005), (own_shapes.RADIUS, 0.0), (0.0, 0.0)]), sections=48
+    )
+    found = shape(own_shapes.saved(own_shapes.with_bodies(beaker, base), tmp_path / "b.stl"))
+    assert volume_of(found.solid) == pytest.approx(beaker.volume + base.volume, rel=1e-4)
+    assert interior_of(found.solid).hollows[0].volume == pytest.approx(own_shapes.capacity(48), rel=0.01)
 
 
 def test_bodies_that_touch_along_an_edge_are_refused_for_that(own_shapes: ModuleType, tmp_path: Path) -> None:
