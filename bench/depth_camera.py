@@ -22,11 +22,13 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
+from glassware.core.errors import InputError
 from glassware.core.images import srgb8
 from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
 from glassware.dataset.depth_cameras.measure import MEASURED, measured
 from glassware.dataset.format.exr import read_exr
 from glassware.dataset.format.pictures import write_png
+from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
@@ -89,6 +91,8 @@ def captured(folder: Path) -> Figures:
         count, labels = cv2.connectedComponents(mask.astype(np.uint8))
         masks = [labels == number for number in range(1, count)]
         found.add(depth, truth, truth, [one for one in masks if one.sum() >= FEWEST], mask)
+    if not found.objects:
+        raise InputError(folder, "captures, such as 000000000-transparent-depth-img.exr", "none")
     return found
 
 
@@ -122,7 +126,7 @@ def simulated(run: Run, console: Console) -> Figures:
         begun = process_time()
         renderer = Renderer(scene)
         infrared, geometry = renderer.infrared(0), renderer.geometry(0)
-        assert scene.depth_camera is not None
+        assert isinstance(scene.depth_camera, DepthCamera)
         sensor, again = (
             measured(scene.depth_camera, infrared, scene.cameras[0], geometry.Z, (seed, scene.scene_id, 0))
             for seed in (scene.seed, scene.seed + 1)

@@ -77,7 +77,7 @@ def read_exr_picture(path: Path, check_size: Callable[[int, int], None]) -> np.n
         raise
     except (RuntimeError, ValueError, KeyError, TypeError, IndexError) as error:
         # What the reader raises for damaged files; a file cut short reads as one without parts.
-        text = " ".join(str(error).split())
+        text = "cut short" if isinstance(error, IndexError) else " ".join(str(error).split())
         raise InputError(path, "a whole OpenEXR file", f"a damaged one ({text})") from error
     return _in_display_window(part, _rgb(path, part, planes))
 
@@ -157,10 +157,10 @@ def _rgb(path: Path, part: _Part, planes: dict[str, np.ndarray]) -> np.ndarray:
     width, height = right - left + 1, bottom - top + 1
     for kind, plane in planes.items():
         if plane.dtype not in (np.float16, np.float32):
-            raise InputError(f"{path} channel {part.channels[kind]}", "half or float", f"{plane.dtype}")
+            raise InputError(path, f"half or float in channel {part.channels[kind]}", f"{plane.dtype}")
         if plane.shape != (height, width) and kind not in ("ry", "by"):
             shape = "x".join(str(side) for side in plane.shape[::-1])
-            raise InputError(f"{path} channel {part.channels[kind]}", f"{width}x{height} pixels", shape)
+            raise InputError(path, f"{width}x{height} pixels in channel {part.channels[kind]}", shape)
     wide = {kind: plane.astype(np.float32) for kind, plane in planes.items()}
     if "r" in wide:
         return np.stack([wide["r"], wide["g"], wide["b"]], axis=-1)

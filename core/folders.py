@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import stat
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from .errors import InputError, cause_of
-from .user_text import usable_text
+from .user_text import counted, usable_text
+
+#: Most kinds of files that a message names [1].
+_MOST_KINDS = 4
 
 
 def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -> tuple[Path, ...]:
@@ -34,19 +38,38 @@ def files_in(folder: Path, content: str, suffixes: Sequence[str], below: bool) -
         file cannot hold.
     """
     try:
+        if folder.is_file() and folder.suffix.lower() not in suffixes:
+            raise InputError(folder, f"a folder of {content} ({' '.join(suffixes)})", "a file of another format")
         if not folder.is_dir():
             raise InputError(folder, f"a folder of {content}", "a file" if folder.exists() else "no such folder")
         found = [path for path in _entries(folder, below) if path.suffix.lower() in suffixes and _is_file(path)]
     except OSError as error:
         raise InputError(folder, f"a readable folder of {content}", cause_of(error)) from error
     if not found:
-        raise InputError(folder, f"{content} ({' '.join(suffixes)})", "none")
+        raise InputError(folder, f"{content} ({' '.join(suffixes)})", _others(folder, below))
     for path in found:
         try:
             usable_text(str(path))
         except ValueError as error:
             raise InputError(path, "a file name in UTF-8", "other bytes") from error
     return tuple(sorted(found, key=lambda path: path.relative_to(folder).as_posix()))
+
+
+def listed_in(folder: Path, suffixes: Sequence[str]) -> tuple[Path, ...]:
+    """Return the files below a folder that `files_in` finds, ordered alike; none where it finds none."""
+    if not folder.is_dir():
+        return ()
+    found = [path for path in _entries(folder, True) if path.suffix.lower() in suffixes and path.is_file()]
+    return tuple(sorted(found, key=lambda path: path.relative_to(folder).as_posix()))
+
+
+def _others(folder: Path, below: bool) -> str:
+    """Return what is in a folder in place of what was expected, by the ends of the names, the most frequent first."""
+    kinds = Counter(path.suffix.lower() or "no suffix" for path in _entries(folder, below) if path.is_file())
+    if not kinds:
+        return "none"
+    shown = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(_MOST_KINDS))
+    return f"none in {counted(kinds.total(), 'file')} ({shown})"
 
 
 def _is_file(path: Path) -> bool:

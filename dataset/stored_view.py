@@ -24,6 +24,7 @@ from ..core.errors import InputError
 from ..core.json_file import check_schema, parsed, read_json, read_record
 from ..core.randomness import stream
 from ..procedural.description.camera import Camera
+from ..procedural.description.depth_camera import DepthCamera
 from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.sensors.depth_cameras import depth_camera
@@ -200,7 +201,9 @@ class StoredView:
 
     def infrared(self, eye: Eye = "left") -> np.ndarray:
         """Return an infrared picture of the depth camera, (h, w) uint16; it needs ``--write infrared``."""
-        self._sensor()
+        device = self._sensor()
+        if device.kind != "stereo":
+            raise InputError(self.folder / layout.CAMERA, "a stereo camera, such as sensors.depth d435", device.name)
         return read_numbers(self._of_kind(IR_FILES[_checked_eye(eye)], "infrared")[0])
 
     def painted_sensor_depth(self, device: str = "d435", seed: int = 0) -> np.ndarray:
@@ -217,8 +220,8 @@ class StoredView:
             Of the faults.
         """
         known = depth_camera(device, "device")
-        if known is None:
-            raise InputError("device", "a depth camera", device)
+        if not isinstance(known, DepthCamera):
+            raise InputError("device", "a stereo depth camera, such as d435", device)
         records = read_record(ObjectsFile, self.folder.parent / layout.OBJECTS, OBJECTS_SCHEMA)
         geometry = self.geometry()
         glass = np.isin(geometry.id, [item.id for item in records.objects if item.material.kind == "glass"])

@@ -99,6 +99,19 @@ class Infrared:
     shared: np.ndarray  #: (h, w) bool, whether nothing opaque is between them and the right camera
 
 
+@dataclass(frozen=True, eq=False)
+class Beams:
+    """What comes back along the beams of a time-of-flight camera: k rays in each of h x w pixels."""
+
+    camera: Camera  #: the device, as a camera whose left eye counts
+    weight: np.ndarray  #: (k,) float32, part of a pixel's beam; all but the last, which is the mirrored one, sum to 1
+    #: (k, h, w) float32, returned light of each ray, as the reflectance of a matte surface that faces the device over
+    #: its squared distance [1/m^2]; 0 for none
+    strength: np.ndarray
+    path: np.ndarray  #: (k, h, w) float32, optical length of the way to the return [m]; +inf for none
+    Z: np.ndarray  #: (h, w) float32, planar depth of first surfaces [m]; +inf for nothing
+
+
 class PictureNoise(Model):
     """Samples and noise of one eye's picture before the denoiser."""
 
@@ -192,7 +205,8 @@ class Frame:
     sampling: tuple[PictureNoise, PictureNoise] | None = None  #: of left and right; None without pictures
     layers: Layers | None = None  #: of the left camera; None if not requested
     refraction: Refraction | None = None  #: of the left camera; None if not requested
-    infrared: Infrared | None = None  #: of the depth camera; None without one
+    infrared: Infrared | None = None  #: of the stereo depth camera; None without one
+    beams: Beams | None = None  #: of the time-of-flight camera; None without one
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
     tone: Tone = LINEAR  #: white balance and highlights, for display
     scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand

@@ -18,10 +18,24 @@ from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.randomness import stream_seed
 from ..core.stopwatch import Stopwatch
+from ..procedural.description.depth_camera import DepthCamera
 from ..procedural.description.scene import Scene
+from ..procedural.description.time_of_flight import DepthDevice, TimeOfFlightCamera
 from ..procedural.scene.validate import check_scene
 from .backend.variant import SPAWN, activate, check_process
-from .frame import EYES, Draft, Eye, Frame, Geometry, Infrared, LightCheck, LineOfSight, SurfaceLight, Transmission
+from .frame import (
+    EYES,
+    Beams,
+    Draft,
+    Eye,
+    Frame,
+    Geometry,
+    Infrared,
+    LightCheck,
+    LineOfSight,
+    SurfaceLight,
+    Transmission,
+)
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -240,10 +254,31 @@ class Renderer:
         from .infrared.pictures import trace_infrared
 
         device, number = self.scene.depth_camera, self._view(view)
-        if device is None:
-            raise InputError("scene, depth_camera", "one, as sensors.depth draws it", "none")
+        if not isinstance(device, DepthCamera):
+            raise InputError("scene, depth_camera", "a stereo camera, such as sensors.depth d435", _named(device))
         with self._active():
             return trace_infrared(self.loaded, number, device, self._tracer)
+
+    def beams(self, view: int) -> Beams:
+        """Trace the beams of a time-of-flight camera in one view; in scenes with one, every frame has them.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or no time-of-flight camera.
+        """
+        from .infrared.beams import trace_beams
+
+        device, number = self.scene.depth_camera, self._view(view)
+        if not isinstance(device, TimeOfFlightCamera):
+            raise InputError("scene, depth_camera", "a time-of-flight camera, as sensors.depth l515", _named(device))
+        with self._active():
+            return trace_beams(self.loaded, number, device)
 
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
@@ -282,10 +317,13 @@ class Renderer:
             geometry, layers = trace_straight(self.loaded, camera, picture.layers)
         with stopwatch.stage("refraction"):
             refraction = trace_refraction(self.loaded, [camera])[0] if picture.refraction else None
-        infrared = None
+        infrared = beams = None
         if scene.depth_camera is not None:
             with stopwatch.stage("infrared"):
-                infrared = self.infrared(view)
+                if isinstance(scene.depth_camera, DepthCamera):
+                    infrared = self.infrared(view)
+                else:
+                    beams = self.beams(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(
@@ -300,10 +338,15 @@ class Renderer:
             layers=layers if picture.layers else None,
             refraction=refraction,
             infrared=infrared,
+            beams=beams,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,
         )
+
+
+def _named(device: DepthDevice | None) -> str:
+    return "none" if device is None else device.name
 
 
 def _check_eye(eye: object) -> None:

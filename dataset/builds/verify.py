@@ -15,8 +15,10 @@ from ...core.assets import checked_path
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error
 from ...core.user_text import counted
+from ...procedural.description.depth_camera import DepthCamera
 from ...procedural.description.picture import Picture
 from ...procedural.description.scene import Scene
+from ...procedural.description.time_of_flight import DepthDevice
 from ...procedural.scene.settings import SceneSettings
 from ...procedural.scene.splits import Split, split_of
 from ...render.frame import EYES
@@ -164,7 +166,7 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
 
 
 def _view_faults(scene: Scene, view: StoredView, files: FileKinds) -> Iterator[str]:
-    sensor = _sensor_files(files) if scene.depth_camera is not None else ()
+    sensor = _sensor_files(files, scene.depth_camera)
     for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *sensor):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
@@ -188,10 +190,13 @@ def _extra_files(picture: Picture, files: FileKinds) -> Iterator[str]:
             yield from names
 
 
-def _sensor_files(files: FileKinds) -> tuple[str, ...]:
+def _sensor_files(files: FileKinds, device: DepthDevice | None) -> tuple[str, ...]:
     """Return the files that a view has by its depth camera."""
+    if device is None:
+        return ()
     always = (layout.SENSOR_DEPTH, layout.SENSOR_VALID)
-    return (*always, *IR_FILES.values()) if "infrared" in files else always
+    stereo = "infrared" in files and isinstance(device, DepthCamera)
+    return (*always, *IR_FILES.values()) if stereo else always
 
 
 def _with_read_errors(check: Callable[[], Iterator[str]]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from pydantic import Field
 from rich.console import Console
 
 from ...core.exit_codes import run_command
+from ...core.folders import listed_in
 from ...core.images import srgb8
 from ...core.model import Model
 from ...core.passed_over import report
@@ -21,9 +22,9 @@ from ...core.remembered import Checked
 from ...core.units import volume_text
 from ...core.user_text import UserPath, counted
 from ...procedural.description.scene import FIRST_OBJECT_ID, SceneObject
-from ...procedural.mesh_files.layouts import Place
+from ...procedural.mesh_files.layouts import UNREAD_SUFFIXES, Listing, Place
 from ...procedural.own_vessels.draw import draw_own_vessel
-from ...procedural.own_vessels.files import VesselFile
+from ...procedural.own_vessels.files import VesselFile, vessel_listing
 from ...procedural.own_vessels.usable import checked_vessels
 from ...procedural.primitives.display import display
 from ...procedural.props.draw import PropSettings, drawn_size
@@ -82,10 +83,7 @@ def _props(request: Assets, stages: SceneProgress) -> tuple[list[SceneObject], l
     further = f", {counted(len(listed.left_out), 'further file')} of these"
     stages.say_all(_summary(request, [file.place for file in files], further))
     stages.say_all(_listed([_line(request, file, outcome) for file, outcome in checked], request.rows))
-    if listed.left_out:
-        stages.say(f"left out: {counted(len(listed.left_out), 'further file')} of objects that are used")
-        left_out = [(path.relative_to(request.folder).as_posix(), why) for path, why in listed.left_out]
-        stages.say_all(f"  {name}: {why}" for name, why in left_out[: request.rows])
+    _say_left_out(request, listed, stages)
     stages.say_all(report(findings))
     rng = stream(0, 0, "props/0")  # of what files do not state
     objects: list[SceneObject] = [
@@ -95,12 +93,27 @@ def _props(request: Assets, stages: SceneProgress) -> tuple[list[SceneObject], l
     return objects, [file.name for file in files]
 
 
+def _say_left_out(request: Assets, listed: Listing, stages: SceneProgress) -> None:
+    if listed.left_out:
+        stages.say(f"left out: {counted(len(listed.left_out), 'further file')} of objects that are used")
+        left_out = [(path.relative_to(request.folder).as_posix(), why) for path, why in listed.left_out]
+        stages.say_all(f"  {name}: {why}" for name, why in left_out[: request.rows])
+    unread = listed_in(request.folder, UNREAD_SUFFIXES)
+    if unread:
+        kinds = " ".join(sorted({path.suffix.lower() for path in unread}))
+        stages.say(f"not read: {counted(len(unread), 'file')} ({kinds}); Blender and others write them as GLB")
+        stages.say_all(f"  {path.relative_to(request.folder).as_posix()}" for path in unread[: request.rows])
+
+
 def _vessels(request: Assets, stages: SceneProgress) -> tuple[list[SceneObject], list[str]]:
     """List a folder of vessels, and return those of the sheet with their names, filled where they hold something."""
+    listed = vessel_listing(request.folder)
     checked, findings = checked_vessels(request.folder, request.vessels, stages.checking)
     files = [file for file, _ in checked]
-    stages.say_all(_summary(request, [file.place for file in files], ""))
+    further = f", {counted(len(listed.left_out), 'further file')} of these"
+    stages.say_all(_summary(request, [file.place for file in files], further))
     stages.say_all(_listed([vessel_line(file, outcome) for file, outcome in checked], request.rows))
+    _say_left_out(request, listed, stages)
     stages.say_all(report(findings))
     settings = request.vessels.model_copy(update={"fill_probability": 1.0})
     objects: list[SceneObject] = [

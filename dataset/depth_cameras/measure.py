@@ -22,6 +22,8 @@ UNSEEN, MEASURED, NO_MATCH, OUT_OF_RANGE, SATURATED, UNLIT, HIDDEN = range(len(R
 _WHITE = 0.2
 #: How much farther than a colour pixel's point the infrared camera's own may be, and still be the same [1].
 _SAME = 0.02
+#: Largest difference of the disparities of one surface within a colour pixel [px]: matching tells no more apart.
+_SAME_SURFACE = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +33,8 @@ class SensorDepth:
     depth: np.ndarray  #: (H, W) uint16, planar depth in `unit`; 0 for none
     reason: np.ndarray  #: (H, W) uint16, numbers of `REASONS`
     unit: float  #: [m]
-    infrared: InfraredPictures
-    Z: np.ndarray  #: (h, w) float32, depth in the left infrared camera's pixels [m]; NaN for none
+    infrared: InfraredPictures | None  #: of a stereo camera
+    Z: np.ndarray  #: (h, w) float32, depth in the device's own pixels (the left infrared camera's) [m]; NaN for none
 
     @property
     def metres(self) -> np.ndarray:
@@ -65,9 +67,12 @@ def measured(
     low, high = device.range
     outside = np.isfinite(disparity) & ((depth < low) | (depth > high))
     depth = np.where(outside, np.nan, depth).astype(np.float32)
-    found = registered(depth, infrared.pair, colour, device.place)
+    found = registered(
+        depth, infrared.pair, colour, device.place, _SAME_SURFACE / (device.imager.focal * device.baseline)
+    )
     numbers = np.rint(np.nan_to_num(found) / device.unit).astype(np.uint16)
-    reason = _in_colour(_reasons(device, infrared, pictures, disparity, outside), infrared, colour, Z, device.place)
+    reason = _reasons(device, infrared, pictures, disparity, outside)
+    reason = in_colour(reason, (infrared.pair, infrared.Z), colour, Z, device.place)
     reason[numbers > 0] = MEASURED
     return SensorDepth(numbers, reason, device.unit, pictures, depth)
 
@@ -102,14 +107,31 @@ def _in_field(device: DepthCamera, infrared: Infrared) -> np.ndarray:
     return (np.abs(x) <= across) & (np.abs(y) <= down)
 
 
-def _in_colour(reason: np.ndarray, infrared: Infrared, colour: Camera, Z: np.ndarray, shift: float) -> np.ndarray:
-    """Return the reason of each colour pixel: that of the infrared pixel which sees its point."""
-    column, row = (np.rint(x) for x in projected(Z, colour, infrared.pair, shift))
+def in_colour(
+    reason: np.ndarray, own: tuple[Camera, np.ndarray], colour: Camera, Z: np.ndarray, shift: float
+) -> np.ndarray:
+    """Return the reason of each colour pixel, (H, W) uint16: that of the device's pixel which sees its point.
+
+    Parameters
+    ----------
+    reason : (h, w) uint16
+        Of the device's own pixels.
+    own : Camera, (h, w) float
+        The device's camera, and the depth of its first surfaces [m].
+    colour : Camera
+        The colour camera.
+    Z : (H, W) float
+        Depth of its first surfaces [m].
+    shift : float
+        x of the device in the colour camera's frame [m].
+    """
+    camera, first = own
+    column, row = (np.rint(x) for x in projected(Z, colour, camera, shift))
     inside = (column >= 0) & (column < reason.shape[1]) & (row >= 0) & (row < reason.shape[0])
     u, v = column[inside].astype(int), row[inside].astype(int)
     there = reason[v, u]
     # Another surface in front of the point, or a depth that went to another pixel: the point was not seen.
-    nearer = infrared.Z[v, u] < Z[inside] * (1.0 - _SAME)
+    nearer = first[v, u] < Z[inside] * (1.0 - _SAME)
     found = np.full(Z.shape, UNSEEN, np.uint16)
     found[inside] = np.where(nearer | (there == MEASURED), UNSEEN, there)
     return found

@@ -10,11 +10,14 @@ from ...procedural.description.camera import Camera
 _WIDEST = 16
 
 
-def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float) -> np.ndarray:
+def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float, alike: float = 0.0) -> np.ndarray:
     """Return depth in the pixels of a colour camera with the same axes, (H, W) float32 [m]; NaN where there is none.
 
-    Each pixel covers the rectangle into which its corners project at its depth, and the nearest depth wins. So a
-    foreground throws a shadow onto what the colour camera sees and the infrared camera does not.
+    Each pixel covers the rectangle into which its corners project at its depth, and the nearest surface wins. So a
+    foreground throws a shadow onto what the colour camera sees and the infrared camera does not. Of the depths of that
+    surface the one whose pixel projects closest to the middle is taken: the nearest would be the one with the most
+    noise towards the camera, and on coarse colour pixels, which nine infrared ones cover, too near by 1.5 of its
+    standard deviations.
 
     Parameters
     ----------
@@ -24,6 +27,8 @@ def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float) ->
         The two cameras; the left eyes count.
     shift : float
         x of the infrared camera in the colour camera's frame [m].
+    alike : float
+        Largest difference of the inverse depths of one surface [1/m].
     """
     rows, columns = np.nonzero(np.isfinite(Z))
     depth = Z[rows, columns].astype(np.float64)
@@ -35,15 +40,33 @@ def registered(Z: np.ndarray, infrared: Camera, colour: Camera, shift: float) ->
     # overlap by up to a pixel, and leave no cracks.
     count_u = np.clip(np.rint(right).astype(int) - first_u + 1, 1, _WIDEST)
     count_v = np.clip(np.rint(bottom).astype(int) - first_v + 1, 1, _WIDEST)
-    found = np.full(colour.height * colour.width, np.inf)
+    middle_u, middle_v = 0.5 * (left + right), 0.5 * (top + bottom)
+    pixels, depths, offsets = [], [], []
     for down in range(int(count_v.max(initial=0))):
         for across in range(int(count_u.max(initial=0))):
             u, v = first_u + across, first_v + down
             inside = (across < count_u) & (down < count_v) & (u >= 0) & (u < colour.width) & (v >= 0)
             inside &= v < colour.height
-            np.minimum.at(found, v[inside] * colour.width + u[inside], depth[inside])
-    found[np.isinf(found)] = np.nan
-    return found.reshape(colour.height, colour.width).astype(np.float32)
+            pixels.append((v * colour.width + u)[inside])
+            depths.append(depth[inside])
+            offsets.append(np.hypot(u - middle_u, v - middle_v)[inside])
+    size, shape = colour.height * colour.width, (colour.height, colour.width)
+    if not pixels:
+        return np.full(shape, np.nan, np.float32)
+    found = _chosen(np.concatenate(pixels), np.concatenate(depths), np.concatenate(offsets), alike, size)
+    return found.reshape(shape).astype(np.float32)
+
+
+def _chosen(pixel: np.ndarray, depth: np.ndarray, offset: np.ndarray, alike: float, size: int) -> np.ndarray:
+    """Return for each of `size` pixels the depth with the least offset on its nearest surface; NaN without any."""
+    nearest = np.full(size, np.inf)
+    np.minimum.at(nearest, pixel, depth)
+    same = 1.0 / nearest[pixel] - 1.0 / depth <= alike
+    pixel, depth, offset = pixel[same], depth[same], offset[same]
+    last = np.lexsort((-depth, -offset))  # the least offset, and of equal ones the nearest depth, is written last
+    found = np.full(size, np.nan)
+    found[pixel[last]] = depth[last]
+    return found
 
 
 def projected(Z: np.ndarray, colour: Camera, infrared: Camera, shift: float) -> tuple[np.ndarray, np.ndarray]:

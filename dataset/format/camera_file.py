@@ -11,6 +11,7 @@ from ...core.errors import InputError
 from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
 from ...procedural.description.depth_camera import DepthCamera, along_x
+from ...procedural.description.time_of_flight import TimeOfFlightCamera
 from ..cameras.model import Distortion
 
 CAMERA_SCHEMA = "glassware/camera/1"
@@ -28,21 +29,42 @@ CONVENTIONS = {
 Row3 = tuple[float, float, float]
 
 
+def _is_none(value: object) -> bool:
+    return value is None
+
+
 class DepthCameraRecord(Model):
     """The depth camera of a view: its place, its infrared cameras, and what the numbers in its files mean."""
 
     name: str = Field(description="Of the device")
     unit: float = Field(gt=0.0, description="Of the numbers in `sensor_depth.png` [m]")
     range: tuple[float, float] = Field(description="Smallest and largest reported depth [m]")
-    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both infrared cameras [px]")
+    kind: Literal["stereo", "tof"] = Field(
+        default="stereo", exclude_if=lambda kind: kind == "stereo", description="tof: time of flight; absent: stereo"
+    )
+    K: tuple[Row3, Row3, Row3] = Field(description="Intrinsic matrix of both infrared cameras, or of the beams [px]")
     width: int = Field(ge=1, description="[px]")
     height: int = Field(ge=1, description="[px]")
-    baseline: float = Field(gt=0.0, description="Between the infrared cameras [m]")
-    camera_T_left: Matrix4 = Field(description="Pose of the left infrared camera in the left colour camera's frame")
-    camera_T_right: Matrix4 = Field(description="Pose of the right infrared camera")
-    camera_T_projector: Matrix4 = Field(description="Pose of the projector, which looks along z")
-    exposure: float = Field(gt=0.0, description="Of the infrared pictures [s]")
-    gain: float = Field(ge=1.0, description="Of the infrared pictures")
+    baseline: float | None = Field(
+        default=None,
+        gt=0.0,
+        exclude_if=_is_none,
+        description="Between the infrared cameras [m]; absent "
+        "with time of flight, as are all fields of a second camera and of pictures",
+    )
+    camera_T_left: Matrix4 = Field(
+        description="Pose of the left infrared camera, or of the place of the beams, in the left colour camera's frame"
+    )
+    camera_T_right: Matrix4 | None = Field(
+        default=None, exclude_if=_is_none, description="Pose of the right infrared camera"
+    )
+    camera_T_projector: Matrix4 | None = Field(
+        default=None, exclude_if=_is_none, description="Pose of the projector, which looks along z"
+    )
+    exposure: float | None = Field(
+        default=None, gt=0.0, exclude_if=_is_none, description="Of the infrared pictures [s]"
+    )
+    gain: float | None = Field(default=None, ge=1.0, exclude_if=_is_none, description="Of the infrared pictures")
     reasons: tuple[str, ...] = Field(description="Names of the numbers 0, 1, 2 ... in `sensor_valid.png`")
 
 
@@ -112,6 +134,22 @@ def depth_camera_record(
         camera_T_projector=along_x(device.place + device.projector.place),
         exposure=exposure,
         gain=gain,
+        reasons=reasons,
+    )
+
+
+def time_of_flight_record(device: TimeOfFlightCamera, reasons: tuple[str, ...]) -> DepthCameraRecord:
+    """Return the record of a time-of-flight camera."""
+    first, second, third = (tuple(row) for row in device.K.tolist())
+    return DepthCameraRecord(
+        name=device.name,
+        unit=device.unit,
+        range=device.range,
+        kind="tof",
+        K=(first, second, third),
+        width=device.width,
+        height=device.height,
+        camera_T_left=along_x(device.place),
         reasons=reasons,
     )
 

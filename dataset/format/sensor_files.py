@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import InputError
+from ...procedural.description.depth_camera import DepthCamera
 from ...procedural.description.scene import Scene
+from ...procedural.description.time_of_flight import TimeOfFlightCamera
 from ...render.frame import EYES, Eye, Frame
 from ..depth_cameras.measure import REASONS, SensorDepth, measured
+from ..depth_cameras.time_of_flight import TIME_OF_FLIGHT_REASONS, timed
 from . import layout
-from .camera_file import DepthCameraRecord, depth_camera_record
+from .camera_file import DepthCameraRecord, depth_camera_record, time_of_flight_record
 from .pictures import read_png, write_png
 
 #: Infrared pictures by eye.
@@ -21,10 +24,13 @@ IR_FILES: dict[Eye, str] = {"left": layout.IR_LEFT, "right": layout.IR_RIGHT}
 
 def sensor_depth(scene: Scene, frame: Frame) -> SensorDepth | None:
     """Return what a scene's depth camera reports of a rendered view; None where the scene has none."""
-    if scene.depth_camera is None or frame.infrared is None:
-        return None
+    device, colour = scene.depth_camera, scene.cameras[frame.view]
     place = scene.seed, scene.scene_id, frame.view
-    return measured(scene.depth_camera, frame.infrared, scene.cameras[frame.view], frame.geometry.Z, place)
+    if isinstance(device, TimeOfFlightCamera) and frame.beams is not None:
+        return timed(device, frame.beams, colour, frame.geometry.Z, place)
+    if isinstance(device, DepthCamera) and frame.infrared is not None:
+        return measured(device, frame.infrared, colour, frame.geometry.Z, place)
+    return None
 
 
 def write_sensor(folder: Path, scene: Scene, frame: Frame, files: Collection[str]) -> DepthCameraRecord | None:
@@ -44,10 +50,15 @@ def write_sensor(folder: Path, scene: Scene, frame: Frame, files: Collection[str
         return None
     write_png(folder / layout.SENSOR_DEPTH, found.depth)
     write_png(folder / layout.SENSOR_VALID, found.reason)
+    if isinstance(device, TimeOfFlightCamera):
+        return time_of_flight_record(device, TIME_OF_FLIGHT_REASONS)
+    pictures = found.infrared
+    if pictures is None:
+        raise ValueError(f"{folder}: expected the infrared pictures of {device.name}, found none")
     if "infrared" in files:
         for eye in EYES:
-            write_png(folder / IR_FILES[eye], getattr(found.infrared, eye))
-    return depth_camera_record(device, found.infrared.exposure, found.infrared.gain, REASONS)
+            write_png(folder / IR_FILES[eye], getattr(pictures, eye))
+    return depth_camera_record(device, pictures.exposure, pictures.gain, REASONS)
 
 
 def read_sensor_depth(path: Path, unit: float) -> np.ndarray:

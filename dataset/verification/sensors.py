@@ -7,24 +7,27 @@ import numpy as np
 
 from ...procedural.description.depth_camera import DepthCamera
 from ...procedural.description.scene import TABLE_ID
+from ...procedural.description.time_of_flight import DepthDevice
 from ...render.frame import Geometry
 from ..format import layout
 from ..format.camera_file import DepthCameraRecord
 from ..stored_view import StoredView
 from .fault import Fault, at_pixels, unlike
 
-#: Number of `sensor_valid.png` that means a depth, and the number of all its meanings, as docs/format.md lists them.
-MEASURED, MEANINGS = 1, 7
+#: Number of `sensor_valid.png` that means a depth, as docs/format.md lists them.
+MEASURED = 1
 #: Float64 through JSON [m, px].
 EXACT = 1e-12
 #: Largest median error on the table, as a disparity [px]: devices have 0.08 px about the truth, and most of that has no
 #: sign. What is off by more has another frame, unit or focal length.
 MEDIAN_ERROR = 0.25
+#: ... and that of a time-of-flight camera [m]: the L515's data sheet has 5 mm at 1 m.
+MEDIAN_DISTANCE = 0.005
 #: Fewest pixels of the table that are compared, and how far from anything else they are [px].
 FEWEST, AWAY = 500, 12
 
 
-def sensor_faults(view: StoredView, device: DepthCamera | None, geometry: Geometry) -> list[Fault]:
+def sensor_faults(view: StoredView, device: DepthDevice | None, geometry: Geometry) -> list[Fault]:
     """Check the files of a view's depth camera.
 
     Parameters
@@ -48,19 +51,22 @@ def sensor_faults(view: StoredView, device: DepthCamera | None, geometry: Geomet
     return found or [*_pixel_faults(record, depth, reason), *_table_faults(record, depth, geometry)]
 
 
-def record_faults(record: DepthCameraRecord, device: DepthCamera) -> list[Fault]:
+def record_faults(record: DepthCameraRecord, device: DepthDevice) -> list[Fault]:
     """Compare the record of a depth camera with the scene's device."""
     file, step = layout.CAMERA, np.eye(4)
     faults = unlike("sensor", file, "depth_camera name", device.name, record.name)
     faults += unlike("sensor", file, "depth_camera unit", device.unit, record.unit, EXACT)
     faults += unlike("sensor", file, "depth_camera range", device.range, record.range, EXACT)
-    faults += unlike("sensor", file, "depth_camera baseline", device.baseline, record.baseline, EXACT)
     faults += unlike("sensor", file, "depth_camera K", device.K, record.K, EXACT)
-    places = {
-        "camera_T_left": device.place,
-        "camera_T_right": device.place + device.baseline,
-        "camera_T_projector": device.place + device.projector.place,
-    }
+    stereo = isinstance(device, DepthCamera)
+    faults += unlike("sensor", file, "depth_camera kind", "stereo" if stereo else device.kind, record.kind)
+    if faults:
+        return faults
+    places = {"camera_T_left": device.place}
+    if stereo:
+        faults += unlike("sensor", file, "depth_camera baseline", device.baseline, record.baseline, EXACT)
+        places["camera_T_right"] = device.place + device.baseline
+        places["camera_T_projector"] = device.place + device.projector.place
     for name, place in places.items():
         step[0, 3] = place
         faults += unlike("sensor", file, f"depth_camera {name}", step.copy(), getattr(record, name), EXACT)
@@ -69,10 +75,10 @@ def record_faults(record: DepthCameraRecord, device: DepthCamera) -> list[Fault]
 
 def _pixel_faults(record: DepthCameraRecord, depth: np.ndarray, reason: np.ndarray) -> list[Fault]:
     has, (low, high) = np.isfinite(depth), record.range
-    margin = record.unit  # rounding to the unit, at either end
+    meanings, margin = len(record.reasons), record.unit  # rounding to the unit, at either end
     return [
         *at_pixels("sensor", layout.SENSOR_VALID, has != (reason == MEASURED), "1 where there is a depth", reason),
-        *at_pixels("sensor", layout.SENSOR_VALID, reason >= MEANINGS, f"a number below {MEANINGS}", reason),
+        *at_pixels("sensor", layout.SENSOR_VALID, reason >= meanings, f"a number below {meanings}", reason),
         *at_pixels(
             "sensor",
             layout.SENSOR_DEPTH,
@@ -84,12 +90,20 @@ def _pixel_faults(record: DepthCameraRecord, depth: np.ndarray, reason: np.ndarr
 
 
 def _table_faults(record: DepthCameraRecord, depth: np.ndarray, geometry: Geometry) -> list[Fault]:
-    """Compare the depth on the open table with its own, as disparities in the median."""
+    """Compare the depth on the open table with its own in the median: as disparities, or as a distance."""
     table = (geometry.id == TABLE_ID).astype(np.uint8)
     open_table = cv2.erode(table, np.ones((2 * AWAY + 1, 2 * AWAY + 1), np.uint8), borderValue=0) > 0
     seen = open_table & np.isfinite(depth)
     if np.count_nonzero(seen) < FEWEST:
         return []
+    if record.baseline is None:
+        error = float(np.median(depth[seen] - geometry.Z[seen]))
+        if abs(error) <= MEDIAN_DISTANCE:
+            return []
+        expected = f"within {MEDIAN_DISTANCE:g} m of the table's depth in the median"
+        return [
+            Fault("sensor", layout.SENSOR_DEPTH, f"{np.count_nonzero(seen)} px of the table", expected, f"{error:.3g}")
+        ]
     fb = record.K[0][0] * record.baseline
     error = float(np.median(fb / depth[seen] - fb / geometry.Z[seen]))
     if abs(error) <= MEDIAN_ERROR:

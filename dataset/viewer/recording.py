@@ -46,7 +46,7 @@ _INSTALL = "the library of Rerun, as in pip install 'glassware[view]'"
 def rerun_library() -> ModuleType:
     """Return the library of Rerun; InputError in one line where it is not installed."""
     try:
-        import rerun
+        import rerun  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError as error:
         raise InputError("--rerun", _INSTALL, error) from error
     return rerun
@@ -108,7 +108,7 @@ def _map_names(choice: Choice) -> list[str]:
 
 def _blueprint(names: Sequence[str]) -> Any:
     """Return the layout: the world beside the picture with boxes and keypoints, and a tab for each map."""
-    from rerun import blueprint
+    from rerun import blueprint  # pyright: ignore[reportMissingImports]
 
     def picture(eye: Eye) -> Any:
         shapes = ("picture", "boxes", "amodal", "keypoints")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,21 +89,49 @@ def draw_contents(
         changed = vessel if pours == held(vessel) else _filled(vessel, pours)
         return Drawn(_counted(changed, tries))
     room = room_of(vessel)
+
+    def takes(*bodies: Body) -> bool:
+        return not pours or _filled_with(vessel, pours, bodies) is not None
+
     item, again = None, 0
     if may_stand:
-        item, again = draw_standing(streams("standing"), settings, vessel, room)
+        item, again = draw_standing(
+            streams("standing"), settings, vessel, room, lambda found: takes(Body(_in_vessel(found)))
+        )
         tries.count += again
     leaning = [] if item is None else [_in_vessel(item)]
-    bodies = _beads(streams("beads"), settings, room, leaning, tries)
-    bodies += _ice(streams("ice"), settings, vessel, room, pours, [*leaning, *(body.mesh for body in bodies)], tries)
+    others = [Body(mesh) for mesh in leaning]
+    bodies = _beads(streams("beads"), settings, vessel, room, leaning, tries)
+    if bodies and not takes(*bodies, *others):
+        bodies = _left_out(vessel, "beads", settings.beads, tries)
+    bodies += _ice(streams("ice"), settings, vessel, room, pours, bodies, others, tries)
     if pours == held(vessel) and not bodies and not leaning and settings.bubbles == 0.0:
         return Drawn(_counted(vessel, tries))
     bubbles = _bubbles(streams("bubbles"), settings, vessel, room, pours, bodies, leaning, tries)
+    if bubbles and not takes(*bodies, *bubbles, *others):
+        bubbles = _left_out(vessel, "bubbles", settings.bubbles, tries)
     if pours == held(vessel) and not bodies and not leaning and not bubbles:
         return Drawn(_counted(vessel, tries))
-    filled = fill_vessel(vessel, pours, [*bodies, *bubbles, *(Body(mesh) for mesh in leaning)])
+    filled = fill_vessel(vessel, pours, [*bodies, *bubbles, *others])
     standing = () if item is None else (restood(item, filled.standing[0], np.eye(4)),)
     return Drawn(_counted(filled.vessel, tries), standing)
+
+
+def _filled_with(vessel: Vessel, pours: tuple[Pour, ...], bodies: Sequence[Body]) -> Vessel | MeshVessel | None:
+    """Return a vessel with liquids and bodies in it; None where it does not hold them."""
+    try:
+        return fill_vessel(vessel, pours, bodies).vessel
+    except InputError:
+        return None
+
+
+def _left_out(vessel: GlassBody, what: str, probability: float, tries: _Tries) -> list[Body]:
+    """Count what does not fit in a vessel, and return nothing; InputError where it is always asked for."""
+    if probability == 1.0:
+        expected = f"a probability below 1, or what leaves room for them in {vessel.name} (a {vessel.category})"
+        raise InputError(f"vessels.contents.{what}", expected, "1")
+    tries.count += 1
+    return []
 
 
 def _counted(vessel: GlassBody, tries: _Tries) -> GlassBody:
@@ -168,7 +196,12 @@ def body_of(kind: str, mesh: Mesh, medium: Medium, count: int = 1) -> Body:
 
 
 def _beads(
-    rng: np.random.Generator, settings: ContentsSettings, room: Room, leaning: list[Mesh], tries: _Tries
+    rng: np.random.Generator,
+    settings: ContentsSettings,
+    vessel: Vessel,
+    room: Room,
+    leaning: list[Mesh],
+    tries: _Tries,
 ) -> list[Body]:
     wanted, radius = rng.random() < settings.beads, float(rng.uniform(*settings.bead_radius))
     count = int(rng.integers(settings.bead_count[0], settings.bead_count[1] + 1))
@@ -179,8 +212,7 @@ def _beads(
     if neck >= radius + 1e-3:  # they could have come in
         places = bead_places(rng, room, radius, count, [_dense(mesh) for mesh in leaning])
     if not len(places):
-        tries.count += 1
-        return []
+        return _left_out(vessel, "beads", settings.beads, tries)
     mesh = balls(places, np.full(len(places), radius), "beads")
     return [body_of("beads", mesh, soda_lime(), len(places))]
 
@@ -191,13 +223,14 @@ def _ice(
     vessel: Vessel,
     room: Room,
     pours: tuple[Pour, ...],
-    others: list[Mesh],
+    beads: list[Body],
+    leaning: list[Body],
     tries: _Tries,
 ) -> list[Body]:
     wanted = rng.random() < settings.ice
     if not wanted or not pours:
         return []
-    dense = [_dense(mesh) for mesh in others]
+    dense = [_dense(body.mesh) for body in (*leaning, *beads)]
     mouth = room.narrowest(vessel.liquids[-1].centre, room.brim)
     for attempt in range(TRIES):
         count = int(rng.integers(settings.ice_count[0], settings.ice_count[1] + 1))
@@ -207,7 +240,7 @@ def _ice(
         edges = edges - smaller * (edges - settings.ice_edge[0])
         count = max(settings.ice_count[0], round(count * (1.0 - smaller)))
         bodies = _cubes(rng, room, edges[:count], vessel.liquids[-1].centre, dense, mouth)
-        if bodies is not None and _fits(vessel, pours, bodies):
+        if bodies is not None and _fits(vessel, pours, [*beads, *bodies, *leaning]):
             return bodies
         tries.count += 1
     if settings.ice == 1.0:
@@ -249,9 +282,8 @@ def _cube(rng: np.random.Generator, edge: float, place: np.ndarray, level: float
 
 
 def _fits(vessel: Vessel, pours: tuple[Pour, ...], bodies: list[Body]) -> bool:
-    try:
-        filled = fill_vessel(vessel, pours, bodies).vessel
-    except InputError:
+    filled = _filled_with(vessel, pours, bodies)
+    if filled is None:
         return False
     return max(content.centre[2] + 0.5 * content.size[2] for content in filled.contents) < room_of(vessel).brim + 0.01
 
@@ -277,8 +309,7 @@ def _bubbles(
     tops = [part.mesh for part in filled.interfaces if part.part in ("liquid_interface", "liquid_surface")]
     places = bubble_places(rng, room, radii, levels, [*meshes, *leaning, *tops])
     if not len(places):
-        tries.count += 1
-        return []
+        return _left_out(vessel, "bubbles", settings.bubbles, tries)
     return [body_of("bubbles", balls(places[:, :3], places[:, 3], "bubbles", BUBBLE_STEPS), AIR, len(places))]
 
 

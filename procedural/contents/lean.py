@@ -115,6 +115,8 @@ def _pose(foot: np.ndarray, room: Room, tilt: float) -> np.ndarray | None:
     turned = foot @ turn.T
     tip = turned[foot[:, 2] < _TIP]
     lowest = _height(tip, room, 0.0)
+    if not np.isfinite(lowest):  # the foot is wider than the vessel
+        return None
     places = np.linspace(0.0, float(room.inner[:, 0].max()), _PLACES)
     free = [place for place in places.tolist() if _height(turned, room, place) <= lowest + _CLIMB]
     if not free:

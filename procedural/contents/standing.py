@@ -47,11 +47,15 @@ Shape = Callable[[float], Mesh]
 
 
 def draw_standing(
-    rng: np.random.Generator, settings: ContentsSettings, vessel: Vessel, room: Room
+    rng: np.random.Generator,
+    settings: ContentsSettings,
+    vessel: Vessel,
+    room: Room,
+    takes: Callable[[SceneObject], bool] = lambda _: True,
 ) -> tuple[SceneObject | None, int]:
     """Draw an object that leans in a vessel, in the vessel's frame, and how often another kind had to be drawn.
 
-    None where none is drawn or leans.
+    None where none is drawn, or none leans that the vessel `takes` beside its liquids.
 
     Raises
     ------
@@ -70,7 +74,9 @@ def draw_standing(
         found = _leaning(kind, _shape(kind, thick, thin), room, place)
         if found is not None:
             mesh, pose = found
-            return _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, colour), tries
+            item = _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, colour)
+            if takes(item):
+                return item, tries
     if settings.standing == 1.0:
         depth = room.brim - room.floor
         expected = f"something that leans in {vessel.name} (a {vessel.category}, {1e3 * depth:.0f}mm deep)"

@@ -38,11 +38,11 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .depth_camera import DepthCamera
 from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
 from .rest import Rest
 from .surroundings import AreaLight, Environment, Table
+from .time_of_flight import DepthDevice
 from .twin import Twin
 
 #: Version of the description; the last part changes when an old reader would be misled.
@@ -87,7 +87,7 @@ class Scene(Model):
     rest: Rest | None = Field(
         default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
     )
-    depth_camera: DepthCamera | None = Field(
+    depth_camera: DepthDevice | None = Field(
         default=None, exclude_if=lambda device: device is None, description="Beside the left colour camera"
     )
     twin: Twin | None = Field(

@@ -3,12 +3,15 @@
 wood_table_001_diff_4k.jpg                Poly Haven: name, map, size
 Wood051_1K-JPG_NormalGL.jpg               ambientCG: name, size and format, map
 T_Brick_BaseColor.png, brick-albedo.png, Brick_Normal-ogl.png, color.png
+T_Rock_D.png, T_Rock_N.png, T_Rock_ORM.png  Unreal Engine: letters, where both of the first two are there
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Kind = Literal[
@@ -35,8 +38,8 @@ _MAPS: dict[str, tuple[Kind, str]] = {
     "metalroughness": ("packed", "arm"),
     "rma": ("packed", "rma"),
     "mra": ("packed", "mra"),
-    **dict.fromkeys(("ao", "ambientocclusion", "occlusion", "cavity", "curvature"), ("unused", "")),
-    **dict.fromkeys(("spec", "specular", "specior", "specularlevel", "reflection", "ior"), ("unused", "")),
+    **dict.fromkeys(("ao", "ambientocclusion", "mixedao", "occlusion", "cavity", "curvature"), ("unused", "")),
+    **dict.fromkeys(("spec", "specular", "specior", "specularlevel", "reflection", "refl", "ior"), ("unused", "")),
     **dict.fromkeys(("opacity", "alpha", "mask", "transmission", "translucent", "translucency", "sss"), ("unused", "")),
     **dict.fromkeys(("emission", "emissive", "anisotropyrotation", "anisotropystrength", "idmap"), ("unused", "")),
     **dict.fromkeys(("preview", "thumb", "thumbnail", "render", "sphere"), ("preview", "")),
@@ -44,6 +47,16 @@ _MAPS: dict[str, tuple[Kind, str]] = {
 #: Maps of whose words plain pictures are named too, such as rusty_metal.jpg: without a picture in colour of the same
 #: name they are plain pictures.
 AMBIGUOUS: frozenset[Kind] = frozenset({"colour", "metalness", "roughness", "unused", "preview", "height"})
+#: Last letters of Unreal Engine's names, which say nothing where they stand alone: T_Rock_D, T_Rock_N, T_Rock_ORM.
+_LETTERS: dict[str, Kind] = {
+    **dict.fromkeys(("d", "bc", "c", "b", "a"), "colour"),
+    "n": "normal",
+    "r": "roughness",
+    "m": "metalness",
+    "h": "height",
+    "s": "unused",
+    "e": "unused",
+}
 # Sizes, formats, bit depths, numbered variants: words that say nothing of the map.
 _SIDE = r"(?:256|512|1024|2048|4096|8192|16384)"
 _NOISE = re.compile(rf"\d{{1,2}}k|{_SIDE}(px)?(x{_SIDE})?|jpe?g|png|exr|tiff?|\d{{1,2}}bits?|seamless|tileable")
@@ -90,6 +103,28 @@ def map_name(stem: str) -> MapName:
             base, (kind, detail) = found
             return MapName(base, kind, detail, size, variant)
     return MapName(variant, "plain", "", size, variant)
+
+
+def lettered(names: Mapping[str, MapName]) -> dict[str, MapName]:
+    """Return the names of a folder's files (by their stems), of which those by single letters are read as such.
+
+    They are where one colour and normals of one base are, and no letter that names no map: T_Rock_D and T_Rock_N, with
+    T_Rock_ORM and others.
+    """
+    letters: dict[str, dict[str, str]] = defaultdict(dict)
+    for stem, name in names.items():
+        base, _, letter = name.variant.rpartition("_")
+        if name.kind == "plain" and base and (len(letter) == 1 or letter in _LETTERS):
+            letters[base][letter] = stem
+    found = dict(names)
+    for base, stems in letters.items():
+        kinds = [_LETTERS.get(letter, "plain") for letter in stems]
+        if kinds.count("colour") != 1 or "normal" not in kinds or "plain" in kinds:
+            continue
+        for letter, stem in stems.items():
+            detail = "directx" if letter == "n" else ""  # Unreal's green points down
+            found[stem] = replace(names[stem], base=base, kind=_LETTERS[letter], detail=detail)
+    return found
 
 
 def _last_words(parts: list[str]) -> tuple[str, tuple[Kind, str]] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -13,7 +13,7 @@ from ...core.errors import InputError
 from ...core.folders import files_in
 from ...core.passed_over import Finding, Progress, checked_files
 from ...core.remembered import Checked
-from .map_names import AMBIGUOUS, MapName, map_name
+from .map_names import AMBIGUOUS, MapName, lettered, map_name
 from .picture_files import PICTURE_SUFFIXES, check_picture
 
 #: Pictures of surfaces: those in colour, and maps of floats.
@@ -99,8 +99,7 @@ def surface_files(folder: Path) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding
         If the folder is missing, or has no picture.
     """
     groups: dict[tuple[Path, str], list[tuple[Path, MapName]]] = defaultdict(list)
-    for path in files_in(folder, "pictures", SURFACE_SUFFIXES, below=True):
-        name = map_name(path.stem)
+    for path, name in _named(files_in(folder, "pictures", SURFACE_SUFFIXES, below=True)):
         groups[path.parent, name.base].append((path, name))
     surfaces: list[SurfaceFiles] = []
     findings: list[Finding] = []
@@ -112,6 +111,15 @@ def surface_files(folder: Path) -> tuple[tuple[SurfaceFiles, ...], tuple[Finding
         raise InputError(folder, "pictures in colour", f"maps alone, such as {findings[0].path}")
     surfaces.sort(key=lambda item: item.name)
     return tuple(surfaces), tuple(sorted(findings, key=lambda item: item.path))
+
+
+def _named(paths: Sequence[Path]) -> Iterator[tuple[Path, MapName]]:
+    """Yield each file with what its name says among those of its folder."""
+    names: dict[Path, dict[str, MapName]] = defaultdict(dict)
+    for path in paths:
+        names[path.parent][path.stem] = map_name(path.stem)
+    known = {parent: lettered(here) for parent, here in names.items()}
+    yield from ((path, known[path.parent][path.stem]) for path in paths)
 
 
 def usable_surfaces(
@@ -182,8 +190,11 @@ def _surfaces_of(root: Path, members: Sequence[tuple[Path, MapName]]) -> tuple[l
 def _plain(root: Path, members: Sequence[tuple[Path, MapName]]) -> tuple[list[SurfaceFiles], list[Finding]]:
     """Return pictures that stand alone as surfaces, and findings about maps without a colour."""
     surfaces, findings = [], []
+    # Beside a map that no plain picture is named after, others of its name are maps too.
+    maps = any(name.kind not in ("plain", *AMBIGUOUS) for _, name in members)
     for path, name in members:
-        if name.kind == "plain" or (name.kind in AMBIGUOUS and (name.base or len(members) == 1)):
+        words = name.kind in AMBIGUOUS and not maps and (name.base or len(members) == 1)
+        if name.kind == "plain" or name.kind == "colour" or words:
             surfaces.append(SurfaceFiles(path, root, path.stem))
         else:
             findings.append(_passed_over(root, path, f"a map ({name.kind}) without a picture in colour of its name"))

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ..description.material import UniformTexture, VertexColours
-from .gltf_file import BROKEN, Gltf, accessor, read_gltf
+from .gltf_file import BROKEN, Gltf, accessor, read_gltf, unreadable
 from .gltf_material import look_of
 from .model import FilePart, Source, check_counts
 
@@ -39,7 +39,7 @@ def read_gltf_parts(source: Source) -> list[FilePart]:
     except InputError:
         raise
     except BROKEN as error:
-        raise InputError(source.path, f"a readable {kind} mesh", "one that cannot be read") from error
+        raise InputError(source.path, f"a readable {kind} mesh", unreadable(error)) from error
     if not parts:
         raise InputError(source.path, "a mesh with faces", " ".join(["none", *source.notes.remarks]))
     return parts
@@ -50,7 +50,10 @@ def _placed_meshes(gltf: Gltf) -> Iterator[tuple[int, np.ndarray]]:
     document = gltf.document
     nodes, scenes = document.get("nodes", []), document.get("scenes", [])
     if scenes:
-        roots = scenes[document.get("scene", 0)].get("nodes", [])
+        number = document.get("scene", 0)
+        if not 0 <= number < len(scenes):
+            raise ValueError(f"expected one of {len(scenes)} scenes, found number {number}")
+        roots = scenes[number].get("nodes", [])
     else:
         children = {child for node in nodes for child in node.get("children", [])}
         roots = [number for number in range(len(nodes)) if number not in children]

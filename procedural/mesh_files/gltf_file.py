@@ -75,6 +75,7 @@ def read_gltf(source: Source) -> Gltf:
     try:
         if content[:8] == b"glTF\1\0\0\0":
             raise InputError(source.path, "glTF 2.0", "version 1")
+        _check_whole(source, content, kind)
         document, binary = _chunks(content) if content.startswith(b"glTF") else (json.loads(content), b"")
         if not isinstance(document, dict):
             raise ValueError("no object")
@@ -83,7 +84,7 @@ def read_gltf(source: Source) -> Gltf:
     except InputError:
         raise
     except BROKEN as error:
-        raise InputError(source.path, f"a readable {kind} mesh", "one that cannot be read") from error
+        raise InputError(source.path, f"a readable {kind} mesh", unreadable(error)) from error
     if not version.startswith("2"):
         raise InputError(source.path, "glTF 2.0", f"version {version[:20]}")
     source.notes.facts["licence"] = _licence(document.get("asset", {}))
@@ -100,6 +101,27 @@ def read_gltf(source: Source) -> Gltf:
         return buffers[number]
 
     return Gltf(source, document, buffer)
+
+
+def _check_whole(source: Source, content: bytes, kind: str) -> None:
+    """Refuse what is no glTF file, and one that is cut short."""
+    if content.startswith(b"glTF"):
+        stated = struct.unpack_from("<I", content, 8)[0] if len(content) >= 12 else 12
+        if stated > len(content):
+            found = f"one that is cut short ({len(content):,} of {stated:,} bytes)"
+            raise InputError(source.path, f"a readable {kind} mesh", found)
+    elif not content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
+        raise InputError(source.path, f"a readable {kind} mesh", f"a file that begins with {content[:12]!r}")
+
+
+def unreadable(error: Exception) -> str:
+    """Return what is wrong with a file whose structure is not that of the standard, as far as the error says it."""
+    text = " ".join(str(error).split())[:120]
+    if isinstance(error, KeyError):
+        text = f"no entry {text}"
+    elif isinstance(error, IndexError):
+        text = "an index beyond its list"
+    return f"one that cannot be read ({text or type(error).__name__})"
 
 
 def _licence(asset: Any) -> str:

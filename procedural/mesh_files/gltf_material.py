@@ -63,6 +63,8 @@ def look_of(gltf: Gltf, number: int | None) -> tuple[Look, int, np.ndarray]:
     look = replace(look, glow=glow)
     look = _with_normals(gltf, record, look, first, name)
     look = replace(look, glass=_glass(gltf, record, extensions))
+    if look.glass is not None and "transmissionTexture" in extensions.get("KHR_materials_transmission", {}):
+        gltf.source.notes.say(f"{name!r}: its picture of transmission is not used; it is glass all over")
     return _with_opacity(gltf, record, look, name), first.uv_set, first.uv_T_uv
 
 

@@ -82,6 +82,9 @@ _OBJAVERSE = re.compile(r"[0-9a-f]{32}")
 _YCB_FOLDERS = ("google_64k", "google_16k", "google_512k", "poisson", "tsdf", "clouds")
 #: BOP's folders of models, best first: for rendering, from CAD, reconstructed; simplified ones for evaluation last.
 _BOP_FOLDERS = ("models", "models_cad", "models_reconst", "models_fine", "models_eval")
+#: Formats of meshes that are not read: files of other programs and of CAD.
+UNREAD_SUFFIXES = (".3ds", ".3mf", ".blend", ".c4d", ".dae", ".fbx", ".iges", ".igs", ".lwo", ".ma", ".max", ".mb")
+UNREAD_SUFFIXES += (".off", ".step", ".stp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".x3d")
 #: Formats by how much of a surface they can state, best first.
 _FORMATS = (".glb", ".gltf", ".obj", ".ply", ".stl")
 #: A millimetre [m].

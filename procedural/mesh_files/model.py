@@ -61,6 +61,8 @@ class Look:
     cutout: Cutout | None = None
     plain: tuple[float, float, float] | None = None  #: colour where there are no texture coordinates for a picture
     glow: Glow | None = None
+    #: Of the pictures, in OBJ files: factors on u and v, and what is added to them then.
+    placement: tuple[float, float, float, float] = (1.0, 1.0, 0.0, 0.0)
 
     @property
     def is_bare(self) -> bool:
@@ -138,6 +140,18 @@ def content_of(source: Source) -> bytes:
     if not may_read(target, source.root):
         raise InputError(source.path, "a mesh", f"the text of a link to {target}, which is not in {source.root}")
     return target.read_bytes()
+
+
+def text_of(content: bytes) -> str:
+    """Return the text of an OBJ or MTL file: UTF-8 or UTF-16, or, where it is neither, Windows-1252 and Latin-1."""
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16", "replace")
+    for encoding in ("utf-8-sig", "cp1252"):
+        try:
+            return content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return content.decode("latin-1")
 
 
 def check_fetched(path: Path, content: bytes) -> None:

@@ -1,7 +1,7 @@
 """MTL files beside OBJ files, in the dialects that exporters write and viewers read.
 
 The format is that of "MTL material format (Lightwave, OBJ)", P. Bourke's copy of the Alias/Wavefront manual (1995),
-with the physically based entries of Clara.io (Pr, Pm, map_Pr, map_Pm, norm).
+with the physically based entries of Clara.io (Pr, Pm, map_Pr, map_Pm, norm), which `mtl_maps` reads.
 """
 
 from __future__ import annotations
@@ -13,13 +13,10 @@ import numpy as np
 
 from ..description.material import UniformTexture
 from .cutouts import cutout
-from .model import Cutout, GlassLook, Glow, Look, Source, content_of
+from .model import Cutout, GlassLook, Glow, Look, Source, content_of, text_of
+from .mtl_maps import is_number, maps_of, picture_name, placement_of
 from .references import named_file, picture
 
-#: Arguments of the options before a picture's name: fewest and most.
-_OPTIONS = {"-blendu": 1, "-blendv": 1, "-cc": 1, "-clamp": 1, "-texres": 1, "-bm": 1, "-imfchan": 1, "-boost": 1}
-_OPTIONS |= {"-mm": 2, "-type": 1, "-colorspace": 1}
-_VECTOR_OPTIONS = {"-o": 3, "-s": 3, "-t": 3}
 #: Opacity up to which a surface counts as glass [1], not as a faint tint of an opaque one.
 GLASS_OPACITY = 0.5
 #: CIE XYZ to linear Rec.709 (IEC 61966-2-1:1999).
@@ -41,7 +38,8 @@ def looks_of(source: Source, libraries: list[str], names: list[str | None]) -> d
         The names that faces use; None for faces before any ``usemtl``.
     """
     entries: dict[str, tuple[Path, Entries]] = {}
-    for file in _library_files(source, libraries):
+    files = _library_files(source, libraries)
+    for file in files:
         for name, found in mtl_entries(content_of_mtl(source, file)).items():
             entries.setdefault(name, (file, found))
     looks: dict[str | None, Look] = {}
@@ -51,7 +49,7 @@ def looks_of(source: Source, libraries: list[str], names: list[str | None]) -> d
         elif name is None and len(names) == 1 and len(entries) == 1:
             # Faces that name no material have the only one there is.
             looks[name] = look_of(source, *next(iter(entries.values())), next(iter(entries)))
-        elif name is not None and entries:
+        elif name is not None and files:
             source.notes.say(f"expected a material {name!r} in {', '.join(libraries)}, found none")
     return looks
 
@@ -65,7 +63,7 @@ def mtl_entries(content: bytes) -> dict[str, Entries]:
     """Return the entries of each material; of an entry that comes twice, the last one."""
     materials: dict[str, Entries] = {}
     entries: Entries = {}
-    for line in content.decode("utf-8", "replace").splitlines():
+    for line in text_of(content).splitlines():
         words = line.strip().split(maxsplit=1)
         if len(words) < 2 or words[0].startswith("#"):
             continue
@@ -98,11 +96,16 @@ def look_of(source: Source, file: Path, entries: Entries, name: str) -> Look:
     if opacity is not None and opacity <= GLASS_OPACITY:
         index = _number(source, entries, "ni", name)
         glass = GlassLook(index=index if index is not None and 1.0 < index <= 4.0 else 1.5)
+    maps = maps_of(source, file, entries, name)
+    # Pictures are used without the factors beside them, as that of the colour is.
+    metallic = 1.0 if "metallic_map" in maps else _unit(_number(source, entries, "pm", name))
     return Look(
         name=name,
         texture=texture,
-        roughness=_roughness(source, entries, name),
-        metallic=_unit(_number(source, entries, "pm", name)),
+        roughness=1.0 if "roughness_map" in maps else _roughness(source, entries, name),
+        metallic=metallic,
+        maps=maps,
+        placement=placement_of(entries),
         glass=glass,
         cutout=_cutout(source, file, entries, name),
         plain=colour,
@@ -128,23 +131,6 @@ def _library_files(source: Source, libraries: list[str]) -> list[Path]:
 
 def _picture_file(source: Source, file: Path, value: str, what: str) -> Path | None:
     return named_file(source, file, picture_name(value), what)
-
-
-def picture_name(value: str) -> str:
-    """Return the name of a picture without the options before it; names may hold spaces."""
-    words = value.split()
-    place = 0
-    while place < len(words) and words[place].lower() in {**_OPTIONS, **_VECTOR_OPTIONS}:
-        option = words[place].lower()
-        place += 1
-        if option in _OPTIONS:
-            place += _OPTIONS[option]
-            continue
-        most = _VECTOR_OPTIONS[option]
-        while most and place < len(words) - 1 and _is_number(words[place]):
-            place, most = place + 1, most - 1
-    rest = words[place:]
-    return value[value.index(rest[0], sum(map(len, words[:place]))) :] if rest else ""
 
 
 def _colour(source: Source, entries: Entries, key: str, name: str) -> tuple[float, float, float] | None:
@@ -217,7 +203,7 @@ def _unit(value: float | None) -> float | None:
 def _glow(source: Source, file: Path, entries: Entries, name: str) -> Glow | None:
     """Return ``Ke`` and ``map_Ke`` as emission; a picture alone is unscaled, and beside black it is a default's."""
     words = entries.get("ke", "0").split()
-    values = [float(word) for word in words[:3] if _is_number(word)]
+    values = [float(word) for word in words[:3] if is_number(word)]
     colour = np.maximum(values if len(values) == 3 else values[:1] * 3 or [0.0] * 3, 0.0)
     brightest = float(colour.max())
     if "map_ke" in entries:
@@ -229,11 +215,3 @@ def _glow(source: Source, file: Path, entries: Entries, name: str) -> Glow | Non
         return None
     red, green, blue = (colour / brightest).tolist()
     return Glow(UniformTexture(colour=(red, green, blue)), brightest)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

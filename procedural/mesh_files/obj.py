@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import InputError
 from ..description.material import VertexColours
 from ..materials.picture_files import srgb_to_linear
-from .model import FilePart, Look, Source, check_counts, content_of
+from .model import FilePart, Look, Source, check_counts, content_of, text_of
 from .mtl import looks_of
 from .polygons import triangulated
 
@@ -70,7 +70,9 @@ def read_obj(source: Source) -> list[FilePart]:
             # Exporters write a default colour of the material beside colours of vertices.
             if part.colours is not None and not (part.colours == 1.0).all() and not _has_picture(look):
                 look = replace(look, texture=VertexColours())
-            parts.append(replace(part, look=look))
+            *scale, first, second = look.placement
+            placed = part.uv if part.uv is None else part.uv * scale + [first, second]
+            parts.append(replace(part, look=look, uv=placed))
     return parts
 
 
@@ -79,8 +81,7 @@ def _has_picture(look: Look) -> bool:
 
 
 def _statements(source: Source, content: bytes) -> _Statements:
-    marked = content.startswith((b"\xff\xfe", b"\xfe\xff"))
-    text = content.decode("utf-16" if marked else "utf-8-sig", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = text_of(content).replace("\\\r\n", " ").replace("\\\n", " ")
     found, left_out, material = _Statements(), set(), 0
     v, vt, vn, corners, faces = found.v, found.vt, found.vn, found.corners, found.faces
     tables = {"v": v, "vt": vt, "vn": vn}

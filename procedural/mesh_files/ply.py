@@ -78,7 +78,8 @@ def read_ply(source: Source) -> list[FilePart]:
     if not all(axis in vertex for axis in "xyz"):
         raise InputError(source.path, "vertices with x, y and z", "none")
     if not isinstance(corners, tuple):
-        what = "strips of triangles" if "tristrips" in columns else "none"
+        points = f"{len(np.asarray(vertex['x'])):,} points alone"
+        what = "strips of triangles" if "tristrips" in columns else points
         raise InputError(source.path, "a mesh with faces", what)
     return [_part(source, header, vertex, face, corners)]
 
@@ -118,8 +119,8 @@ def _part(
     if not len(triangles):
         raise InputError(source.path, "a mesh with faces", "none")
     normals = _together(vertex, ("nx", "ny", "nz")) if "nx" in vertex and "nz" in vertex else None
-    colours = _colours(vertex)
-    of_faces = _colours(face) if colours is None else None
+    colours = _colours(vertex, header, "vertex")
+    of_faces = _colours(face, header, "face") if colours is None else None
     wedges = face.get("texcoord")
     uv = next((_together(vertex, names) for names in _UV_NAMES if names[0] in vertex and names[1] in vertex), None)
     if isinstance(wedges, tuple) and (wedges[0] == 2 * counts).all():
@@ -298,8 +299,9 @@ def _together(columns: _Columns, names: tuple[str, ...]) -> np.ndarray:
     return np.stack([np.asarray(columns[name], np.float64) for name in names], axis=1)
 
 
-def _colours(columns: _Columns) -> np.ndarray | None:
-    """Return linear colours (n, 3) of sRGB bytes, or of numbers from 0 to 1; None where there are none."""
+def _colours(columns: _Columns, header: _Header, element: str) -> np.ndarray | None:
+    """Return linear colours (n, 3) of sRGB integers, or of numbers from 0 to 1; None where there are none."""
+    kinds = {item.name: item.kind for each in header.elements if each.name == element for item in each.properties}
     for prefix in ("", "diffuse_"):
         names = tuple(prefix + name for name in ("red", "green", "blue"))
         if not all(isinstance(columns.get(name), np.ndarray) for name in names):
@@ -307,6 +309,9 @@ def _colours(columns: _Columns) -> np.ndarray | None:
         values = _together(columns, names)
         if not np.isfinite(values).all():
             return None
-        scale = 1.0 if np.asarray(columns[names[0]]).dtype.kind == "f" and values.max(initial=0.0) <= 1.0 else 255.0
+        kind = np.dtype(kinds[names[0]])
+        scale = float(np.iinfo(kind).max) if kind.kind == "u" and kind.itemsize < 4 else 255.0
+        if kind.kind == "f" and values.max(initial=0.0) <= 1.0:
+            scale = 1.0
         return srgb_to_linear(np.clip(values / scale, 0.0, 1.0))
     return None

@@ -61,8 +61,11 @@ def _in_plain_colour(source: Source, part: FilePart) -> FilePart:
         # Colours of vertices are rendered as a picture with coordinates of its own.
         glow = replace(glow, texture=_mean_colour(glow.texture))
         part = replace(part, look=replace(part.look, glow=glow))
-    if part.uv is not None or not isinstance(texture, PictureTexture):
+    if part.uv is not None or not (isinstance(texture, PictureTexture) or part.look.maps):
         return part
+    if not isinstance(texture, PictureTexture):
+        source.notes.say(f"material {part.look.name!r} has maps, but its faces have no texture coordinates")
+        return replace(part, look=replace(part.look, maps={}))
     source.notes.say(f"material {part.look.name!r} has a picture, but its faces have no texture coordinates")
     plain = _mean_colour(texture) if part.look.plain is None else UniformTexture(colour=part.look.plain)
     return replace(part, look=replace(part.look, texture=plain, maps={}, cutout=None))
@@ -77,22 +80,34 @@ def _read_stl(source: Source) -> list[FilePart]:
     """Return an STL file's surface, binary or text (M. Burns, "Automated Fabrication", 1993, section 6.5)."""
     content = content_of(source)
     count = struct.unpack_from("<I", content, _STL_HEAD - 4)[0] if len(content) >= _STL_HEAD else 0
-    # Text begins with "solid"; so do some binary files, which have the length that they state.
-    fits = len(content) >= _STL_HEAD + _STL_TRIANGLE.itemsize * count
-    binary = count > 0 and fits and (not content.lstrip().startswith(b"solid") or b"facet" not in content[:1000])
-    check_counts(source.path, count if binary else content.count(b"facet normal"))
-    if binary:
+    # Text begins with "solid" and has no zero bytes; some binary files begin so too.
+    start = content[:1000].lstrip().lower()
+    fits = count > 0 and len(content) >= _STL_HEAD + _STL_TRIANGLE.itemsize * count
+    if start.startswith(b"solid") and b"\0" not in start and (b"facet" in start or not fits):
+        corners = _stl_text(source, content)
+    elif fits:
+        check_counts(source.path, count)
         corners = np.frombuffer(content, _STL_TRIANGLE, count, _STL_HEAD)["corners"].reshape(-1, 3)
     else:
-        rows = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", content)
-        try:
-            corners = np.array(rows[: len(rows) // 3 * 3], dtype=object).astype(np.float64).reshape(-1, 3)
-        except ValueError as error:
-            raise InputError(source.path, "a readable STL mesh", "one with letters for numbers") from error
-    if not len(corners):
-        found = "none" if content.lstrip().startswith(b"solid") else f"a file that is too short for {count:,}"
+        found = "none" if len(content) >= _STL_HEAD and not count else f"a file that is too short for {count:,}"
         raise InputError(source.path, "a mesh with faces", found)
+    if not len(corners):
+        raise InputError(source.path, "a mesh with faces", "none")
     return [FilePart(corners.astype(np.float64), np.arange(len(corners)).reshape(-1, 3))]
+
+
+def _stl_text(source: Source, content: bytes) -> np.ndarray:
+    """Return the corners of an STL file in text, (3 m, 3); keywords may be capitals."""
+    facets = len(re.findall(rb"facet\s+normal", content, re.IGNORECASE))
+    check_counts(source.path, facets)
+    rows = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", content, re.IGNORECASE)
+    if len(rows) != 3 * facets:
+        found = f"{len(rows):,} corners, as of a file that is cut short"
+        raise InputError(source.path, f"three corners for each of {facets:,} facets", found)
+    try:
+        return np.array(rows, dtype=object).astype(np.float64).reshape(-1, 3)
+    except ValueError as error:
+        raise InputError(source.path, "a readable STL mesh", "one with letters for numbers") from error
 
 
 _READERS = {

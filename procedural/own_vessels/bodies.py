@@ -6,6 +6,9 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+#: Faces at an edge whose angles differ by less lie on each other [rad].
+_SAME_ANGLE = 1e-4
+
 
 def bodies_of(faces: np.ndarray) -> np.ndarray:
     """Return the number of the body of each face, (m,): faces that share an edge with no other face are in one."""
@@ -20,11 +23,64 @@ def bodies_of(faces: np.ndarray) -> np.ndarray:
 
 
 def parted(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the vertices and faces with points of its own for each body, so that bodies that touch are apart."""
+    """Return the vertices and faces with points of its own for each body, so that bodies that touch are apart.
+
+    Where that leaves edges open, faces at an edge of four and more with a wedge of solid between them are of one body.
+    """
+    body = bodies_of(faces)
+    apart = _with_own_points(vertices, faces, body)
+    if _is_closed(apart[1]) or (wedges := _wedges(vertices, faces)) is None:
+        return apart
+    (a, b), numbers = body[wedges].T, int(body.max()) + 1
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(numbers, numbers))
+    joined = _with_own_points(vertices, faces, connected_components(graph, directed=False)[1][body])
+    return joined if _is_closed(joined[1]) else apart
+
+
+def _with_own_points(vertices: np.ndarray, faces: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     count = len(vertices)
-    own = bodies_of(faces)[:, None] * count + faces
-    used, index = np.unique(own, return_inverse=True)
+    used, index = np.unique(body[:, None] * count + faces, return_inverse=True)
     return vertices[used % count], index.reshape(-1, 3)
+
+
+def _is_closed(faces: np.ndarray) -> bool:
+    """Return whether each edge has two faces."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(np.int64)
+    return bool((np.unique(ends[:, 0] * (int(faces.max()) + 1) + ends[:, 1], return_counts=True)[1] == 2).all())
+
+
+def _wedges(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
+    """Return pairs of faces with solid between them at edges of more than two, (p, 2); None where sides disagree."""
+    start, end = faces.reshape(-1).astype(np.int64), np.roll(faces, -1, axis=1).reshape(-1).astype(np.int64)
+    third = np.roll(faces, -2, axis=1).reshape(-1)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    _, edge, number = np.unique(low * len(vertices) + high, return_inverse=True, return_counts=True)
+    corners = np.flatnonzero(number[edge.reshape(-1)] > 2)
+    pairs = []
+    for group in _groups(corners, edge.reshape(-1)[corners]):
+        forward = start[group] == low[group]
+        if 2 * int(forward.sum()) != len(group):
+            return None
+        along = vertices[high[group[0]]] - vertices[low[group[0]]]
+        along /= max(float(np.linalg.norm(along)), np.finfo(float).tiny)
+        away = vertices[third[group]] - vertices[low[group[0]]]
+        away -= (away @ along)[:, None] * along
+        first = away[0] / max(float(np.linalg.norm(away[0])), np.finfo(float).tiny)
+        angle = np.arctan2(away @ np.cross(along, first), away @ first)
+        # Seen along the edge, solid begins at a face that runs against it, and ends at the next one that runs along it.
+        turn = (angle[forward][None, :] - angle[~forward][:, None]) % (2.0 * np.pi)
+        turn = np.where((turn < _SAME_ANGLE) | (turn > 2.0 * np.pi - _SAME_ANGLE), 2.0 * np.pi, turn)
+        chosen = turn.argmin(1)
+        if len(set(chosen.tolist())) < len(chosen):
+            return None
+        pairs.append(np.stack([group[~forward] // 3, group[forward][chosen] // 3], axis=1))
+    return np.concatenate(pairs) if pairs else None
+
+
+def _groups(items: np.ndarray, keys: np.ndarray) -> list[np.ndarray]:
+    """Return the items of each key."""
+    order = np.argsort(keys, kind="stable")
+    return np.split(items[order], np.flatnonzero(np.diff(keys[order])) + 1) if len(items) else []
 
 
 def oriented(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

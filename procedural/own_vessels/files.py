@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.folders import files_in
-from ..mesh_files.layouts import PlacedFile, listing, place_of
+from ..mesh_files.layouts import Listing, PlacedFile, listing, place_of
 from ..mesh_files.read import MESH_SUFFIXES
 from ..props.mesh_files import root_of
 
@@ -26,8 +26,13 @@ def vessel_files(folder: Path) -> tuple[VesselFile, ...]:
     InputError
         Where there are none, or the folder cannot be read.
     """
-    if folder.is_file() and folder.suffix.lower() in MESH_SUFFIXES:
-        return (VesselFile(folder, root_of(folder), place_of(folder, folder.parent)),)
-    found = files_in(folder, "vessels", MESH_SUFFIXES, below=True)  # first, as it refuses files of other kinds
+    used = vessel_listing(folder).used  # first, as it refuses files of other kinds
     root = root_of(folder)
-    return tuple(VesselFile(path, root, place) for path, place in listing(found, folder).used)
+    return tuple(VesselFile(path, root, place) for path, place in used)
+
+
+def vessel_listing(folder: Path) -> Listing:
+    """Return the files of vessels, and further files of the same objects; InputError as for `vessel_files`."""
+    if folder.is_file() and folder.suffix.lower() in MESH_SUFFIXES:
+        return Listing(((folder, place_of(folder, folder.parent)),), ())
+    return listing(files_in(folder, "vessels", MESH_SUFFIXES, below=True), folder)

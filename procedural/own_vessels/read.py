@@ -117,7 +117,8 @@ def metres_per_unit(path: Path, vertices: np.ndarray, unit: Unit | None, place: 
     if low <= longest * scale <= high:
         return scale
     fitting: list[Unit] = [name for name, factor in UNITS.items() if low <= longest * factor <= high]
-    hint = f" (--vessels.unit {fitting[-1]} makes it {longest * UNITS[fitting[-1]]:.3g} m)" if fitting else ""
+    sizes = [f"{name} makes it {longest * UNITS[name]:.3g} m" for name in fitting]
+    hint = f" (--vessels.unit {', '.join(sizes)})" if fitting else ""
     stated = f"in {unit}" if unit else f"by its layout, {place.layout}" if known else "in metres, as no unit is stated"
     raise InputError(path, expected, f"{longest * scale:.3g} m {stated}{hint}")
 

@@ -1,7 +1,7 @@
 """Make a closed solid of the triangles in a file, where that is safe; say what is wrong and where, where it is not.
 
-Safe repairs: welding of points that are nearly equal, faces without area and faces that are there twice, faces that
-look the wrong way, small holes, and bodies that overlap, which become one.
+Safe repairs: welding of points that are nearly equal, edges that others end on, faces without area and faces that are
+there twice, faces that look the wrong way, small holes, and bodies that overlap or share a face, which become one.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 from ..cavities.columns import PITCH_PER_WIDTH, crossed_twice
-from .bodies import oriented, parted, united
-from .sheets import holes_filled, thickened
+from .bodies import bodies_of, oriented, parted, united
+from .sheets import holes_filled, split_at_junctions, thickened
 
 #: Points nearer than this fraction of the longest side are one where a surface is open without it [1]: what text files
 #: with six digits round away.
@@ -42,52 +42,96 @@ def closed_solid(path: Path, vertices: np.ndarray, faces: np.ndarray, shell: flo
     vertices, faces : (n, 3) float64, (m, 3) int
         Triangles [m].
     shell : float, optional
-        Thickness that open surfaces get, inwards [m].
+        Thickness that open bodies get, inwards, where filling holes in their sides does not close them [m].
 
     Raises
     ------
     InputError
         With the reason and the place.
     """
-    surface = _clean(vertices, faces)
-    if not len(surface.faces):
-        raise InputError(path, "a mesh with faces", "only faces without area")
-    if len(_edges_with(surface.faces, 1)):
-        closer = _welded(surface)
-        surface = closer if len(_edges_with(closer.faces, 1)) < len(_edges_with(surface.faces, 1)) else surface
+    surface = _joined(path, vertices, faces)
     touching = bool((_edge_counts(surface.faces)[2] > 2).any())
     if touching:
         surface = Surface(*parted(surface.vertices, surface.faces))
         _check_edges(path, surface)
     surface = Surface(surface.vertices, _same_way(path, surface))
-    loose = _edges_with(surface.faces, 1)
-    if len(loose) and shell is not None:
-        surface = _clean(*thickened(path, surface.vertices, surface.faces, shell))
-    elif len(loose):
-        faces = holes_filled(surface.vertices, surface.faces)
-        loose = _edges_with(faces, 1)
-        if len(loose):
-            raise InputError(
-                path, "a closed surface, or a thickness for it (--vessels.shell 2mm)", _open(surface, loose)
-            )
-        surface = Surface(surface.vertices, faces)
-    surface = Surface(surface.vertices, oriented(surface.vertices, surface.faces))
-    return _apart(path, surface, touching)
+    if shell is None:
+        return _apart(path, _filled(path, surface), touching)
+    try:
+        return _apart(path, _with_shell(path, surface, shell), touching)
+    except InputError:
+        # What is usable without a thickness stays usable with it.
+        filled = holes_filled(surface.vertices, surface.faces)
+        if len(_edges_with(filled, 1)) or not len(_edges_with(surface.faces, 1)):
+            raise
+        return _apart(path, Surface(surface.vertices, filled), touching)
+
+
+def _joined(path: Path, vertices: np.ndarray, faces: np.ndarray) -> Surface:
+    """Return the triangles with points and edges in common where they meet, as far as that closes the surface."""
+    surface = _clean(vertices, faces)
+    if not len(surface.faces):
+        raise InputError(path, "a mesh with faces", "only faces without area")
+    if not len(_edges_with(surface.faces, 2, other=True)):
+        return surface
+    # Between bodies that share a face, that face is there twice and looks both ways.
+    without = _clean(vertices, faces, walls_between=False)
+    if len(without.faces) and not len(_edges_with(without.faces, 2, other=True)):
+        return without
+    reach = _WELD * float(np.ptp(surface.vertices, axis=0).max())
+    for repaired in (_welded, _split_at_junctions):
+        if len(loose := _edges_with(surface.faces, 1)):
+            closer = repaired(surface, reach)
+            surface = closer if len(_edges_with(closer.faces, 1)) < len(loose) else surface
+    return surface
+
+
+def _split_at_junctions(surface: Surface, reach: float) -> Surface:
+    return _proper(surface.vertices, split_at_junctions(surface.vertices, surface.faces, reach))
+
+
+def _filled(path: Path, surface: Surface) -> Surface:
+    """Return a surface without its small holes; InputError where it is open all the same."""
+    faces = holes_filled(surface.vertices, surface.faces)
+    loose = _edges_with(faces, 1)
+    if len(loose):
+        raise InputError(path, "a closed surface, or a thickness for it (--vessels.shell 2mm)", _open(surface, loose))
+    return Surface(surface.vertices, faces)
+
+
+def _with_shell(path: Path, surface: Surface, shell: float) -> Surface:
+    """Return a surface whose open bodies have a thickness, after holes in their sides are filled; others stay."""
+    vertices, faces = surface.vertices, surface.faces
+    if len(_edges_with(faces, 1)):
+        faces = holes_filled(vertices, faces, in_sides=True)
+    if not len(_edges_with(faces, 1)):
+        return Surface(vertices, faces)
+    _, edge, count = _edge_counts(faces)
+    body = bodies_of(faces)
+    is_open = np.isin(body, body[(count[edge] == 1).reshape(-1, 3).any(1)])
+    solid, sheets = _used(vertices, faces[~is_open]), _used(vertices, faces[is_open])
+    walls = _clean(*thickened(path, sheets.vertices, sheets.faces, shell))
+    start = len(solid.vertices)
+    return Surface(np.concatenate([solid.vertices, walls.vertices]), np.concatenate([solid.faces, walls.faces + start]))
 
 
 def _apart(path: Path, surface: Surface, touching: bool) -> Surface:
     """Return a solid whose bodies are united where they overlap or touch; InputError where one crosses itself."""
-    place = doubled_at(surface)
+    surface = Surface(surface.vertices, oriented(surface.vertices, surface.faces))
+    place, crosses = doubled_at(surface), True
     if place is None:
         if not touching:
             return surface
-        place = surface.vertices[surface.faces[0]].mean(0)
+        points, times = np.unique(surface.vertices, axis=0, return_counts=True)
+        place, crosses = points[times > 1].mean(0), False
     joined = united(surface.vertices, surface.faces)
     if joined is not None:
         surface = _clean(*joined)
         if not len(_edges_with(surface.faces, 2, other=True)) and doubled_at(surface) is None:
             return surface
-    raise InputError(path, "a surface that does not cross itself", f"one that does, {_at(place)}")
+    if crosses:
+        raise InputError(path, "a surface that does not cross itself", f"one that does, {_at(place)}")
+    raise InputError(path, "bodies that overlap, or are apart", f"some that touch along an edge, {_at(place)}")
 
 
 def doubled_at(surface: Surface) -> np.ndarray | None:
@@ -101,22 +145,33 @@ def doubled_at(surface: Surface) -> np.ndarray | None:
     return None
 
 
-def _clean(vertices: np.ndarray, faces: np.ndarray) -> Surface:
-    """Return distinct points in single precision, and the faces with an area of their own, each once."""
+def _clean(vertices: np.ndarray, faces: np.ndarray, walls_between: bool = True) -> Surface:
+    """Return distinct points in single precision, and the faces with an area of their own, each once.
+
+    Without `walls_between`, faces that are there in both directions are left out.
+    """
     single = np.ascontiguousarray(vertices.astype(np.float32) + np.float32(0.0))
     _, first, index = np.unique(single.view("V12").ravel(), return_index=True, return_inverse=True)
-    return _proper(single[first].astype(np.float64), index.reshape(-1)[faces].astype(np.int64))
+    return _proper(single[first].astype(np.float64), index.reshape(-1)[faces].astype(np.int64), walls_between)
 
 
-def _proper(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+def _proper(vertices: np.ndarray, faces: np.ndarray, walls_between: bool = True) -> Surface:
     faces = faces[np.all([faces[:, k] != faces[:, (k + 1) % 3] for k in range(3)], axis=0)]
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    used, index = np.unique(faces[np.sort(first)], return_inverse=True)
+    _, first, group = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True)
+    if not walls_between:
+        # A face is even where its corners rise in their order around it.
+        even = (np.diff(faces, axis=1, append=faces[:, :1]) > 0).sum(1) == 2
+        fraction = np.bincount(group.reshape(-1), even) / np.bincount(group.reshape(-1))
+        first = first[(fraction == 0.0) | (fraction == 1.0)]
+    return _used(vertices, faces[np.sort(first)])
+
+
+def _used(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+    used, index = np.unique(faces, return_inverse=True)
     return Surface(vertices[used], index.reshape(-1, 3))
 
 
-def _welded(surface: Surface) -> Surface:
-    reach = _WELD * float(np.ptp(surface.vertices, axis=0).max())
+def _welded(surface: Surface, reach: float) -> Surface:
     pairs = cKDTree(surface.vertices).query_pairs(reach, output_type="ndarray")
     count = len(surface.vertices)
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))

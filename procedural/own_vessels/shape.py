@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from ...core.errors import InputError, cause_of
 from ...core.mesh import Mesh, volume_of
+from ..cavities.columns import pitch_for
 from ..cavities.interior import interior_of
 from ..cavities.wall import spread
 from ..description.bodies import Origin
@@ -108,8 +109,7 @@ def _read_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int)
     up = _fullest(surface.vertices, surface.faces) if choice.up == "fullest" else choice.up or file.place.up
     placed = turned_up(surface.vertices, up)
     solid = _with_normals(placed - 0.5 * (placed.min(0) + placed.max(0)), surface.faces, choice.smooth)
-    if volume_of(solid) <= 0.0:
-        raise InputError(path, "a solid", "a surface around nothing")
+    _check_thickness(path, solid)
     x, y, z = (0.5 / scale * (surface.vertices.min(0) + surface.vertices.max(0))).tolist()
     origin = Origin(
         file=file.name,
@@ -119,6 +119,19 @@ def _read_shape(file: VesselFile, choice: FileChoice, _size: int, _changed: int)
         up=up,
     )
     return OwnShape(solid, _glass(path, found.look, scale), is_round(solid), origin), notes
+
+
+def _check_thickness(path: Path, solid: Mesh) -> None:
+    """Refuse a solid around nothing, or with walls thinner than the lines are apart along which cavities are sought."""
+    volume = volume_of(solid)
+    if volume <= 0.0:
+        raise InputError(path, "a solid", "a surface around nothing")
+    corners = solid.vertices[solid.faces].astype(np.float64)
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    thickness, least = 2.0 * volume / area, pitch_for(solid.vertices.astype(np.float64), 0.0)
+    if thickness < least:
+        wall = f"walls of {1e3 * thickness:.2g} mm on average; a file of one open surface gets them by --vessels.shell"
+        raise InputError(path, f"walls of at least {1e3 * least:.2g} mm in a vessel of this width", wall)
 
 
 def _glass(path: Path, look: Look | None, scale: float) -> Medium | None:

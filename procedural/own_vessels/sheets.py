@@ -1,13 +1,21 @@
-"""Surfaces that are open: small holes are filled, and sheets without a thickness get one."""
+"""Surfaces that are open: edges are joined, small holes are filled, and sheets without a thickness get one."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...core.errors import InputError
 
+#: Passes in which edges are split [1]: one for each edge of a face. And most loose edges that are looked at [1]:
+#: seams of a body have fewer, more are triangles that never met.
+_SPLITS, _MOST_LOOSE = 3, 20_000
+#: Least mean cosine between a hole and the faces around it, for a hole in a side [1]: around a mouth, or at the end of
+#: a tube, the wall is across the opening.
+_IN_SIDE = 0.5
 #: Holes up to this fraction of the longest side are filled [1]: a missing triangle, not an opening.
 SMALL_HOLE = 0.05
 
@@ -34,12 +42,77 @@ def loose_rings(faces: np.ndarray) -> list[np.ndarray] | None:
     return rings
 
 
-def holes_filled(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return the faces with those that fill small holes, each by a fan from one of its points."""
+def split_at_junctions(vertices: np.ndarray, faces: np.ndarray, reach: float) -> np.ndarray:
+    """Return the faces, of which those with a loose edge that passes by loose points are split there (T-junctions).
+
+    Parameters
+    ----------
+    vertices, faces : (n, 3) float64, (m, 3) int
+        An open surface.
+    reach : float
+        Largest distance between an edge and a point on it.
+    """
+    for _ in range(_SPLITS):
+        start, end = faces.reshape(-1).astype(np.int64), np.roll(faces, -1, axis=1).reshape(-1).astype(np.int64)
+        _, edge, count = np.unique(
+            np.minimum(start, end) * len(vertices) + np.maximum(start, end), return_inverse=True, return_counts=True
+        )
+        loose = np.flatnonzero(count[edge.reshape(-1)] == 1)
+        if len(loose) > _MOST_LOOSE:
+            break
+        points = np.unique([start[loose], end[loose]])
+        tree = cKDTree(vertices[points])
+        split, pieces = set(), []
+        for corner in loose.tolist():
+            a, b, c = (int(faces[corner // 3, (corner + k) % 3]) for k in range(3))
+            line = vertices[b] - vertices[a]
+            length = float(np.linalg.norm(line))
+            near = points[tree.query_ball_point(0.5 * (vertices[a] + vertices[b]), 0.5 * length)]
+            along = (vertices[near] - vertices[a]) @ line / length
+            off = np.linalg.norm(vertices[near] - vertices[a] - along[:, None] * line / length, axis=1)
+            on = (off <= reach) & (along > reach) & (along < length - reach) & (near != c)
+            if corner // 3 in split or not on.any():
+                continue
+            split.add(corner // 3)
+            way = [a, *near[on][np.argsort(along[on])].tolist(), b]
+            pieces += [[first, second, c] for first, second in pairwise(way)]
+        if not split:
+            break
+        faces = np.concatenate([np.delete(faces, sorted(split), axis=0), np.array(pieces, faces.dtype)])
+    return faces
+
+
+def holes_filled(vertices: np.ndarray, faces: np.ndarray, in_sides: bool = False) -> np.ndarray:
+    """Return the faces with those that fill small holes, each by a fan from one of its points.
+
+    With `in_sides`, holes that go on where the faces around them are; not mouths, around which the wall is across.
+    """
     reach = SMALL_HOLE * float(np.ptp(vertices, axis=0).max())
     rings = [ring for ring in loose_rings(faces) or [] if np.ptp(vertices[ring], axis=0).max() <= reach]
+    if in_sides and rings:
+        normals = _normals_at_edges(vertices, faces)
+        rings = [ring for ring in rings if _agreement(vertices, ring, normals) >= _IN_SIDE]
     fans = [np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1) for ring in rings]
     return np.concatenate([faces, *fans])
+
+
+def _normals_at_edges(vertices: np.ndarray, faces: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
+    """Return the unit normal of the face at each directed edge."""
+    corners = vertices[faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    unit = cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), np.finfo(float).tiny)
+    ends = zip(faces.reshape(-1).tolist(), np.roll(faces, -1, axis=1).reshape(-1).tolist(), strict=True)
+    return {pair: unit[number // 3] for number, pair in enumerate(ends)}
+
+
+def _agreement(vertices: np.ndarray, ring: np.ndarray, normals: dict[tuple[int, int], np.ndarray]) -> float:
+    """Return the mean cosine between what fills a hole and the faces around it, by length of their edges."""
+    points, after = vertices[ring], vertices[np.roll(ring, -1)]
+    area = np.cross(points - points[0], after - points[0]).sum(0)
+    area /= max(float(np.linalg.norm(area)), np.finfo(float).tiny)
+    # Faces go along the hole's edges the other way.
+    around = np.array([normals[pair] for pair in zip(np.roll(ring, -1).tolist(), ring.tolist(), strict=True)])
+    return float(np.average(around @ area, weights=np.linalg.norm(after - points, axis=1)))
 
 
 def thickened(path: Path, vertices: np.ndarray, faces: np.ndarray, thickness: float) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ from .choice import FileChoice
 from .files import VesselFile, vessel_files
 
 #: Number of the check of files; another one forgets what was remembered of them.
-CHECK_VERSION = 2
+CHECK_VERSION = 3
 
 
 def usable_vessels(

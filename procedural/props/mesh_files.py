@@ -23,7 +23,7 @@ from ..mesh_files.read import MESH_SUFFIXES, read_parts
 from .pieces import Piece, joined_pieces, sewn, without_ground
 
 #: Number of the check; what was remembered of another one is forgotten.
-CHECK_VERSION = 7
+CHECK_VERSION = 8
 #: A file of unknown unit whose longest side is in this range is taken to be in metres and keeps its size [m]: objects
 #: on tables. Any other such file gets a drawn size.
 TRUE_SIZES = (0.01, 0.5)
@@ -243,7 +243,9 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
         If the file cannot be read, has no faces, has coordinates that are not finite, or is flat.
     """
     source = Source(file.path, file.root, file.pictures, notes or Notes(), notes is not None)
-    parts, glass = _without_glass(source, read_parts(source))
+    stored = read_parts(source)
+    parts, glass = _without_glass(source, stored)
+    left_out = " in what is not transparent" if len(parts) < len(stored) else ""
     if file.place.up == "y":
         parts = [part.moved(Z_UP) for part in parts]
     parts = without_ground(source.notes, parts)
@@ -252,7 +254,8 @@ def read_mesh(file: MeshFile, name: str, longest: float, notes: Notes | None = N
     with np.errstate(over="ignore"):
         extent = high - low
     if not np.isfinite(extent).all() or extent.min() <= LEAST_THICKNESS * extent.max():
-        raise InputError(file.path, "a body with three extents", " x ".join(f"{side:g}" for side in extent))
+        found = " x ".join(f"{side:g}" for side in extent)
+        raise InputError(file.path, "a body with three extents", f"{found}{left_out}")
     side = float(extent.max())
     scale = metres_per_unit(file, side) or longest / side
     centre = low + 0.5 * extent

@@ -12,7 +12,9 @@ from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest
 from ...core.yaml_file import yaml_settings
 from ..description.depth_camera import DepthCamera, InfraredImager, Matching, PatternProjector
+from ..description.time_of_flight import DepthDevice, TimeOfFlightCamera
 from .pattern_picture import pattern_picture
+from .time_of_flight import TIME_OF_FLIGHT_CAMERAS
 
 #: Where a figure that both devices share comes from.
 _SHARED = (
@@ -108,14 +110,14 @@ NONE, _LIKE = "none", "like"
 _FILES = (".yaml", ".yml")
 
 
-def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthCamera | None:
+def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthDevice | None:
     """Return a depth camera by its name, or from a YAML file; None for ``none``.
 
     Parameters
     ----------
     name : str or Path
-        A device, ``none``, or a file that ends in ``.yaml`` or ``.yml``: fields of `DepthCamera`, on top of those of
-        the device that its ``like`` names.
+        A device, ``none``, or a file that ends in ``.yaml`` or ``.yml``: fields of `DepthCamera` or, with the `kind`
+        ``tof``, of `TimeOfFlightCamera`, on top of those of the device that its ``like`` names.
     where : str
         The setting, for errors.
 
@@ -133,10 +135,11 @@ def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthCamera 
     _take_picture(given, Path(text).parent)
     like = given.pop(_LIKE, None)
     below = {} if like is None else _known(str(like), f"{text}: {_LIKE}", "").model_dump()
+    kind = TimeOfFlightCamera if "tof" in (below.get("kind"), given.get("kind")) else DepthCamera
     try:
-        return DepthCamera.model_validate(_merged(below | {"name": "own", "source": ""}, given))
+        return kind.model_validate(_merged(below | {"name": "own", "source": ""}, given))
     except ValidationError as error:
-        raise setting_error(text, error, DepthCamera) from error
+        raise setting_error(text, error, kind) from error
 
 
 def _take_picture(given: dict, folder: Path) -> None:
@@ -148,11 +151,12 @@ def _take_picture(given: dict, folder: Path) -> None:
         projector["picture"] = asset(path)
 
 
-def _known(name: str, where: str, other: str) -> DepthCamera:
-    if name not in DEPTH_CAMERAS:
-        known = ", ".join([*DEPTH_CAMERAS, *([other] if other else [])])
-        raise InputError(where, f"one of {known}{suggest(name.lower(), list(DEPTH_CAMERAS))}", shortened(name))
-    return DEPTH_CAMERAS[name]
+def _known(name: str, where: str, other: str) -> DepthDevice:
+    known: dict[str, DepthDevice] = {**DEPTH_CAMERAS, **TIME_OF_FLIGHT_CAMERAS}
+    if name not in known:
+        names = ", ".join([*known, *([other] if other else [])])
+        raise InputError(where, f"one of {names}{suggest(name.lower(), list(known))}", shortened(name))
+    return known[name]
 
 
 def _merged(below: dict, above: dict) -> dict:

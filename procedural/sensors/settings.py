@@ -18,10 +18,10 @@ _WHERE = "sensors.depth: "
 class SensorSettings(Model):
     """What measures a scene beside the colour cameras."""
 
-    depth: Literal["none", "d415", "d435"] | UserPath = Field(
+    depth: Literal["none", "d415", "d435", "l515"] | UserPath = Field(
         default="none",
-        description="Depth camera beside the left colour camera: none, d415, d435, or a YAML file of a device of your "
-        "own (docs/sensors.md)",
+        description="Depth camera beside the left colour camera: none, d415, d435, l515, or a YAML file of a device "
+        "of your own (docs/sensors.md)",
     )
 
     @field_validator("depth")

@@ -1,1 +1,1 @@
-"""Infrared pictures of an active stereo camera: the projector's dots, and ambient light."""
+"""Infrared light of depth cameras: pictures of a projector's dots and ambient light, beams of time of flight."""

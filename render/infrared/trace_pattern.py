@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .._mitsuba import dr, mi, syntax
 from ..interfaces.dielectric import InterfaceHit, scatter
-from ..pictures.integrator import PathDimensions, Radiance, mapped_frame, path_dimensions, two_sided
+from ..pictures.integrator import Radiance, mapped_frame, path_dimensions, two_sided
 from ..pictures.sampler import SobolSampler, hashed_seed
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
@@ -18,6 +18,7 @@ from ..scene.surface_maps import values_at
 from ..scene.surfaces import (
     AIR_INDEX,
     SurfaceMedia,
+    SurfaceTable,
     broken_continuity,
     medium_after_bounce,
     registry_id,
@@ -57,11 +58,12 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
         medium = mi.UInt32(surface.before)
         u, direction, factor = path_dimensions(sampler, depth), mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
 
-        lobe = dr.select(hit & ~surface.opaque, _highlight(loaded, light, si, surface, ray), 0.0)
+        mirrored = interface_lobe(table, surface, -ray.d, dr.normalize(light.origin - si.p))
+        lobe = dr.select(hit & ~surface.opaque, mirrored, 0.0)
         wanted = hit & (surface.opaque | (lobe > _FAINT))
         to_light, irradiance = arriving(loaded, light, si, offset, wanted)
         if dr.hint(hit & surface.opaque, exclude=[loaded, table, scene, sampler, light]):
-            value, direction, weight = _opaque(loaded, si, ray, to_light, u)
+            value, direction, weight = opaque_lobe(loaded, si, ray, to_light, u.u_lobe, u.u_bsdf)
             L += beta * value * irradiance
             polished = dr.gather(mi.Bool, table.polished, surface.row)
             factor = dr.select(polished, weight, 0.0)
@@ -82,8 +84,13 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
     return Radiance(mi.Color3f(L), violations, segments)
 
 
-def _opaque(
-    loaded: LoadedScene, si: mi.SurfaceInteraction3f, ray: mi.Ray3f, to_light: mi.Vector3f, u: PathDimensions
+def opaque_lobe(
+    loaded: LoadedScene,
+    si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
+    to_light: mi.Vector3f,
+    u_lobe: mi.Float,
+    u_bsdf: mi.Point2f,
 ) -> tuple[mi.Float, mi.Vector3f, mi.Float]:
     """Return BSDF times cosine towards the projector [1/sr], and a direction by BSDF sampling with its weight.
 
@@ -94,19 +101,16 @@ def _opaque(
     if loaded.surfaces.maps is not None:
         point = mapped_frame(point, values_at(loaded.surfaces.maps, point, registry_id(si.shape)), ray)
     local = point.to_local(to_light)
-    value, _, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), point, local, u.u_lobe, u.u_bsdf)
+    value, _, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), point, local, u_lobe, u_bsdf)
     return dr.max(unpolarised(value)), point.to_world(sampled.wo), dr.max(unpolarised(weight))
 
 
-def _highlight(
-    loaded: LoadedScene, light: ProjectedLight, si: mi.SurfaceInteraction3f, surface: SurfaceMedia, ray: mi.Ray3f
-) -> mi.Float:
-    """Return what an interface mirrors of the projector: a lobe times the cosine [1/sr].
+def interface_lobe(table: SurfaceTable, surface: SurfaceMedia, wi: mi.Vector3f, wo: mi.Vector3f) -> mi.Float:
+    """Return what an interface mirrors from one direction to another: a lobe times the cosine [1/sr].
 
     The lobe is GGX (Walter et al. 2007, eq. 20).
     """
-    table, n, wi = loaded.surfaces, surface.ns, -ray.d
-    wo = dr.normalize(light.origin - si.p)
+    n = surface.ns
     h = dr.normalize(wi + wo)
     cos_i, cos_o, cos_h = dr.dot(wi, n), dr.dot(wo, n), dr.dot(h, n)
     alpha = dr.maximum(dr.gather(mi.Float, table.alpha, surface.row), _HIGHLIGHT)

@@ -46,8 +46,10 @@ def test_a_link_to_nothing_counts_as_a_file(tmp_path) -> None:
 def test_a_missing_folder_a_file_and_an_empty_folder_are_refused(tmp_path) -> None:
     for path, found in (
         (tmp_path / "none", "no such folder"),
-        (touch(tmp_path / "a.txt"), "a file"),
-        (tmp_path, "none"),
+        (touch(tmp_path / "a.txt"), "a file of another format"),
+        (touch(tmp_path / "a.png"), "a file$"),
+        (touch(tmp_path / "sub" / "b.fbx").parent, r"none in 1 file \(1 .fbx\)"),
+        (touch(tmp_path / "hidden" / ".b.png").parent, "none$"),
     ):
         with pytest.raises(InputError, match=f"found {found}"):
             names(path)

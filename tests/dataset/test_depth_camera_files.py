@@ -9,9 +9,11 @@ from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.dataset.verification.scene import scene_label_faults
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.surroundings import ConstantEnvironment
+from glassware.procedural.description.time_of_flight import DepthDevice
 from glassware.procedural.optics.medium import Medium
 from glassware.procedural.primitives import bodies, scenes
 from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
+from glassware.procedural.sensors.time_of_flight import TIME_OF_FLIGHT_CAMERAS
 
 
 def test_an_unknown_device_is_one_line_and_writes_nothing(tmp_path, capsys):
@@ -19,15 +21,12 @@ def test_an_unknown_device_is_one_line_and_writes_nothing(tmp_path, capsys):
     assert render_scene(["--sensors.depth", "d453", "--out", str(out)]) == 2
     line = capsys.readouterr().err.strip()
     assert "\n" not in line
-    assert "sensors.depth: expected one of d415, d435, none, or a YAML file (is it d435?), found 'd453'" in line
+    assert "sensors.depth: expected one of d415, d435, l515, none, or a YAML file (is it d435?), found 'd453'" in line
     assert not out.exists()
 
 
-@pytest.mark.slow
-def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(backend, tmp_path):
-    known = DEPTH_CAMERAS["d435"]
-    imager = known.imager.model_copy(update={"width": 320, "height": 200, "centre": None})
-    device = known.model_copy(update={"imager": imager})
+def scene_with(device: DepthDevice):
+    """A slab above a table, seen from above by a device."""
     slab = bodies.slab((0.1, 0.1, 0.02), Medium(name="glass", eta=1.5), (0.0, 0.0, 0.05))
     scene = scenes.scene(
         [slab],
@@ -35,7 +34,16 @@ def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(b
         table=scenes.board((4.0, 4.0, 0.02), scenes.matte()),
         environment=ConstantEnvironment(strength=0.1),
         picture=Picture(spp=2, light="path"),
-    ).model_copy(update={"depth_camera": device})
+    )
+    return scene.model_copy(update={"depth_camera": device})
+
+
+@pytest.mark.slow
+def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(backend, tmp_path):
+    known = DEPTH_CAMERAS["d435"]
+    imager = known.imager.model_copy(update={"width": 320, "height": 200, "centre": None})
+    device = known.model_copy(update={"imager": imager})
+    scene = scene_with(device)
     root = tmp_path / "data"
     gw.write(root, scene, files="radiance,infrared")
     (view,) = gw.Dataset.open(root).views()
@@ -57,3 +65,28 @@ def test_a_data_set_with_a_depth_camera_is_written_read_verified_and_developed(b
     (again,) = gw.Dataset.open(tmp_path / "phone").views()
     assert again.depth_camera().model_dump_json() == view.depth_camera().model_dump_json()
     np.testing.assert_array_equal(again.sensor_depth(), depth)
+
+
+@pytest.mark.slow
+def test_a_data_set_with_a_time_of_flight_camera_is_written_read_verified_and_developed(backend, tmp_path):
+    device = TIME_OF_FLIGHT_CAMERAS["l515"].model_copy(update={"width": 160, "height": 120, "focal": 150.0})
+    root = tmp_path / "data"
+    gw.write(root, scene_with(device), files="radiance,infrared")
+    (view,) = gw.Dataset.open(root).views()
+    assert view.scene().depth_camera == device
+    record, geometry = view.depth_camera(), view.geometry()
+    assert (record.kind, record.baseline, record.reasons[2]) == ("tof", None, "no_return")
+    error, glass = view.sensor_depth() - geometry.Z, geometry.id != 1
+    assert np.nanstd(error[~glass]) == pytest.approx(0.0025, rel=0.2)
+    # The table behind the slab: farther than it is, by its delay of light.
+    behind = (view.sensor_depth() - geometry.background_Z)[glass & (error > 0.03)]
+    assert np.nanmedian(behind) == pytest.approx(0.02 * 0.5, abs=1e-3)
+    assert ((view.sensor_valid() == 1) == np.isfinite(view.sensor_depth())).all()
+    assert list(scene_label_faults(root, 0)) == []
+    with pytest.raises(gw.InputError, match=r"expected a stereo camera, such as .*, found l515"):
+        view.infrared()
+    with pytest.raises(gw.InputError, match="expected a stereo depth camera"):
+        view.painted_sensor_depth("l515")
+    assert develop([str(root), "--camera", "phone", "--out", str(tmp_path / "phone")]) == 0
+    (again,) = gw.Dataset.open(tmp_path / "phone").views()
+    assert again.depth_camera().model_dump_json() == record.model_dump_json()

@@ -20,6 +20,7 @@ def test_a_camera_comes_back_from_its_record_exactly(analytic):
 def test_a_camera_of_two_focal_lengths_off_the_grid_comes_back_as_well(analytic):
     camera = analytic.camera(1).model_copy(update={"focal_y": 150.0, "grid_index": None})
     record = CameraFile.model_validate_json(camera_file(camera).model_dump_json())
+    assert record.K is not None
     assert (record.K[0][0], record.K[1][1]) == (camera.focal, 150.0)
     assert camera_of(record).model_dump_json() == camera.model_dump_json()
 
@@ -27,6 +28,8 @@ def test_a_camera_of_two_focal_lengths_off_the_grid_comes_back_as_well(analytic)
 def test_a_camera_record_says_its_conventions_and_both_poses(analytic):
     camera = analytic.camera(0)
     record = camera_file(camera)
+    assert record.K is not None
+    assert record.world_T_right is not None
     assert record.K[0] == (camera.focal, 0.0, camera.centre[0])
     assert record.distortion == "none"
     assert "(0, 0) has its centre at image coordinate (0, 0)" in record.conventions["pixels"]

@@ -21,6 +21,7 @@ def test_a_folder_is_listed_with_what_is_left_out_and_what_is_refused(
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_bytes(box)
     (tmp_path / "broken.glb").write_bytes(b"glTF")
+    (tmp_path / "tool.FBX").write_bytes(b"Kaydara")
     (tmp_path / "LICENSE").write_text("CC0 1.0")
     assert main([str(tmp_path), "--most", "0"]) == 0
     said = capsys.readouterr().out.splitlines()
@@ -31,10 +32,21 @@ def test_a_folder_is_listed_with_what_is_left_out_and_what_is_refused(
     )
     assert "  toy.stl: 100 mm, 12 faces, 1 part (1 no material), licence CC0" in said
     assert "  025_mug/tsdf/textured.stl: the same object as 025_mug/google_16k/textured.stl" in said
-    assert said[-2:] == [
+    assert said[-4:] == [
+        "not read: 1 file (.fbx); Blender and others write them as GLB",
+        "  tool.FBX",
         "mesh_dir: 1 file passed over",
-        "  broken.glb: expected a readable GLB mesh, found one that cannot be read",
+        "  broken.glb: expected a readable GLB mesh, found one that is cut short (4 of 12 bytes)",
     ]
+
+
+def test_further_files_of_a_vessel_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    for suffix in ("ply", "stl"):
+        trimesh.creation.box((0.1, 0.05, 0.04)).export(tmp_path / f"block.{suffix}")
+    assert main([str(tmp_path), "--glass", "--most", "0"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].endswith(": 1 object, 1 further file of these")
+    assert "  block.stl: the same object as block.ply" in said
 
 
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

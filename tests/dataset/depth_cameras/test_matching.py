@@ -62,8 +62,10 @@ def test_fractions_of_a_pixel_are_found_without_a_preference_for_whole_ones(rng)
         moved = spectrum * np.exp(2j * np.pi * fx * shift)
         left, right = (np.fft.irfft2(one, s=(80, 260)) for one in (spectrum, moved))
         low, high = left.min(), left.max()
-        eight = [np.clip((one - low) / (high - low) * 255, 0, 255).round().astype(np.uint16) for one in (left, right)]
-        pictures = InfraredPictures(*eight, 255, np.ones((80, 260), np.float32), 1.0, 1.0)
+        seen, other = (
+            np.clip((one - low) / (high - low) * 255, 0, 255).round().astype(np.uint16) for one in (left, right)
+        )
+        pictures = InfraredPictures(seen, other, 255, np.ones((80, 260), np.float32), 1.0, 1.0)
         found = matched(pictures, DEPTH_CAMERAS["d435"].matching)[12:-12, 40:-30]
         assert np.isfinite(found).mean() > 0.95
         assert np.nanmedian(found) == pytest.approx(shift, abs=0.035)

@@ -3,6 +3,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from glassware.dataset.depth_cameras.errors import depth_errors
 from glassware.dataset.depth_cameras.measure import HIDDEN, MEASURED, OUT_OF_RANGE, SATURATED, UNLIT, UNSEEN, measured
@@ -71,6 +72,20 @@ def test_registration_projects_with_parallax_and_leaves_a_shadow_on_the_left_of_
     assert shadow[near[0] - 10 : near[0]].all()
     assert abs(shadow.sum() - 860.0 * device.place * (1 / 0.5 - 1 / 1.0)) < 3
     assert not shadow[near[0] : near[-1] + 20].any()
+
+
+def test_registration_to_coarse_pixels_has_the_noise_of_one_depth_and_no_preference_for_near_ones(planes, rng):
+    device = planes.small()
+    colour = planes.colour_camera(device, focal=143.0)  # nine infrared pixels in each of the colour camera's
+    Z = rng.normal(1.0, 0.002, (device.imager.height, device.imager.width)).astype(np.float32)
+    Z[:, 200:] -= 0.5
+    pair = device.infrared_pair(colour)
+    found = registered(Z, pair, colour, device.place, alike=1.0 / (device.imager.focal * device.baseline))
+    far, near = found[found > 0.75], found[found < 0.75]
+    assert min(far.size, near.size) > 600
+    for depths, truth in ((far, 1.0), (near, 0.5)):
+        assert depths.mean() == pytest.approx(truth, abs=4e-4)
+        assert depths.std() == pytest.approx(0.002, rel=0.15)
 
 
 def test_the_five_numbers_of_an_object_are_fractions_of_its_pixels():

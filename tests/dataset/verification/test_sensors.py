@@ -27,6 +27,8 @@ def stored(planes, tmp_path: Path):
     colour, infrared = planes.colour_camera(device), planes.plane(device, DEPTH)
     Z = np.full((colour.height, colour.width), DEPTH, np.float32)
     found = measured(device, infrared, colour, Z, (1, 0, 0))
+    assert found.infrared is not None
+    exposure, gain = found.infrared.exposure, found.infrared.gain
     write_png(tmp_path / layout.SENSOR_DEPTH, found.depth)
     write_png(tmp_path / layout.SENSOR_VALID, found.reason)
     ids = np.full(Z.shape, TABLE_ID, np.uint16)
@@ -34,7 +36,7 @@ def stored(planes, tmp_path: Path):
     geometry = Geometry(Z, ones, ids, Z, ids, ones, nothing, nothing)
 
     def record(**changes: object) -> None:
-        one = depth_camera_record(device, found.infrared.exposure, found.infrared.gain, REASONS)
+        one = depth_camera_record(device, exposure, gain, REASONS)
         file = camera_file(colour).model_copy(update={"depth_camera": one.model_copy(update=changes)})
         (tmp_path / layout.CAMERA).write_text(json_text(file.model_dump(mode="json")), encoding="utf-8")
 

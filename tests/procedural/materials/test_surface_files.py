@@ -57,6 +57,8 @@ def test_a_folder_of_ambientcg_is_one_material_without_its_preview(tmp_path) -> 
         ("T_Brick_BaseColor", "t_brick", "colour", ""),
         ("T_Brick_Base_Color", "t_brick", "colour", ""),
         ("brick-albedo", "brick", "colour", ""),
+        ("Brick_Mixed_AO", "brick", "unused", ""),
+        ("WoodFlooring041_REFL_2K", "woodflooring041", "unused", ""),
         ("BrickDiffuse", "brick", "colour", ""),
         ("red_brick_diff_01", "red_brick", "colour", ""),
         ("rusty_coll1_2k", "rusty", "colour", ""),
@@ -158,3 +160,32 @@ def test_a_bad_picture_is_passed_over_and_a_bad_map_with_its_material(tmp_path) 
     assert [item.name for item in surfaces] == ["good.png"]
     assert {item.path for item in findings} == {"bad.png", "gone.png", "wood_diff.png"}
     assert "wood_rough.png: expected a readable picture" in next(str(x) for x in findings if x.path == "wood_diff.png")
+
+
+def test_maps_named_by_letters_are_one_material_where_colour_and_normals_are_there(tmp_path) -> None:
+    for kind in ("D", "N", "R", "ORM"):
+        write(tmp_path / f"T_Rock_{kind}.png")
+    ((surface,), findings) = surface_files(tmp_path)
+    assert findings == ()
+    assert surface.name == "T_Rock_D.png"
+    assert surface.normal is not None
+    assert surface.normal.convention == "directx"
+    assert surface.roughness is not None
+    assert surface.roughness.path.name == "T_Rock_R.png"
+    assert surface.metalness is not None
+    assert surface.metalness.path.name == "T_Rock_ORM.png"
+
+
+@pytest.mark.parametrize("letters", ["abn", "dnk", "dr"])
+def test_letters_that_may_be_variants_are_pictures_of_their_own(tmp_path, letters: str) -> None:
+    for letter in letters:
+        write(tmp_path / f"marble_{letter}.png")
+    assert len(surface_files(tmp_path)[0]) == len(letters)
+
+
+def test_a_roughness_map_beside_normals_without_a_colour_is_no_picture(tmp_path) -> None:
+    for name in ("x_nor_gl", "x_rough", "wood_rough"):
+        write(tmp_path / f"{name}.png")
+    surfaces, findings = surface_files(tmp_path)
+    assert [item.name for item in surfaces] == ["wood_rough.png"]
+    assert [item.path for item in findings] == ["x_nor_gl.png", "x_rough.png"]

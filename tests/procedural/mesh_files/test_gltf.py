@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -233,6 +234,30 @@ def test_what_would_exhaust_memory_or_time_is_one_line(makers: ModuleType, tmp_p
 def test_a_file_that_is_no_glb_is_one_line(makers: ModuleType, tmp_path: Path, content: bytes) -> None:
     with pytest.raises(InputError, match=r"a\.glb: expected (a readable GLB mesh|glTF 2\.0)"):
         _parts(makers, tmp_path, content)
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        (lambda content: content[:-60], r"cut short \([\d,]+ of [\d,]+ bytes\)"),
+        (lambda _: b"<!DOCTYPE html>", "begins with b'<!DOCTYPE ht'"),
+        (lambda content: content.replace(b'"scene": 0', b'"scene": 5'), "expected one of 1 scenes, found number 5"),
+        (lambda content: content.replace(b'"count": 4', b'"kount": 4'), "no entry 'count'"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said(
+    makers: ModuleType, tmp_path: Path, change: Callable[[bytes], bytes], found: str
+) -> None:
+    with pytest.raises(InputError, match=rf"a\.glb: expected a readable GLB mesh, found .*{found}"):
+        _parts(makers, tmp_path, change(makers.glb()))
+
+
+def test_a_picture_of_transmission_is_a_remark(makers: ModuleType, tmp_path: Path) -> None:
+    transmission = {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}
+    material = {"name": "pane", "extensions": {"KHR_materials_transmission": transmission}}
+    (part,), notes = _parts(makers, tmp_path, makers.glb([material], makers.png()))
+    assert part.look.glass is not None
+    assert notes.remarks == ["'pane': its picture of transmission is not used; it is glass all over"]
 
 
 @pytest.mark.parametrize("field", ["roughnessFactor", "metallicFactor", "baseColorFactor"])

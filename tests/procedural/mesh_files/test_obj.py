@@ -12,7 +12,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.procedural.materials.textures import bake
 from glassware.procedural.mesh_files.model import Notes
-from glassware.procedural.mesh_files.mtl import picture_name
+from glassware.procedural.mesh_files.mtl_maps import picture_name
 
 
 def _read(

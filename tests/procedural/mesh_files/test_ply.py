@@ -102,3 +102,15 @@ def test_a_damaged_file_is_one_line(
     with pytest.raises(InputError, match=said) as caught:
         makers.parts_of(makers.written(tmp_path, {"a.ply": content}) / "a.ply")
     assert "\n" not in str(caught.value)
+
+
+def test_colours_of_two_bytes_and_points_alone(makers: ModuleType, tmp_path: Path) -> None:
+    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    colours = "".join(f"property ushort {name}\n" for name in ("red", "green", "blue"))
+    rows = "".join("{} {} {} 65535 32768 0\n".format(*place) for place in makers.POSITIONS)
+    faces = "".join("3 {} {} {}\n".format(*corners) for corners in makers.TRIANGLES)
+    text = head + colours + "element face 4\nproperty list uchar int vertex_indices\nend_header\n" + rows + faces
+    (part,), _ = makers.parts_of(makers.written(tmp_path, {"a.ply": text}) / "a.ply")
+    assert np.allclose(part.colours, [1.0, 0.2140, 0.0], atol=1e-4)
+    with pytest.raises(InputError, match="a mesh with faces, found 4 points alone"):
+        makers.parts_of(makers.written(tmp_path, {"b.ply": head + colours + "end_header\n" + rows}) / "b.ply")

@@ -5,9 +5,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 from glassware.core.errors import InputError
 from glassware.procedural.description.depth_camera import DepthCamera
+from glassware.procedural.description.time_of_flight import DepthDevice, TimeOfFlightCamera
 from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS, depth_camera
 from glassware.render.infrared.pattern import pattern_map
 
@@ -31,17 +33,30 @@ def test_devices_have_the_nearest_depth_and_the_error_of_their_data_sheets():
 def test_a_file_changes_what_it_names_and_keeps_the_rest(tmp_path):
     path = own(tmp_path, "like: d435\nname: lab\nbaseline: 0.1\nprojector: {power: 0}\n")
     device = depth_camera(path)
-    assert device is not None
+    assert isinstance(device, DepthCamera)
     assert (device.name, device.baseline, device.projector.power) == ("lab", 0.1, 0.0)
     assert device.imager == DEPTH_CAMERAS["d435"].imager
     assert device.projector.dots == DEPTH_CAMERAS["d435"].projector.dots
     assert DepthCamera.model_validate(device.model_dump()) == device
 
 
+def test_a_time_of_flight_camera_has_the_field_of_its_data_sheet_and_may_be_changed_by_a_file(tmp_path):
+    device = depth_camera("l515")
+    assert isinstance(device, TimeOfFlightCamera)
+    field = [2 * np.degrees(np.arctan(side / 2 / device.focal)) for side in (device.width, device.height)]
+    np.testing.assert_allclose(field, [70.0, 55.0], atol=0.6)
+    changed = depth_camera(own(tmp_path, "like: l515\nname: lab\nreturns: first\n"))
+    assert changed is not None
+    assert changed == device.model_copy(update={"name": "lab", "returns": "first", "source": changed.source})
+    either = TypeAdapter(DepthDevice)
+    for one in (device, DEPTH_CAMERAS["d435"]):
+        assert either.validate_json(one.model_dump_json()) == one
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("like: d436\n", "like: expected one of d415, d435 (is it d435?)"),
+        ("like: d436\n", "like: expected one of d415, d435, l515 (is it d435?)"),
         ("like: d435\nbaseline: 0\n", "baseline"),
         ("like: d435\nrange: [2, 1]\n", "range"),
         ("like: d435\nrange: [0.2, 100]\n", "16 bits"),
@@ -49,6 +64,11 @@ def test_a_file_changes_what_it_names_and_keeps_the_rest(tmp_path):
         ("like: d435\nmatching: {disparities: 100}\n", "multiple of 16"),
         ("like: d435\nprojector: {field: [4, 1]}\n", "171deg"),
         ("baseline: 0.05\n", "place: expected a value"),
+        ("like: l515\nreturns: last\n", "returns: expected 'first' or 'strongest'"),
+        ("like: l515\nerror: [-1, 0]\n", "error"),
+        ("like: l515\nrange: [0.2, 100]\n", "16 bits"),
+        ("like: l515\nbaseline: 0.05\n", "baseline"),
+        ("kind: tof\n", "place: expected a value"),
     ],
 )
 def test_a_device_that_cannot_be_is_one_line(tmp_path, text, words):
@@ -59,7 +79,7 @@ def test_a_device_that_cannot_be_is_one_line(tmp_path, text, words):
 
 
 def test_an_unknown_device_is_one_line_with_the_nearest_that_works():
-    with pytest.raises(InputError, match=r"sensors.depth: expected one of d415, d435, none, .*is it d435\?.*'d453'"):
+    with pytest.raises(InputError, match=r"sensors.depth: expected one of d415, .*l515, none, .*is it d435\?.*'d453'"):
         depth_camera("d453")
     assert depth_camera("none") is None
 
@@ -78,7 +98,7 @@ def test_a_pattern_may_be_a_picture_and_one_that_cannot_be_read_is_one_line(tmp_
     levels[:, :80] = 100
     cv2.imwrite(str(tmp_path / "dots.png"), levels)
     device = depth_camera(path)
-    assert device is not None
+    assert isinstance(device, DepthCamera)
     pattern = pattern_map(device.projector, 0, device.name)
     assert pattern.density.sum() * pattern.step**2 == pytest.approx(device.projector.power, rel=1e-4)
     assert pattern.corner[0] == pytest.approx(-np.tan(0.5 * device.projector.field[0]))
