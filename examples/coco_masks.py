@@ -22,7 +22,7 @@ from pycocotools import mask as coco
 import glassware as gw
 from glassware.annotate.labels import ObjectLabel
 from glassware.core.exit_codes import run_command
-from glassware.dataset.reader import Dataset
+from glassware.dataset.reader import Dataset, StoredScene
 
 
 def main() -> None:
@@ -30,7 +30,7 @@ def main() -> None:
     parser = ArgumentParser(description="Write the masks of a data set as a COCO file.")
     parser.add_argument("data", type=Path, help="folder of the data set")
     parser.add_argument("--out", type=Path, help="by default coco.json in the data set")
-    parser.add_argument("--vessels-only", action="store_true", help="leave out opaque props")
+    parser.add_argument("--vessels-only", action="store_true", help="leave out what is not glass")
     given = parser.parse_args()
     file = coco_file(gw.Dataset.open(given.data), given.data, given.vessels_only)
     out = given.out or given.data / "coco.json"
@@ -41,11 +41,12 @@ def main() -> None:
 def coco_file(dataset: Dataset, root: Path, vessels_only: bool) -> dict[str, Any]:
     """Return images, annotations and categories as COCO names them; ids count from 1."""
     images, annotations, categories = [], [], {}
-    for number, view in enumerate(dataset.views(), start=1):
+    of_views = [(view, glass_ids(scene)) for scene in dataset.scenes for view in scene.views]
+    for number, (view, glass) in enumerate(of_views, start=1):
         camera = view.camera()
         name = (view.folder / "left.png").relative_to(root).as_posix()
         images.append({"id": number, "file_name": name, "width": camera.width, "height": camera.height})
-        for label in shown(view.labels().objects, vessels_only):
+        for label in shown(view.labels().objects, glass if vessels_only else None):
             category = categories.setdefault(label.category, len(categories) + 1)
             entry = annotation(label) | {"id": len(annotations) + 1, "image_id": number, "category_id": category}
             annotations.append(entry)
@@ -53,10 +54,15 @@ def coco_file(dataset: Dataset, root: Path, vessels_only: bool) -> dict[str, Any
     return {"images": images, "annotations": annotations, "categories": kinds}
 
 
-def shown(labels: tuple[ObjectLabel, ...], vessels_only: bool) -> Iterator[ObjectLabel]:
-    """Yield the objects of which anything can be seen."""
+def glass_ids(scene: StoredScene) -> set[int]:
+    """Return the ids of the objects of glass; others are props, and straws, caps and prints of vessels."""
+    return {record.id for record in scene.objects().objects if record.material.kind == "glass"}
+
+
+def shown(labels: tuple[ObjectLabel, ...], chosen: set[int] | None) -> Iterator[ObjectLabel]:
+    """Yield the objects of which anything can be seen; with ids, only those."""
     for label in labels:
-        if annotation(label)["area"] and not (vessels_only and label.name.startswith("prop")):
+        if annotation(label)["area"] and (chosen is None or label.id in chosen):
             yield label
 
 

@@ -30,7 +30,7 @@ class ExportOptions(Model):
     labels: tuple[str, ...] | None = Field(
         default=None, description="Only these of the labels that a format can leave out; all by default"
     )
-    vessels_only: bool = Field(default=False, description="Leave out opaque props")
+    vessels_only: bool = Field(default=False, description="Leave out what is not glass: props, straws, caps, prints")
     liquids: bool = Field(
         default=False, description="Of bop and bop-webdataset: liquids as objects of their own beside the glass"
     )
