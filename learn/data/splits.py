@@ -26,13 +26,13 @@ def scenes_of(data: Dataset, split: SplitName) -> tuple[StoredScene, ...]:
         raise InputError("split", f"one of {', '.join(_NAMES)}", split)
     if split == "all":
         return data.scenes
+    every = "--train-split all takes every scene, with --val-split none; of evaluate, --split all"
     if not (data.root / layout.SPLITS).is_file():
-        every = "--train-split all takes every scene, with --val-split none; of evaluate, --split all"
         raise InputError(data.root, f"a data set that is split, as build-dataset writes it ({every})", "none")
     found = data.split(split)
     numbers = [scene.scene_id for scene in found]
     if len(set(numbers)) < len(numbers):
         raise InputError(f"{data.root}: split {split}", "each scene once", numbers)
     if not found:
-        raise InputError(f"{data.root}: split {split}", "scenes that exist", "none")
+        raise InputError(f"{data.root}: split {split}", "scenes that exist", f"none of {len(data.scenes)} ({every})")
     return found
