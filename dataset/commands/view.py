@@ -70,10 +70,10 @@ def _view(arguments: Sequence[str]) -> None:
     if not (root / layout.DATASET).is_file():
         raise InputError(root, f"the folder of a data set, with {layout.DATASET}", "none")
     rerun = request.rerun or (request.save is not None and request.save.suffix.lower() in _RERUN)
-    if rerun:
-        rerun_library()
     out = request.save or root / (layout.RECORDING if rerun else layout.PAGE)
     check_page_file("--save", out, root, _RERUN if rerun else _HTML)
+    if rerun:
+        rerun_library()
     views = _write(request, out, rerun, console)
     line = f"{out}: {counted(views, 'view')}, {sized(out.stat().st_size)}"
     console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,21 +1,30 @@
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+import cv2
+import numpy as np
 import pytest
 
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import Labels, annotate
+from glassware.dataset.depth_cameras.measure import REASONS
+from glassware.dataset.format.camera_file import depth_camera_record
 from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
 from glassware.dataset.format.file_kinds import EARLIER_KINDS
 from glassware.dataset.pipeline import write
+from glassware.dataset.reader import Dataset
 from glassware.dataset.settings.draw import draw
 from glassware.dataset.writer import finish_dataset, scene_writer, start_dataset
+from glassware.procedural.sensors.depth_cameras import depth_camera
 from glassware.render.frame import Frame
 
+#: Name of a depth camera, whose depth is in millimetres.
+DEVICE = "d435"
 #: One view of two vessels, one of them filled, and two props.
 SEED = 11
 SETTINGS = {
@@ -87,3 +96,24 @@ def proven(made_once, backend) -> Path:
 def copy(proven, tmp_path) -> Path:
     """A copy of it."""
     return Path(shutil.copytree(proven, tmp_path / "data"))
+
+
+@pytest.fixture(scope="session")
+def add_sensor_depth() -> Callable[[Path], Path]:
+    """(root) -> root: give each view of a data set a depth camera's depth, with a hole every fifth row."""
+    device = depth_camera(DEVICE, "device")
+    assert device is not None
+    assert device.unit == 1e-3
+    record = depth_camera_record(device, 1e-2, 1.0, REASONS).model_dump(mode="json")
+
+    def add(root: Path) -> Path:
+        for view in Dataset.open(root).views():
+            Z = view.geometry().Z
+            steps = np.where(np.isfinite(Z) & (Z < 60.0), np.rint(1000.0 * Z), 0.0).astype(np.uint16)
+            steps[::5] = 0
+            cv2.imwrite(str(view.folder / "sensor_depth.png"), steps)
+            camera = view.folder / "camera.json"
+            camera.write_text(json.dumps(json.loads(camera.read_text()) | {"depth_camera": record}))
+        return root
+
+    return add

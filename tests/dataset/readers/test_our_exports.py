@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from glassware.dataset.exports.run import export
-from glassware.dataset.format.pictures import write_png
 from glassware.dataset.reader import Dataset
 from glassware.dataset.readers.recognition import open_source
 
@@ -87,11 +86,8 @@ def test_cleargrasp(stored, tmp_path):
             assert ((view.instances == item.id) == (own.geometry().id == label.id)).all()
 
 
-def test_dreds(stored, tmp_path):
-    for view in Dataset.open(stored).views():
-        Z = view.geometry().Z
-        steps = np.where(np.isfinite(Z) & (Z < 60.0), np.rint(1000.0 * Z), 0.0).astype(np.uint16)
-        write_png(view.folder / "sensor_depth.png", steps)
+def test_dreds(stored, add_sensor_depth, tmp_path):
+    add_sensor_depth(stored)
     export(stored, "dreds", tmp_path / "out")
     for view, own in zip(read(tmp_path / "out", "dreds"), Dataset.open(stored).views(), strict=True):
         assert depth_agrees(view.Z, own.geometry().Z)

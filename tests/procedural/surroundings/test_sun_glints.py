@@ -48,4 +48,4 @@ def test_a_low_sun_is_not_spread_below_the_horizon():
     assert high is not None
     # The map shows it 8 degrees above the horizon.
     assert low.widest == pytest.approx(math.asin(low.direction[2])) == pytest.approx(math.radians(7.9), abs=2e-3)
-    assert high.widest == pytest.approx(math.radians(15.0))
+    assert high.widest == pytest.approx(math.radians(8.0))
