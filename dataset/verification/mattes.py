@@ -96,8 +96,10 @@ def _product_faults(mattes: Mattes, geometry: Geometry) -> list[Fault]:
     """Compare the product of what all transparent objects pass on with the transmittance of the pixel's centre."""
     covered, passed = mattes.coverage, mattes.transmittance
     clear = [place for place in range(len(passed)) if (passed[place] > 0.0).any()]
-    # A turbid liquid is opaque: its own vessel passes on nothing, but the ray has reached it.
-    checked = (geometry.id > 1) & ~np.isin(geometry.background_id, [mattes.ids[place] for place in clear])
+    # A turbid liquid is opaque: its own vessel passes on nothing, but the ray has reached it. Pixels beside such ones
+    # show a part of it.
+    turbid = np.isin(geometry.background_id, [mattes.ids[place] for place in clear])
+    checked = (geometry.id > 1) & _all_alike(~turbid)
     for coverage in covered:
         checked &= (coverage < _HALF) | (coverage > 1.0 - _HALF)
     product = np.ones(geometry.transmittance.shape, np.float32)
