@@ -96,7 +96,14 @@ PYTHON_NOT_RUN = {
 }
 #: Python blocks that compile large kernels or render large pictures, by a line of theirs: run among the longer proofs
 #: alone.
-PYTHON_SLOW = ("sensor_depth(", "trace_stokes(", "picture_and_gradients(", "refract(")
+PYTHON_SLOW = (
+    "piled_probability",
+    "room_depth",
+    "sensor_depth(",
+    "trace_stokes(",
+    "picture_and_gradients(",
+    "refract(",
+)
 
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?:(?<=\n\n)|\A)((?:    [^\n]*\n?)+)")

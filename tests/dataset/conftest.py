@@ -20,6 +20,7 @@ from glassware.dataset.pipeline import write
 from glassware.dataset.reader import Dataset
 from glassware.dataset.settings.draw import draw
 from glassware.dataset.writer import finish_dataset, scene_writer, start_dataset
+from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.sensors.depth_cameras import depth_camera
 from glassware.render.frame import Frame
 
@@ -102,7 +103,7 @@ def copy(proven, tmp_path) -> Path:
 def add_sensor_depth() -> Callable[[Path], Path]:
     """(root) -> root: give each view of a data set a depth camera's depth, with a hole every fifth row."""
     device = depth_camera(DEVICE, "device")
-    assert device is not None
+    assert isinstance(device, DepthCamera)
     assert device.unit == 1e-3
     record = depth_camera_record(device, 1e-2, 1.0, REASONS).model_dump(mode="json")
 

@@ -55,6 +55,7 @@ def test_the_numbers_after_a_wall_s_do_not_depend_on_its_family():
     assert len(after) == 1
 
 
+@pytest.mark.slow
 def test_vessels_of_drawn_scenes_have_a_material_of_their_family():
     settings = SceneSettings.model_validate(
         {
