@@ -76,6 +76,8 @@ NOT_RUN = {
     "glassware evaluate keypose/": "needs trained networks; tests/learn/test_baselines.py runs it",
     "glassware train keypose-ours ": "takes minutes; tests/learn/data/test_partial_truth.py trains on such data",
     "glassware evaluate out-keypose/": "needs the weights of the run above",
+    "glassware view out --rerun": "opens a window",
+    "glassware view out --save out.rrd": "needs the extra `view`; tests/dataset/viewer/test_recording.py writes one",
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
@@ -137,7 +139,7 @@ def commands(block: Block) -> list[list[str]]:
 
 def reason_not_run(words: list[str]) -> str | None:
     """Return why a command is not run, or None."""
-    line = " ".join(words)
+    line = " ".join([Path(words[0]).name, *words[1:]])
     reasons = [reason for first, reason in NOT_RUN.items() if line.startswith(first)]
     return next(iter(reasons + [PARSED_ONLY[word] for word in words if word in PARSED_ONLY]), None)
 
@@ -166,6 +168,9 @@ def smaller(words: list[str]) -> list[str]:
     words = [program, *words[1:]]
     small = SMALL_SCALE + SMALL[4:] if has_lens(words) else SMALL
     if program == "build-dataset":
+        if "--count" in words:  # takes the place of `--scenes`, which this adds
+            at = words.index("--count")
+            words = words[:at] + words[at + 2 :]
         return [*words, *small, *scenes_of(words), "--workers", "1"]
     if program == "render-scene":
         return [*words, *small]

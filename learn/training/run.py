@@ -89,6 +89,7 @@ def train(
     if settings.machine.threads is not None:
         torch.set_num_threads(settings.machine.threads)
     state = set_up_training(settings if start is None else start.settings, data, out)
+    _check_samples(state, data)
     if start is None:
         load_pretrained_context(state)
         if init is not None and weights is not None:
@@ -97,6 +98,15 @@ def train(
     else:
         restore_train_state(state, start, resume or out)
     _train_steps(state, start, say)
+
+
+def _check_samples(state: TrainState, data: Path) -> None:
+    """Refuse a split without a sample, such as one of objects that are all hidden, before anything is trained."""
+    for split, samples in ((state.settings.train_split, state.train), (state.settings.val_split, state.val)):
+        if samples is not None and len(samples) == 0:
+            network = state.settings.network.name
+            expected = f"a sample for the network {network} (a network of single objects learns from visible ones)"
+            raise InputError(f"{data}: split {split}", expected, "none")
 
 
 def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None]) -> None:

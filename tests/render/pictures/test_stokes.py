@@ -76,7 +76,7 @@ def lifted(polarised, drawn, clear, one_bright_side):
     scene = clear(scene)
     with pytest.MonkeyPatch.context() as patch:
         # Our own materials scatter unpolarised light, and would not show a frame turned wrongly.
-        patch.setattr(bodies, "opaque_bsdf", lambda _: {"type": "pplastic", "alpha": 0.15})
+        patch.setattr(bodies, "opaque_bsdf", lambda *_: {"type": "pplastic", "alpha": 0.15})
         return load(
             scene.model_copy(
                 update={
