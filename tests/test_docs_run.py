@@ -81,7 +81,7 @@ NOT_RUN = {
     "ray ": "starts a cluster of several machines",
     "python bench/": "takes minutes to hours; its options are compared with its --help",
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
-    ".venv/bin/python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
+    "python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {

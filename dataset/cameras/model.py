@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from ...core.model import Model, Ordered, Unit
+from ...core.units import LENGTH, Length
 
 _Row = tuple[float, float, float]
 #: Distortion coefficients in OpenCV's order: k1, k2, p1, p2, k3.
@@ -62,9 +63,11 @@ class ColourCamera(Model):
     name: str = Field(default="ideal", pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$", description="Name of the camera")
     source: str = Field(default="", description="Where its figures come from")
     exposure_error: float = Field(default=0.0, ge=0.0, le=4.0, description="Standard deviation, per view [stops]")
-    aperture: float = Field(default=0.0, ge=0.0, lt=1.0, description="Diameter of the entrance pupil; 0: a pinhole [m]")
-    focus: float | None = Field(
-        default=None, gt=0.0, description="Distance in focus [m]; none: the middle of the view (autofocus)"
+    aperture: Length = Field(
+        default=0.0, ge=0.0, lt=1.0, description="Diameter of the entrance pupil; 0: a pinhole [m]"
+    )
+    focus: Annotated[float, Field(gt=0.0), LENGTH] | None = Field(
+        default=None, description="Distance in focus [m]; none: the middle of the view (autofocus)"
     )
     distortion: Distortion = Field(default=Distortion(), description="Of the lens")
     rectified: bool = Field(

@@ -28,7 +28,7 @@ def test_a_camera_of_ones_own_begins_with_a_preset(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("aperture: -1", "aperture: expected greater than or equal to 0, found -1"),
+        ("aperture: -1", "aperture: expected greater than or equal to 0 m, found -1 m"),
         ("like: fone", "like: expected one of ideal, d435, phone, webcam"),
         ("sensor: {full_well: 10}", "sensor.width: expected"),
         ("vignette: 1", "vignette"),
