@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from ....core.atomic_io import atomic_folder
 from ....procedural.description.camera import Camera
 from ....procedural.description.scene import Scene
 from ....procedural.optics.capillary import GRAVITY
@@ -32,8 +31,7 @@ from ....procedural.physics.world import (
 )
 from ...format import layout
 from ...format.objects_file import ObjectRecord
-from ...reader import StoredScene
-from ..job import Exporter, Job, chosen_ids, write_nothing
+from .folders import scene_folders
 from .looks import Look, shown_colour
 from .simulated import SimulatedBody, Surface, relative_pose, simulated_bodies, simulated_table, write_obj
 from .xml_files import element, quaternion, write_xml
@@ -46,26 +44,6 @@ _SENSOR = 0.036
 _STEP = 2e-3
 #: Group of geometry that viewers show, and that of contacts, which they hide (MuJoCo's own menagerie of models).
 _SHOWN, _HIDDEN = 2, 3
-
-
-def place(job: Job, scene: StoredScene) -> Path:
-    """Return the folder of a scene."""
-    return job.out / layout.scene_name(scene.scene_id)
-
-
-def write(job: Job, scene: StoredScene) -> None:
-    """Write the folder of a scene."""
-    objects = scene.objects()
-    with atomic_folder(place(job, scene)) as folder:
-        write_mjcf(folder, scene.scene(), objects.objects, chosen_ids(job, objects))
-
-
-EXPORTER = Exporter(
-    purpose="scenes with physics: MuJoCo",
-    place=place,
-    write=write,
-    finish=write_nothing,
-)
 
 
 def write_mjcf(folder: Path, scene: Scene, records: Sequence[ObjectRecord], ids: Sequence[int]) -> None:
@@ -170,3 +148,6 @@ def _camera(world: tree.Element, camera: Camera, number: int) -> None:
         focalpixel=[camera.fx, camera.fy],
         principalpixel=[0.5 * width - cx - 0.5, 0.5 * height - cy - 0.5],
     )
+
+
+EXPORTER = scene_folders("scenes with physics: MuJoCo", write_mjcf)

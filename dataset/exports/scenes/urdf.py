@@ -18,12 +18,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....core.atomic_io import atomic_folder
 from ....procedural.description.scene import Scene
-from ...format import layout
 from ...format.objects_file import ObjectRecord
-from ...reader import StoredScene
-from ..job import Exporter, Job, chosen_ids, write_nothing
+from .folders import scene_folders
 from .looks import Look, shown_colour
 from .simulated import (
     SimulatedBody,
@@ -41,26 +38,6 @@ _INERTIA = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (
 
 #: Cosine of the pitch below which roll and yaw are no longer told apart [1]: the rounding of a rotation matrix.
 _STEEP = 1e-9
-
-
-def place(job: Job, scene: StoredScene) -> Path:
-    """Return the folder of a scene."""
-    return job.out / layout.scene_name(scene.scene_id)
-
-
-def write(job: Job, scene: StoredScene) -> None:
-    """Write the folder of a scene."""
-    objects = scene.objects()
-    with atomic_folder(place(job, scene)) as folder:
-        write_urdf(folder, scene.scene(), objects.objects, chosen_ids(job, objects))
-
-
-EXPORTER = Exporter(
-    purpose="scenes with physics: ROS, PyBullet, SAPIEN",
-    place=place,
-    write=write,
-    finish=write_nothing,
-)
 
 
 def write_urdf(folder: Path, scene: Scene, records: Sequence[ObjectRecord], ids: Sequence[int]) -> None:
@@ -172,3 +149,6 @@ def _roll_pitch_yaw(rotation: np.ndarray) -> list[float]:
         return [float(np.arctan2(-rotation[1, 2], rotation[1, 1])), pitch, 0.0]
     roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])
     return [float(roll), pitch, float(yaw)]
+
+
+EXPORTER = scene_folders("scenes with physics: ROS, PyBullet, SAPIEN", write_urdf)
