@@ -14,7 +14,7 @@ from ...core.randomness import stream
 from ..networks.baselines.settings import DenseFusionSettings
 from ..targets.encoding import CORRECTED
 from ..targets.objects import ViewObject
-from .object_cases import Findings, Location, ObjectCase, check_has_cases, object_cases, object_of
+from .object_cases import Findings, Location, ObjectCase, check_has_cases, missed_cases, object_cases, object_of
 from .samples import LoadedViews, Sample, SampleDataset, image_tensor
 from .semi_global import semi_global_depth
 
@@ -68,9 +68,7 @@ class DenseFusionSamples(TorchDataset):
         self._training, self._seed, self._location = training, seed, location
         self._findings = findings if location == "detector" else None
         every = object_cases(base)
-        self.missed = [
-            case for case in every if self._findings is not None and (case.view, case.object_id) not in self._findings
-        ]
+        self.missed = missed_cases(every, self._findings)
         self.dropped: list[ObjectCase] = []
         every = [case for case in every if case not in self.missed]
         # A network has an output for each category that it has learnt, and none for others.

@@ -18,7 +18,7 @@ from ..targets.keypoints import object_keypoints, parsed_order
 from ..targets.objects import ViewObject
 from .geometric_augment import mirrored_view
 from .keypose_augment import window_augmented
-from .object_cases import Findings, Location, ObjectCase, check_has_cases, object_cases, object_of
+from .object_cases import Findings, Location, ObjectCase, check_has_cases, missed_cases, object_cases, object_of
 from .samples import LoadedViews, Sample, SampleDataset, image_tensor
 from .scaling import BORDER
 from .views import CameraView
@@ -82,7 +82,7 @@ class KeyPoseSamples(TorchDataset):
         self._moved = training or location == "jitter"
         self._findings = findings if location == "detector" else None
         every = object_cases(base)
-        self.missed = [case for case in every if self._findings is not None and _key(case) not in self._findings]
+        self.missed = missed_cases(every, self._findings)
         every = [case for case in every if case not in self.missed]
         self.dropped = [case for case in every if released and self._at_border(case)]
         self.cases = [case for case in every if case not in self.dropped]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -36,6 +36,11 @@ class ObjectCase:
 
     view: int  #: number of the view in its `SampleDataset`
     object_id: int
+
+
+def missed_cases(cases: Sequence[ObjectCase], findings: Findings | None) -> list[ObjectCase]:
+    """Return the objects that a detector has not found; none without a detector."""
+    return [] if findings is None else [case for case in cases if (case.view, case.object_id) not in findings]
 
 
 def object_cases(samples: SampleDataset) -> list[ObjectCase]:
