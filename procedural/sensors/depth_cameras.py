@@ -25,6 +25,8 @@ _SHARED = (
     "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400), steps of 1/32 px; the "
     "margin of the best match is fitted to how much ClearGrasp's captures lack on glass; the rest by OpenCV's advice"
 )
+# Matching of both devices; `_SHARED` says where its figures come from.
+_MATCHING = Matching(disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0)
 #: By name.
 DEPTH_CAMERAS: dict[str, DepthCamera] = {
     "d415": DepthCamera(
@@ -58,9 +60,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             dot=3.0 / 892.62,
             turn=math.radians(1.0),
         ),
-        matching=Matching(
-            disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
-        ),
+        matching=_MATCHING,
         range=(0.40, 10.0),
         unit=0.001,
         samples=4,
@@ -97,9 +97,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             dot=3.0 / 430.14,
             turn=math.radians(1.0),
         ),
-        matching=Matching(
-            disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0
-        ),
+        matching=_MATCHING,
         range=(0.17, 10.0),
         unit=0.001,
         samples=8,
