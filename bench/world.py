@@ -3,7 +3,9 @@
 ``python bench/world.py 1000 standard keypose``: for each preset a table in Markdown; nothing is rendered. With
 ``--records DIR`` each scene is a line of a file there, and scenes that are in it already are not drawn again. With
 ``--load`` the scene is also loaded into the renderer. Times are processor time, so that a busy machine changes little.
-The presets fast, standard, syn-todd and train draw the same worlds, before other cameras.
+The presets fast, standard, syn-todd and train draw the same objects and tables, before other cameras and, for train,
+other lamps: with ``--also syn-todd train`` these are drawn around the objects of each scene as well, to see that they
+can be.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ from glassware.dataset.settings.config import preset, validated
 from glassware.procedural.description.scene import GlassBody, Scene
 from glassware.procedural.physics import piles
 from glassware.procedural.scene import arrange, draw
+from glassware.procedural.scene.asset_files import asset_files
 from glassware.procedural.scene.draw import draw_scene
+from glassware.procedural.scene.draw_surroundings import draw_surroundings
 from glassware.procedural.scene.settings import SceneSettings
 
 #: Parts of drawing a scene whose processor time is measured, none within another: what it is, and its function.
@@ -53,11 +57,13 @@ def main() -> None:
     parser.add_argument("presets", nargs="+", help="names of presets")
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
     parser.add_argument("--load", action="store_true", help="load scenes into the renderer as well")
+    parser.add_argument("--also", nargs="*", default=[], help="presets whose surroundings and cameras are drawn too")
     parser.add_argument("--records", type=Path, help="folder of a file of records for each preset")
     request = parser.parse_args()
     for name in request.presets:
         scenes = range(request.first, request.first + request.count)
-        records = recorded(name, scenes, request.load, request.records and request.records / f"{name}.jsonl")
+        path = request.records and request.records / f"{name}.jsonl"
+        records = recorded(name, scenes, request.load, request.also, path)
         sys.stdout.write(f"\n{name}, {len(records)} scenes of seed 1\n\n| figure | value |\n|---|---|\n")
         sys.stdout.write("".join(f"| {what} | {value} |\n" for what, value in figures(records)))
         sys.stdout.write("\n| processor time [s] | mean | 99 % below | longest | in scene |\n|---|---|---|---|---|\n")
@@ -65,14 +71,17 @@ def main() -> None:
         sys.stdout.flush()
 
 
-def recorded(name: str, scenes: range, load: bool, path: Path | None) -> list[dict[str, Any]]:
+def recorded(name: str, scenes: range, load: bool, also: list[str], path: Path | None) -> list[dict[str, Any]]:
     """Return the records of a preset's scenes, in their order; those that a file has are taken from it."""
-    settings = validated(SceneSettings, preset(name), "preset")
+    settings, *others = [validated(SceneSettings, preset(one), "preset") for one in (name, *also)]
     lines = path.read_text("utf-8").splitlines() if path is not None and path.exists() else []
     known = {record["scene"]: record for record in map(json.loads, lines)}
     for number in scenes:
         if number not in known:
-            known[number] = record_of(settings, number, load)
+            try:
+                known[number] = record_of(settings, number, load, others)
+            except Exception as error:  # a fault of ours, counted: the scenes after it are still drawn
+                known[number] = {"scene": number, "failure": f"{type(error).__name__}: {error}"}
             if path is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 with path.open("a", encoding="utf-8") as file:
@@ -80,7 +89,7 @@ def recorded(name: str, scenes: range, load: bool, path: Path | None) -> list[di
     return [known[number] for number in (scenes or sorted(known)) if number in known]
 
 
-def record_of(settings: SceneSettings, number: int, load: bool) -> dict[str, Any]:
+def record_of(settings: SceneSettings, number: int, load: bool, others: list[SceneSettings]) -> dict[str, Any]:
     """Return what a scene is and what is wrong with it, as plain data: its failure alone where it cannot be drawn."""
     parts: dict[str, float] = defaultdict(float)
     start = process_time()
@@ -89,6 +98,10 @@ def record_of(settings: SceneSettings, number: int, load: bool) -> dict[str, Any
             for what, module, function in PARTS:
                 stack.enter_context(timed(parts, module, function, what))
             scene = draw_scene(settings, 1, number)
+        surrounded = process_time()
+        for other in others:
+            draw_surroundings(other, 1, number, asset_files(other), scene.table, scene.objects)
+        start += process_time() - surrounded
     except InputError as error:
         return {"scene": number, "failure": str(error)}
     parts["surroundings, light, cameras, and the rest"] = process_time() - start - sum(parts.values())

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import Mesh, as_trimesh, check_closed
+from glassware.procedural.cavities.interior import interior_of, most_volume
 from glassware.procedural.cavities.wall import thicknesses
 from glassware.procedural.description.edits import in_world, solid_of
 from glassware.procedural.description.mesh_vessel import refilled_mesh
@@ -40,9 +41,9 @@ WALL, VOLUME = 0.05, 0.01
 LINES = 48
 #: Distance of the points on profiles between which walls are measured [m].
 _SPACING = 5e-5
-#: How full a vessel without a profile is made, so that its inside is known [1], and quantile of the distances between
-#: inside and outside that is its thinnest wall: chords of the mesh are nearer in single places [1].
-_NEARLY_FULL, _THINNEST = 0.9, 0.01
+#: How full a vessel without a profile is made, of what it holds, so that its inside is known [1], and quantile of the
+#: distances between inside and outside that is its thinnest wall: chords of the mesh are nearer in single places [1].
+_NEARLY_FULL, _THINNEST = 0.999, 0.01
 
 
 def checked(scene: Scene) -> dict[str, Any]:
@@ -172,7 +173,8 @@ def _wall_of_mesh(vessel: MeshVessel) -> float:
     """Return the thickness of the wall below the surface of a liquid that nearly fills the vessel [m]."""
     assert vessel.wall is not None
     bare = refilled_mesh(vessel.model_copy(update={"layers": (), "contents": ()}), None)
-    full = refilled_mesh(bare, water(), _NEARLY_FULL)
+    inside = interior_of(vessel.solid)
+    full = refilled_mesh(bare, water(), _NEARLY_FULL * most_volume(inside) / inside.volume, inside)
     assert full.liquid is not None
     meshes = {part.part: part.mesh for part in full.interfaces}
     wet, dry = (meshes[part].vertices[meshes[part].faces].astype(np.float64) for part in ("wet_wall", "outside"))
