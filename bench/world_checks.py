@@ -7,7 +7,7 @@ closed form or a Monte Carlo integral, and bodies that overlap.
 from __future__ import annotations
 
 from hashlib import sha256
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -113,7 +113,7 @@ def below(profile: np.ndarray, level: float) -> float:
     Each pair of points gives a truncated cone, of pi / 3 h (a^2 + a b + b^2).
     """
     total = 0.0
-    for (a, low), (b, high) in zip(profile[:-1], profile[1:], strict=True):
+    for (a, low), (b, high) in pairwise(profile):
         if low >= level:
             break
         end = min(high, level)

@@ -91,7 +91,9 @@ def _ratios(drawn: Sequence[Record], what: str, allowed: float) -> str:
     if not values:
         return "none"
     ratios = [ratio for *_, ratio in values]
-    beyond = [f"{scene} {name} ({family}): {ratio:.3f}" for scene, name, family, ratio in values if _off(ratio, allowed)]
+    beyond = [
+        f"{scene} {name} ({family}): {ratio:.3f}" for scene, name, family, ratio in values if _off(ratio, allowed)
+    ]
     return f"{min(ratios):.4f} to {max(ratios):.4f} of {len(ratios)}; beyond {100 * allowed:g} %: {_listed(beyond)}"
 
 
