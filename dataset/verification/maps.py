@@ -134,7 +134,7 @@ def coordinate_faults(
             world = (rays[on] * depth[on][:, None]) @ camera.axes + camera.origin
             unit = 0.5 + (world - pose[:3, 3]) @ pose[:3, :3] / np.sqrt(np.square(item.size).sum())
             expected.reshape(-1, 3)[places[on]] = unit
-        wrong = ~np.isnan(stored).all(axis=-1)  # where there is no object
+        wrong = np.asarray(~np.isnan(stored).all(axis=-1))  # where there is no object
         mine, here = stored.reshape(-1, 3)[places].astype(np.float64), expected.reshape(-1, 3)[places]
         near = (np.isnan(mine) & np.isnan(here)) | (np.abs(mine - here) < HALF)
         wrong.ravel()[places] = ~near.all(axis=-1)
@@ -177,7 +177,8 @@ def mouth_masks(scene: Scene, camera: Pinhole, mouths: list[list[np.ndarray]]) -
             low = np.clip(np.floor(corners.min(axis=0) - 1.0), 0, camera.size).astype(int)
             high = np.clip(np.ceil(corners.max(axis=0) + 2.0), 0, camera.size).astype(int)
             box = slice(low[1], high[1]), slice(low[0], high[0])
-            pixels = np.stack(np.mgrid[box][::-1], axis=-1).astype(np.float64)
+            rows, columns = np.mgrid[box]
+            pixels = np.stack([columns, rows], axis=-1).astype(np.float64)
             winding, away = np.zeros(pixels.shape[:2]), np.full(pixels.shape[:2], np.inf)
             for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
                 p, q, side = a - pixels, b - pixels, b - a
