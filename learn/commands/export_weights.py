@@ -35,7 +35,8 @@ class ExportWeights(Model):
         default=None, description="Data set that they were trained on: its cameras' focal length goes with the weights"
     )
     reports: tuple[str, ...] = Field(
-        default=(), description="Reports of glassware evaluate for the model card, such as test=out-evaluate/report.json"
+        default=(),
+        description="Reports of glassware evaluate for the model card, such as test=out/report.json",
     )
     notes: UserPath | None = Field(
         default=None, description="YAML file with texts for the model card by their headings, such as machine"
