@@ -50,9 +50,9 @@ def drawn(picture: np.ndarray, found: Prediction) -> np.ndarray:
     # Far objects first, so that near ones are drawn over them.
     for row in np.argsort(-found.camera_T_object[:, 2, 3]):
         _draw_box(over, found, int(row), factor)
-    taken: list[tuple[int, int, int, int]] = []
+    placed: list[tuple[int, int, int, int]] = []
     for row in range(len(found)):
-        _draw_label(over, _label(found, row), found.peak[row] * factor, row, taken)
+        _draw_label(over, _label(found, row), found.peak[row] * factor, row, placed)
     if not len(found):
         _write(over, "no objects found", (8, size[1] - 10), _font(over))
     depth, ends = _depth(found.depth, size)
@@ -97,7 +97,7 @@ def _label(found: Prediction, row: int) -> list[str]:
 
 
 def _draw_label(
-    over: np.ndarray, lines: list[str], at: np.ndarray, row: int, taken: list[tuple[int, int, int, int]]
+    over: np.ndarray, lines: list[str], at: np.ndarray, row: int, placed: list[tuple[int, int, int, int]]
 ) -> None:
     font = _font(over)
     sizes = [cv2.getTextSize(line, cv2.FONT_HERSHEY_SIMPLEX, font, 1)[0] for line in lines]
@@ -105,10 +105,10 @@ def _draw_label(
     width, height = max(one for one, _ in sizes) + 8, step * len(lines) + 5
     x = int(np.clip(at[0] + 10, 0, max(0, over.shape[1] - width)))
     y = int(np.clip(at[1] - height / 2, 0, max(0, over.shape[0] - height)))
-    for left, top, right, bottom in sorted(taken, key=lambda one: one[1]):  # below those that are there
+    for left, top, right, bottom in sorted(placed, key=lambda one: one[1]):  # below those that are there
         if x < right and left < x + width and y < bottom and top < y + height:
             y = min(bottom, max(0, over.shape[0] - height))
-    taken.append((x, y, x + width, y + height))
+    placed.append((x, y, x + width, y + height))
     box = over[y : y + height, x : x + width]
     box[:] = (0.35 * box + 0.65 * np.array(_PAPER)).astype(np.uint8)
     cv2.rectangle(over, (x, y), (x + width - 1, y + height - 1), _OBJECTS[row % len(_OBJECTS)], 1)

@@ -212,7 +212,8 @@ def load(weights: Path | str, device: str = "cpu") -> Predictor:
         network, settings = load_network(path)
     if settings.network.name not in ("mvtrans", "simnet"):
         raise InputError(weights, "a network that finds objects (mvtrans, simnet)", settings.network.name)
-    return Predictor(eval_mode(network.to(device)), settings, focal, device)
+    eval_mode(network.to(device))
+    return Predictor(network, settings, focal, device)
 
 
 def _picture(given: np.ndarray | Path | str, name: str) -> tuple[np.ndarray, Path | str]:
