@@ -325,7 +325,10 @@ class Renderer:
                 else:
                     beams = self.beams(view)
         with stopwatch.stage("denoise"):
-            clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
+            clean = [
+                denoise_image(noisy, picture.fireflies) if picture.denoise else noisy.radiance
+                for noisy in (left, right)
+            ]
         return Frame(
             view=view,
             left=clean[0],
