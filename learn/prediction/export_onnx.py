@@ -116,6 +116,7 @@ def example_inputs(size: tuple[int, int], views: int, seed: int) -> tuple[Tensor
 
 def session(model: onnx.ModelProto | Path, threads: int | None = None) -> onnxruntime.InferenceSession:
     """Return a session of onnxruntime on the CPU, with a number of threads; all cores by default."""
+    onnxruntime.disable_telemetry_events()
     options = onnxruntime.SessionOptions()
     if threads is not None:
         options.intra_op_num_threads = threads

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import tempfile
+from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +24,13 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(find_spec("onnxscript") is None, reason="the extra `onnx` is not installed"),
 ]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def without_session_file() -> Iterator[None]:
+    """Remove the file that onnxruntime leaves in the folder for temporary files when it is imported."""
+    yield
+    (Path(tempfile.gettempdir()) / ".ses").unlink(missing_ok=True)
 
 
 @pytest.mark.parametrize(
