@@ -135,6 +135,7 @@ def test_a_flat_sheet_is_a_thin_box():
 def test_a_book_is_a_few_slices_that_contain_it_and_little_else():
     settings = PropSettings.model_validate({"kinds": ["book"]})
     book = draw_prop_of_kind(stream(1, 0, "prop"), stream(1, 0, "kind"), settings, id=2, name="book")
+    assert isinstance(book, Prop)
     parts = body_parts(book).parts
     assert 3 < len(parts) < 30
     points = book.mesh.vertices.astype(np.float64)
