@@ -84,7 +84,9 @@ def scored(predictor: Predictor, view: SourceView, request: Request, name: str) 
     item, mask = view.objects[0], view.instances == view.objects[0].id
     picture = with_truth(view.picture, mask, item, found.K)
     write_png(request.out / f"{name.replace('/', '-').replace(' ', '')}.png", drawn(picture, found))
-    glass = found.mask[found.transparent].any(axis=0) if found.transparent.any() else np.zeros_like(mask)
+    glass = np.zeros_like(mask)
+    for one in found.mask[found.transparent]:
+        glass |= one
     scores: dict[str, Any] = {
         "found": len(found),
         "glass_iou": iou(glass, mask),
