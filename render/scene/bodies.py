@@ -22,9 +22,9 @@ from .vertex_colours import coloured
 #: cleans reflections in their flat tops.
 POLISHED = 0.4
 #: Samples of emitter sampling of mostly metallic materials [1]: all their light is reflected, by a lobe that meets few
-#: of the directions from which a scene is lit. One takes 30 to 60 ns of CPU time, a ray about 290. On a table of brushed
-#: steel that mirrors lamps (seed 204, 160x120) the error of the noisy picture is 53, 43, 35, 27 and 24 sRGB levels with
-#: 1, 4, 8, 16 and 32, and a picture takes 1.57, 1.65, 1.86, 2.10 and 2.49 s.
+#: of the directions from which a scene is lit. One takes 30 to 60 ns of CPU time, a ray about 290. On a table of
+#: brushed steel that mirrors lamps (seed 204, 160x120) the error of the noisy picture is 53, 43, 35, 27 and 24 sRGB
+#: levels with 1, 4, 8, 16 and 32, and a picture takes 1.57, 1.65, 1.86, 2.10 and 2.49 s.
 METAL_CANDIDATES = 16
 #: Longest edge of opaque meshes whose vertices are cache points of the irradiance cache [m]: as fine as contact shadows
 #: of small objects and as caustics. The table's sides may have longer ones [m]; its top has a grid of its own.
