@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,9 +34,13 @@ from .frame import (
     Infrared,
     LightCheck,
     LineOfSight,
+    StokesPicture,
     SurfaceLight,
     Transmission,
 )
+
+if TYPE_CHECKING:
+    from .scene.loaded_scene import LoadedScene
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -121,6 +126,7 @@ class Renderer:
                 with stopwatch.stage("draft"):
                     on_draft(draft_picture(self.loaded))
             self._tracer, self._cache = PATH_TRACER, None
+            self._polarised: Sequence[LoadedScene] = ()
             if cached:
                 on_stage("light")
                 with stopwatch.stage("light"):
@@ -280,6 +286,53 @@ class Renderer:
         with self._active():
             return trace_beams(self.loaded, number, device)
 
+    def stokes(self, view: int, samples: int | None = None) -> StokesPicture:
+        """Trace the Stokes vectors that the left camera sees; in scenes with a polarisation camera, every frame has them.
+
+        They are path traced in a polarised variant, into which the scene is loaded when they are first asked for: once
+        with wavelengths, or three times, for red, green and blue.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+        samples : int, optional
+            Paths of each pixel that shows glass; by default those of the polarisation camera.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or neither `samples` nor a polarisation camera.
+        """
+        from .pictures.stokes import trace_stokes_view
+
+        device, number = self.scene.polarisation_camera, self._view(view)
+        if samples is None and device is None:
+            raise InputError("scene, polarisation_camera", "one, as sensors.polarisation imx250mzr, or samples", "none")
+        count = whole_number("samples", device.samples if samples is None and device else samples, 1, 1 << 20)
+        seed = stream_seed(self.scene.seed, self.scene.scene_id, f"render/{number}/stokes")
+        with self._active():
+            try:
+                return trace_stokes_view(self._in_polarised(), self.scene.cameras[number], count, seed)
+            finally:
+                activate(self.variant)
+
+    def _in_polarised(self) -> Sequence[LoadedScene]:
+        """Return the scene loaded in a polarised variant, which is active afterwards."""
+        from .scene.loaded_scene import load
+
+        kind, loaded = self.variant.split("_")[0], self.loaded
+        spectral = "spectral" in self.variant
+        # As an array, before the variant of its values is left.
+        light = None if spectral or loaded.room is None else np.array(loaded.room.irradiance)
+        activate(f"{kind}_ad_{'spectral' if spectral else 'mono'}_polarized")
+        if not self._polarised:
+            if spectral:
+                self._polarised = (load(self.scene),)
+            else:
+                self._polarised = tuple(load(self.scene, channel=k, room_light=light) for k in range(3))
+        return self._polarised
+
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
         if self._cache is None:
@@ -324,6 +377,10 @@ class Renderer:
                     infrared = self.infrared(view)
                 else:
                     beams = self.beams(view)
+        stokes = None
+        if scene.polarisation_camera is not None:
+            with stopwatch.stage("polarisation"):
+                stokes = self.stokes(view)
         with stopwatch.stage("denoise"):
             clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
         return Frame(
@@ -339,6 +396,7 @@ class Renderer:
             refraction=refraction,
             infrared=infrared,
             beams=beams,
+            stokes=stokes,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,
