@@ -177,8 +177,8 @@ def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Parameters
     ----------
     stokes : (H, W, 3 or 4, 1) float
-        Stokes vectors of one channel. The degree is grey, from black for 0 to white for 1. The angle is a hue, red for 0
-        and cyan for a right angle, as bright as the degree.
+        Stokes vectors of one channel. The degree is grey, from black for 0 to white for 1. The angle is a hue, red for
+        0 and cyan for a right angle, as bright as the degree.
     """
     degree = np.clip(degree_of_linear_polarisation(stokes)[..., 0], 0.0, 1.0)
     turn = (angle_of_linear_polarisation(stokes)[..., 0] / np.pi) % 1.0

@@ -287,7 +287,7 @@ class Renderer:
             return trace_beams(self.loaded, number, device)
 
     def stokes(self, view: int, samples: int | None = None) -> StokesPicture:
-        """Trace the Stokes vectors that the left camera sees; in scenes with a polarisation camera, every frame has them.
+        """Trace the Stokes vectors that the left camera sees; with a polarisation camera, every frame has them.
 
         They are path traced in a polarised variant, into which the scene is loaded when they are first asked for: once
         with wavelengths, or three times, for red, green and blue.

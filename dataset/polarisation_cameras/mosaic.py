@@ -11,9 +11,9 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from ...procedural.surroundings.colour import luminance
 from ...core.polarisation import behind_filter
 from ...procedural.description.polarisation_camera import PolarisationCamera
+from ...procedural.surroundings.colour import luminance
 from ..cameras.model import Sensor
 from ..cameras.sensor import exposed, noise_variance
 

@@ -66,8 +66,8 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
     Columns: left picture; depth over the objects' range, bright is near; normals (x red, up green, towards the camera
     blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility. Where a row has
-    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two. Where it has Stokes
-    vectors: degree of linear polarisation, and the angle as a hue.
+    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two. Where it has
+    Stokes vectors: degree of linear polarisation, and the angle as a hue.
     """
     columns = _COLUMNS
     for name, more in (("sensor", _SENSOR_COLUMNS), ("stokes", _STOKES_COLUMNS)):

@@ -27,7 +27,7 @@ SIGMAS = 6.0
 #: Largest mean square of such deviations [1]; it is 1 within a few hundredths.
 MOST_VARIANCE = 1.5
 #: Largest difference of the mean light on opaque surfaces from the picture's beyond noise [1]: the picture may read an
-#: irradiance cache, and the denoiser is not exact. Between wavelengths and colours there is none, as both have the same.
+#: irradiance cache, and the denoiser is not exact.
 SAME_LIGHT = 0.05
 #: Fewest such pixels that are compared [px].
 FEWEST = 500

@@ -13,10 +13,10 @@ from ..description.polarisation_camera import PolarisationCamera
 
 _SOURCE = (
     "axes of the filters: Sony's cell as cameras with it document it (90, 45; 135, 0 degrees from its first row on); "
-    "3.45 um pixels, 12 bits; full well and read noise from the largest signal-to-noise ratio (40.3 dB) and the dynamic "
-    "range (71.2 dB) of a camera with the IMX250, the same pixels without filters (EMVA 1288, mvBlueFOX3-2051's "
-    "manual): 10^4.03 electrons, and these over 10^3.56. Assumed: the extinction ratio (100 to 500 over the visible "
-    "range), no black level, no error of the axes, no light that leaks to neighbouring pixels"
+    "12 bits; full well and read noise from the largest signal-to-noise ratio (40.3 dB) and the dynamic range (71.2 dB) "
+    "of a camera with the IMX250, the same pixels without filters (EMVA 1288, manual of mvBlueFOX3-2051): 10^4.03 "
+    "electrons, and these over 10^3.56. Assumed: an extinction ratio of 300, no black level, exact axes, no light that "
+    "leaks to neighbouring pixels"
 )
 _MONO = PolarisationCamera(
     name="imx250mzr",
@@ -46,8 +46,8 @@ def polarisation_camera(name: str | Path, where: str = "sensors.polarisation") -
     Parameters
     ----------
     name : str or Path
-        A device, ``none``, or a file that ends in ``.yaml`` or ``.yml``: fields of `PolarisationCamera`, on top of those
-        of the device that its ``like`` names.
+        A device, ``none``, or a file that ends in ``.yaml`` or ``.yml``: fields of `PolarisationCamera`, on top of
+        those of the device that its ``like`` names.
     where : str
         The setting, for errors.
 

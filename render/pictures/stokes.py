@@ -25,7 +25,6 @@ from .guides import trace_guides
 from .integrator import trace
 from .picture import PATHS_PER_PASS, camera_paths, check_media
 
-
 #: Paths of one pass [1]: each holds 56 bytes of results, where one of a picture holds 20.
 _PATHS_PER_PASS = PATHS_PER_PASS // 3
 #: Groups of samples whose spread is the error of their mean [1], and the part of the samples of pixels that show glass
@@ -155,9 +154,7 @@ def trace_stokes_view(channels: Sequence[LoadedScene], camera: Camera, samples: 
     return StokesPicture(vector=vector.reshape(*shape, 4, 3), error=error.reshape(*shape, 4))
 
 
-def _groups(
-    channels: Sequence[LoadedScene], view: Pinhole, pixels: np.ndarray, size: int, seed: int
-) -> np.ndarray:
+def _groups(channels: Sequence[LoadedScene], view: Pinhole, pixels: np.ndarray, size: int, seed: int) -> np.ndarray:
     """Return the means of `GROUPS` groups of `size` samples of some pixels, (groups, pixels, 4, 3)."""
     pixel = np.repeat(pixels, GROUPS)
     first = np.tile(np.arange(GROUPS, dtype=np.uint32) * np.uint32(size), len(pixels))
