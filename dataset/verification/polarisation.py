@@ -80,8 +80,8 @@ def vector_faults(vector: np.ndarray, spectral: bool) -> list[Fault]:
     Red, green and blue of wavelengths are differences, for which that holds of the luminance alone.
     """
     light = (vector @ _LUMINANCE)[..., None] if spectral else vector
-    finite = np.isfinite(vector).all((-1, -2))
-    found = at_pixels("polarisation", layout.STOKES, ~finite, "finite numbers", vector)
+    damaged = np.asarray(~np.isfinite(vector).all((-1, -2)))
+    found = at_pixels("polarisation", layout.STOKES, damaged, "finite numbers", vector)
     if found:
         return found
     s0, length = light[..., 0, :], np.sqrt((light[..., 1:, :].astype(np.float64) ** 2).sum(-2))

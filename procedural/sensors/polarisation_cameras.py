@@ -13,8 +13,8 @@ from ..description.polarisation_camera import PolarisationCamera
 
 _SOURCE = (
     "axes of the filters: Sony's cell as cameras with it document it (90, 45; 135, 0 degrees from its first row on); "
-    "12 bits; full well and read noise from the largest signal-to-noise ratio (40.3 dB) and the dynamic range (71.2 dB) "
-    "of a camera with the IMX250, the same pixels without filters (EMVA 1288, manual of mvBlueFOX3-2051): 10^4.03 "
+    "12 bits; full well and read noise from the largest ratio of signal to noise (40.3 dB) and the dynamic range (71.2 "
+    "dB) of a camera with the IMX250, the same pixels without filters (EMVA 1288, manual of mvBlueFOX3-2051): 10^4.03 "
     "electrons, and these over 10^3.56. Assumed: an extinction ratio of 300, no black level, exact axes, no light that "
     "leaks to neighbouring pixels"
 )

@@ -99,9 +99,9 @@ def lit_emitter(
     alone = mi.load_dict({"type": "scene", **{name: shapes[name] for name in names}}, optimize=False)
     estimate = room_emitter(scene.environment, mi_scene, alone, corners, outside)
     if stored is not None:
-        irradiance = mi.Float(stored.astype(np.float32).ravel())
-        dr.make_opaque(irradiance)
-        return replace(estimate, irradiance=irradiance)
+        kept = mi.Float(stored.astype(np.float32).ravel())
+        dr.make_opaque(kept)
+        return replace(estimate, irradiance=kept)
     lamps = {name: shape for name, shape in shapes.items() if name.startswith("light")}
     parts = {name: shapes[name] for name in ("body0", *names)} | lamps
     bake = mi.load_dict({"type": "scene", "environment": mi_scene.environment(), **parts}, optimize=False)

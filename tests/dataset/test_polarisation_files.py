@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
@@ -81,7 +82,8 @@ def test_a_data_set_with_a_polarisation_camera_is_written_read_verified_and_deve
     light = stokes @ [0.2126, 0.7152, 0.0722]
     table = view.geometry().id == 1
     assert np.median(measured[..., 0, 0][table] / light[..., 0][table]) == pytest.approx(1.0, abs=0.01)
-    np.testing.assert_allclose(light[table][:, 1:], 0.0, atol=1e-3)  # what opaque things scatter is unpolarised
+    away = cv2.erode(table.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    np.testing.assert_allclose(light[away][:, 1:], 0.0, atol=1e-6)  # what opaque things scatter is unpolarised
     (row,) = gw.Dataset.open(with_stokes).index().to_pylist()
     assert row["stokes"] == "scenes/000000/000/stokes.exr"
     assert row["polarisation_degree"][0] > 0.01
@@ -138,5 +140,5 @@ def test_a_view_without_such_a_camera_says_how_to_make_one(tmp_path):
     (tmp_path / layout.CAMERA).write_text(text, encoding="utf-8")
     view = StoredView(tmp_path, 0)
     assert view.polarisation_camera() is None
-    with pytest.raises(InputError, match="--sensors.polarisation imx250mzr"):
+    with pytest.raises(InputError, match=r"--sensors\.polarisation imx250mzr"):
         view.stokes()

@@ -33,7 +33,7 @@ def plate(panorama):
     sky = np.zeros((16, 32, 3))
     sky[:8] = (1.0, 0.5, 0.25)
     place = np.array([1.0, 0.0, TOP])
-    eyes = [place + [-np.sin(angle), 0.0, np.cos(angle)] for angle in ANGLES]
+    eyes = [place + np.array([-np.sin(angle), 0.0, np.cos(angle)]) for angle in ANGLES]
     return scenes.scene(
         [bodies.slab((16.0, 16.0, 0.02), Medium(name="glass", eta=GLASS), (0.0, 0.0, TOP - 0.01))],
         [scenes.camera(tuple(eye), tuple(place), width=33, height=25, focal=400.0) for eye in eyes],
