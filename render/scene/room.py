@@ -12,6 +12,7 @@ from ...procedural.description.surroundings import ROOM_IDS, RoomEnvironment
 from ...procedural.optics.medium import AIR
 from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.environments import bake_environment
+from ...procedural.surroundings.metering import irradiance
 from ...procedural.surroundings.outside_view import bake_outside
 from ...procedural.surroundings.room_bodies import RoomBody, room_bodies, world_T_room
 from .._mitsuba import dr, mi

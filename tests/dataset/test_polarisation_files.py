@@ -58,7 +58,7 @@ def test_numbers_of_the_pictures_are_degrees_and_angles():
 def with_stokes(backend, tmp_path_factory):
     """A slab above a table, stored with the files of a polarisation camera: the folder of the data set."""
     scene = scenes.scene(
-        [bodies.slab((0.1, 0.1, 0.02), Medium(name="glass", eta=1.5), (0.0, 0.0, 0.05))],
+        [bodies.slab((0.3, 0.3, 0.02), Medium(name="glass", eta=1.5), (0.0, 0.0, 0.05))],
         [scenes.camera((0.0, -0.5, 0.4), width=64, height=48)],
         table=scenes.board((4.0, 4.0, 0.02), scenes.matte((0.6, 0.4, 0.2))),
         environment=ConstantEnvironment(strength=0.3),
