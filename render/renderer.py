@@ -382,7 +382,10 @@ class Renderer:
             with stopwatch.stage("polarisation"):
                 stokes = self.stokes(view)
         with stopwatch.stage("denoise"):
-            clean = [denoise_image(noisy) if picture.denoise else noisy.radiance for noisy in (left, right)]
+            clean = [
+                denoise_image(noisy, picture.fireflies) if picture.denoise else noisy.radiance
+                for noisy in (left, right)
+            ]
         return Frame(
             view=view,
             left=clean[0],

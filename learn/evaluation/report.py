@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from ..metrics.depth import constant_errors, mean_errors
+from ..metrics.depth import mean_errors
 from ..metrics.detection import average_precision, mean_overlap
 from ..metrics.instances import instance_precision, mask_overlaps
 from ..metrics.pose import area_under_curve, fraction_near
+from .floors import summarised_floors
 from .score import FOUND_IOU, PIXEL_GROUPS, ObjectScore, SampleScore
 
 #: Thresholds of the accuracy curve [m]: 0.1 m in steps of 5 mm.
@@ -24,8 +25,8 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     """Return all metrics as JSON data: numbers, and None where a metric is undefined.
 
     Depth is in metres, angles in degrees, fractions from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and group
-    of pixels. ``floors``: the same at full size of what needs no network, the best constant depth, the true median of
-    each picture's pixels, and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the
+    of pixels. ``floors``: the same of what needs no network, the best constant depth, the true median of each picture's
+    pixels, and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the
     mean IoU of the detected objects (the 3D IoU of the paper) and of all. ``masks``: COCO average precision, and the
     mean IoU of all. ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by
     category and by fill of a vessel.
@@ -43,7 +44,10 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
                 kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXEL_GROUPS
             },
         },
-        "floors": {kind: _floors(kind, scores) for kind in PIXEL_GROUPS},
+        "floors": {
+            size: {kind: summarised_floors([score.floors[size] for score in scores], kind) for kind in PIXEL_GROUPS}
+            for size in ("full", "cleargrasp")
+        },
         "boxes": {
             **{f"ap{round(100 * at)}": average_precision(boxes, at) for at in (0.25, 0.5, 0.75)},
             "iou_found": iou_found,
@@ -56,17 +60,6 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
     }
     return nan_to_none(whole)
-
-
-def _floors(kind: str, scores: Sequence[SampleScore]) -> dict[str, Any]:
-    constant = constant_errors([score.histograms[kind] for score in scores])
-    return {
-        "constant": None if constant is None else {"depth": constant[0], **asdict(constant[1])},
-        "picture_median": _asdict(mean_errors([score.picture_median[kind] for score in scores])),
-        "semi_global": _asdict(
-            mean_errors([score.semi_global[kind] for score in scores if score.semi_global is not None])
-        ),
-    }
 
 
 def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
@@ -148,7 +141,7 @@ def tables(found: dict[str, Any]) -> list[Table]:
     first = _table(f"{found['samples']} samples", names, [values])
     heading = ("pixels", "RMSE [m]", "MAE [m]", "REL", "1.05", "1.10", "1.25")
     kinds = _table("depth", ("size", *heading), _depth_rows(depth))
-    floors = _table("depth without a network, full size", ("floor", *heading), _floor_rows(found["floors"]))
+    floors = _table("depth without a network, full size", ("floor", *heading), _floor_rows(found["floors"]["full"]))
     columns = (
         "objects",
         "found",

@@ -13,7 +13,7 @@ from ...core.errors import InputError
 from ..data.ground_truth import GroundTruth
 from ..decoding.decode import Detections, decode
 from ..metrics.box_iou import object_iou
-from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors, depth_histogram
+from ..metrics.depth import DepthErrors, cleargrasp_errors, depth_errors
 from ..metrics.detection import ImageOverlaps, matches
 from ..metrics.instances import ImageMasks, image_masks
 from ..metrics.pose import PoseErrors, pose_errors
@@ -21,6 +21,7 @@ from ..targets.encoding import Encoding
 from ..targets.keypoints import keypoint_distances, object_keypoints
 from ..targets.objects import ViewObject
 from ..targets.view import BACKGROUND, OPAQUE, TABLE, TRANSPARENT, detectable, semantic
+from .floors import FloorScore, floor_scores
 
 #: Least IoU of the boxes of an object and its detection (from the released code).
 FOUND_IOU = 0.25
@@ -53,9 +54,7 @@ class SampleScore:
     name: str
     full: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at full size
     small: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at the size of ClearGrasp
-    semi_global: dict[str, DepthErrors | None] | None  #: of semi-global matching, holes filled; None without a pair
-    picture_median: dict[str, DepthErrors | None]  #: of the true depth's own median of its pixels, at full size
-    histograms: dict[str, np.ndarray]  #: true depths of its pixels by `DEPTH_BINS`, pixels
+    floors: dict[str, FloorScore]  #: by size, full and cleargrasp
     boxes: ImageOverlaps
     masks: ImageMasks
     objects: tuple[ObjectScore, ...]
@@ -92,28 +91,17 @@ def score_sample(
     depth = outputs["depth"][0].cpu().numpy()
     classes = semantic(labels.instances, labels.objects)
     masks = {kind: np.isin(classes, wanted) for kind, wanted in PIXEL_GROUPS.items()}
-    medians = {kind: _filled_with_median(labels.Z, mask) for kind, mask in masks.items()}
     wanted = {item.id for item in detectable(labels.objects)}
     boxes = _box_overlaps(found, labels, wanted)
     return SampleScore(
         name=name,
         full={kind: depth_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
         small={kind: cleargrasp_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
-        picture_median={kind: depth_errors(medians[kind], labels.Z, mask) for kind, mask in masks.items()},
-        semi_global=None
-        if matched is None
-        else {kind: depth_errors(matched, labels.Z, mask) for kind, mask in masks.items()},
-        histograms={kind: depth_histogram(labels.Z, mask) for kind, mask in masks.items()},
+        floors=floor_scores(labels.Z, masks, matched),
         boxes=boxes,
         masks=_masks(found, labels, wanted),
         objects=_objects(found, boxes, labels, depth),
     )
-
-
-def _filled_with_median(Z: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Return a map of the median depth of the pixels of a mask: what an estimate of one number can reach at best."""
-    known = Z[mask & np.isfinite(Z)]
-    return np.full_like(Z, np.median(known) if known.size else 1.0)
 
 
 def check_finite(outputs: Mapping[str, Tensor], where: str) -> None:

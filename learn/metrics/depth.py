@@ -82,7 +82,7 @@ def constant_errors(images: Sequence[np.ndarray]) -> tuple[float, DepthErrors] |
 
 def cleargrasp_errors(predicted: np.ndarray, true: np.ndarray, mask: np.ndarray) -> DepthErrors | None:
     """Return the errors after nearest-neighbour resizing of all three to `CLEARGRASP_SIZE`."""
-    return depth_errors(*(_nearest(values, CLEARGRASP_SIZE) for values in (predicted, true, mask)))
+    return depth_errors(*(resized_nearest(values, CLEARGRASP_SIZE) for values in (predicted, true, mask)))
 
 
 def mean_errors(images: Sequence[DepthErrors | None]) -> DepthErrors | None:
@@ -93,6 +93,7 @@ def mean_errors(images: Sequence[DepthErrors | None]) -> DepthErrors | None:
     return DepthErrors(*(float(np.mean([getattr(row, field.name) for row in known])) for field in fields(DepthErrors)))
 
 
-def _nearest(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def resized_nearest(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return a map, (H, W), at another height and width by nearest neighbours."""
     rows, columns = (np.arange(new) * old // new for new, old in zip(size, values.shape, strict=True))
     return values[rows[:, None], columns]

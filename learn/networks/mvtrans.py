@@ -33,6 +33,8 @@ CLASSES = 4
 _QUARTER = 4
 #: Value of the vertex field where a corner lies at the pixel itself: 100 times a half (`targets.encoding`).
 _VERTEX_CENTRE = 50.0
+#: The depth z of a box centre is encoded as 100 (z - 1 m) (`targets.encoding`).
+_Z_SCALE, _Z_MIDDLE = 100.0, 1.0
 
 
 class MVTrans(nn.Module):
@@ -76,9 +78,12 @@ class MVTrans(nn.Module):
         self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
         initialise(self)
         # At first the fine depth is the mean of the coarse depth around it, vertices lie at their own pixel, and there
-        # is no heat: nearly all of its target is 0, and a random map would be most of the loss for many steps.
+        # is no heat: nearly all of its target is 0, and a random map would be most of the loss for many steps. The
+        # centre of a box lies where its surface does.
         nn.init.zeros_(self.depth_head.predictor.weight)
         nn.init.zeros_(self.heatmap_head.predictor.weight)
+        if settings.box_depth == "coarse":
+            nn.init.zeros_(self.z_centroid_head.predictor.weight)
         self.vertex_head.set_initial_output(_VERTEX_CENTRE)
 
     def forward(
@@ -148,6 +153,16 @@ class MVTrans(nn.Module):
             "heatmap": upsample(self.heatmap_head.at_quarter(pyramid).float(), _QUARTER)[:, 0],
             "offset": upsample(self.offset_head.at_quarter(pyramid).float(), _QUARTER),
             "vertex": self.vertex_head(pyramid).float(),
-            "z_centroid": self.z_centroid_head(pyramid)[:, 0].float(),
+            "z_centroid": self._box_depth(self.z_centroid_head(pyramid)[:, 0].float(), coarse),
             "covariance": self.covariance_head(pyramid).float(),
         }
+
+    def _box_depth(self, found: Tensor, coarse: Tensor) -> Tensor:
+        """Return the encoded depth of box centres, (B, H/8, W/8).
+
+        A box's centre lies within a few centimetres of its surface, whose depth was found by matching. What is learnt
+        here does not change that depth.
+        """
+        if self.settings.box_depth == "absolute":
+            return found
+        return found + _Z_SCALE * (coarse[..., ::2, ::2].detach() - _Z_MIDDLE)

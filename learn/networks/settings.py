@@ -74,6 +74,11 @@ class NetworkSettings(Model):
     backbone_width: int = Field(default=64, ge=4, le=256, description="First channels of the ResNet-18 of the backbone")
     pyramid_channels: int = Field(default=64, ge=4, le=256, description="Channels of the feature pyramid")
     head_channels: int = Field(default=32, ge=4, le=256, description="Channels of the heads")
+    box_depth: Literal["absolute", "coarse"] = Field(
+        default="coarse",
+        description="Depth of box centres: a map of its own, as in the paper (absolute), or one that is added to the "
+        "coarse depth (coarse)",
+    )
     recompute: Literal["nothing", "early", "features"] = Field(
         default="early",
         description="Gradient checkpointing, less memory for more time: of nothing, of the first matching layers, of "

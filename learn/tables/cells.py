@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 import numpy as np
 
-from .experiments import Column, Experiment, Row
+from .experiments import FLOOR_PATH, FLOORS, Column, Experiment, Row
 from .runs import PAPER_SAMPLES, Plan, Result
 
 NOT_RUN = "not run"
@@ -54,6 +55,7 @@ def experiment_table(what: Experiment, plan: Plan, results: Mapping[str, Result]
     """
     heads = ("network", *(column.title for column in what.columns), *(title for title, _ in FACTS.values()))
     rows = tuple(_row(what, row, results.get(row.name, Result((), NOT_RUN))) for row in what.rows)
+    rows = (*_floor_rows(what, results), *rows)
     return TableData(what.title, heads, rows, tuple(_notes(what, plan, results)))
 
 
@@ -69,6 +71,32 @@ def _row(what: Experiment, row: Row, result: Result) -> tuple[Cell, ...]:
         value = known.get(name)
         cells.append(Cell(NOT_RUN if value is None or not result.reports else f"{value:,.{digits}f}"))
     return tuple(cells)
+
+
+def _floor_rows(what: Experiment, results: Mapping[str, Result]) -> tuple[tuple[Cell, ...], ...]:
+    """Return what needs no network, from the first report that has it; none for tables without depth."""
+    if all(column.floor is None for column in what.columns):
+        return ()
+    reports = [report for result in results.values() for report in result.reports]
+    rows = []
+    for name, title in FLOORS.items():
+        known = [found for report in reports if (found := _floor(report, name)) is not None]
+        cells = [_floor_cell(column, known[0] if known else None) for column in what.columns]
+        rows.append((Cell(title), *cells, *(Cell("-") for _ in FACTS)))
+    return tuple(rows)
+
+
+def _floor(report: Mapping[str, Any], name: str) -> Mapping[str, float] | None:
+    found: Any = report
+    for key in (*FLOOR_PATH, name):
+        found = found.get(key) if isinstance(found, Mapping) else None
+    return found
+
+
+def _floor_cell(column: Column, found: Mapping[str, float] | None) -> Cell:
+    if column.floor is None:
+        return Cell("-")
+    return Cell(NOT_RUN if found is None else f"{found[column.floor]:.{column.digits}f}")
 
 
 def _ours(column: Column, result: Result) -> str:

@@ -17,6 +17,13 @@ _KEYPOSE = {"learning_rate": 1e-3 / 6e-4, "clip": 5.0, "weight_decay": 1e-5}
 _DENSEFUSION = {"learning_rate": 1e-4 / 6e-4, "weight_decay": 0.0}
 #: The row whose network says where objects are, and completes depth.
 DETECTOR = "mvtrans-stereo"
+#: What needs no network, by its name in reports (`evaluation.floors`), and the pixels and size of the table's depths.
+FLOORS = {
+    "constant": "no network: one constant depth",
+    "picture_median": "no network: the true median of each picture",
+    "semi_global": "no network: semi-global matching of both eyes",
+}
+FLOOR_PATH = ("floors", "cleargrasp", "objects")
 _STEREO = {"views": {"rule": "stereo", "count": 2}}
 
 
@@ -40,6 +47,7 @@ class Column:
     title: str
     read: Callable[[Mapping[str, Any]], float | None]  #: from a report
     digits: int
+    floor: str | None = None  #: name of the figure in the reports' floors; None: needs a network
 
 
 @dataclass(frozen=True)
@@ -179,9 +187,9 @@ _KEYPOSE_COLUMNS = (
 )
 _DEPTH = ("depth", "cleargrasp", "objects")
 _SCENE_COLUMNS = (
-    Column("rmse", "RMSE [m]", _of(*_DEPTH, "rmse"), 3),
-    Column("mae", "MAE [m]", _of(*_DEPTH, "mae"), 3),
-    Column("rel", "REL", _of(*_DEPTH, "rel"), 3),
+    Column("rmse", "RMSE [m]", _of(*_DEPTH, "rmse"), 3, "rmse"),
+    Column("mae", "MAE [m]", _of(*_DEPTH, "mae"), 3, "mae"),
+    Column("rel", "REL", _of(*_DEPTH, "rel"), 3, "rel"),
     Column("ap25", "3D mAP [%]", _of("boxes", "ap25", factor=100.0), 2),
     Column("iou_found", "3D IoU [%]", _of("boxes", "iou_found", factor=100.0), 2),
     Column("ap50", "mAP [%]", _of("masks", "ap50", factor=100.0), 2),

@@ -37,6 +37,12 @@ class Picture(Model):
     max_depth: int = Field(default=1024, ge=1, le=4096, description="Longest path [surfaces hit]")
     rr_depth: int = Field(default=16, ge=1, le=4096, description="Surfaces hit before Russian roulette begins")
     denoise: bool = Field(default=True, description="Whether to denoise the picture with Open Image Denoise")
+    fireflies: Literal["keep", "remove"] = Field(
+        default="keep",
+        exclude_if=lambda choice: choice == "keep",
+        description="Single bright pixels of rare paths whose light cannot be spread without bleaching what is around: "
+        "kept, so that the mean of the light is right, or removed, as suits training with few samples",
+    )
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
     refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
     spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -115,17 +116,18 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     return NoisyImage(radiance, variance, guides, sampling, camera.exposure, float(counts[0] / counts[1]))
 
 
-def denoise_image(image: NoisyImage) -> np.ndarray:
-    """Return the picture without fireflies and noise, (H, W, 3) float32 linear Rec.709 radiance.
+def denoise_image(image: NoisyImage, fireflies: Literal["keep", "remove"] = "keep") -> np.ndarray:
+    """Return the picture without noise, (H, W, 3) float32 linear Rec.709 radiance.
 
-    Pixels that see the surroundings directly have no noise and are not changed.
+    Pixels that see the surroundings directly have no noise and are not changed. Fireflies that cannot be spread over
+    the pixels around them (`spread_fireflies`) are kept in place, or removed with their light.
     """
     guides = image.guides
     radiance, variance, glints = spread_fireflies(image.radiance, image.variance, guides, image.exposure)
     clean = denoise(radiance, np.clip(guides.albedo, 0.0, 1.0), guides.normal)
-    clean = (
-        with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, inner_parts(guides.instance)) + glints
-    )
+    clean = with_mean_of(radiance, blend(radiance, variance, clean), guides.glass, inner_parts(guides.instance))
+    if fireflies == "keep":
+        clean = clean + glints
     return np.where(guides.background[..., None], image.radiance, clean)
 
 

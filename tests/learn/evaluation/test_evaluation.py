@@ -61,9 +61,10 @@ def test_perfect_outputs_have_perfect_summarise(scores, samples):
     assert (pose["objects"], pose["found"], pose["near"]) == (wanted, 1.0, 1.0)
     assert pose["auc"] > 0.999
     assert sum(row["objects"] for row in found["by_category"].values()) == wanted
-    for kind in ("transparent", "all"):
-        floors = found["floors"][kind]
-        assert 0.0 < floors["picture_median"]["mae"] <= floors["constant"]["mae"] + 1e-3  # bins of 1 mm
+    for size in ("full", "cleargrasp"):
+        for kind in ("transparent", "all"):
+            floors = found["floors"][size][kind]
+            assert 0.0 < floors["picture_median"]["mae"] <= floors["constant"]["mae"] + 1e-3  # bins of 1 mm
     json.dumps(found, allow_nan=False)
 
 

@@ -8,6 +8,7 @@ from glassware.core.errors import InputError
 from glassware.core.pose import look_at
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.networks.cost_volume import ConcatMatching, windowed_expectation
+from glassware.learn.targets.encoding import CORRECTED, decoded_depth
 
 OUTPUTS = {
     "seg": (4, 1),
@@ -63,6 +64,15 @@ def test_each_sample_of_a_batch_has_its_own_cameras(tiny, rng):
                 torch.testing.assert_close(together[name][index], alone[name][0], rtol=1e-3, atol=1e-4)
 
 
+def test_a_new_network_expects_boxes_at_the_depth_that_it_matched(tiny, rng):
+    whole = batch(rng, 2, 2, 64, 96)
+    outputs = build_network(tiny)(*whole)
+    coarse = outputs["small_depth"][:, ::2, ::2]
+    torch.testing.assert_close(decoded_depth(outputs["z_centroid"], CORRECTED), coarse)
+    absolute = build_network(tiny.model_copy(update={"box_depth": "absolute"}))(*whole)
+    assert (decoded_depth(absolute["z_centroid"], CORRECTED) - coarse).abs().max() > 0.01
+
+
 def test_the_order_of_the_sources_does_not_matter(tiny, rng):
     net = build_network(tiny.model_copy(update={"fusion": "visibility"})).eval()
     whole = batch(rng, 1, 4, 64, 64)
@@ -74,8 +84,8 @@ def test_the_order_of_the_sources_does_not_matter(tiny, rng):
 def test_every_weight_learns(tiny, rng):
     for changes in ({}, {"matching": "group", "fusion": "visibility", "readout": "windowed"}):
         net = build_network(tiny.model_copy(update=changes))
-        # The last convolutions of fine depth and heat start at 0: before them nothing is learnt in the first step.
-        for head in ("depth_head", "heatmap_head"):
+        # The last convolutions of these start at 0: before them nothing is learnt in the first step.
+        for head in ("depth_head", "heatmap_head", "z_centroid_head"):
             torch.nn.init.normal_(net.get_parameter(f"{head}.predictor.weight"))
         outputs = net(*batch(rng, 2, 3, 64, 96))
         torch.stack([(outputs[name] ** 2).mean() for name in OUTPUTS]).sum().backward()

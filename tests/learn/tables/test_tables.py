@@ -67,6 +67,17 @@ def test_what_was_not_run_says_so_and_why(table):
     assert any("2 dropped of 8 objects; without them AUC 75.0 %" in note for note in table.notes)
 
 
+def test_tables_of_depth_begin_with_what_needs_no_network(plan):
+    median = {"rmse": 0.06, "mae": 0.05, "rel": 0.08}
+    report = {"floors": {"cleargrasp": {"objects": {"picture_median": median, "semi_global": None}}}}
+    results = {"mvtrans-2": Result((report,), facts=FACTS)}
+    table = experiment_table(experiment("syn-todd"), plan.model_copy(update={"experiment": "syn-todd"}), results)
+    by_title = {row[0].ours: [cell.ours for cell in row[1:]] for row in table.rows[:3]}
+    assert by_title["no network: the true median of each picture"][:4] == ["0.060", "0.050", "0.080", "-"]
+    assert by_title["no network: semi-global matching of both eyes"][0] == NOT_RUN
+    assert not any("no network" in row[0].ours for row in experiment_table(experiment("keypose"), plan, results).rows)
+
+
 def test_tables_are_written_in_markdown_and_latex(table):
     lines = markdown(table).splitlines()
     rows = [line for line in lines if line.startswith("|")]

@@ -9,6 +9,7 @@ import pytest
 
 from glassware.render.pictures.fireflies import spread_fireflies
 from glassware.render.pictures.guides import Guides
+from glassware.render.pictures.picture import NoisyImage, PictureNoise, denoise_image
 
 #: float32 sums over a picture of 64 x 48.
 SUM_ROUNDING = 1e-5
@@ -167,3 +168,15 @@ def test_the_light_has_no_border():
     # The biweight kernel of radius 16 px falls to (1 - (16 / 17)^2)^2 = 0.013 at its last pixel.
     ends = given[given > 0.0]
     assert ends[-1] < 0.02 * ends[0]
+
+
+def test_fireflies_that_stay_are_removed_where_a_scene_asks_for_it(noisy, plain):
+    radiance, variance = noisy
+    radiance[20, 30], variance[20, 30] = (500.0, 300.0, 100.0), np.square((500.0, 300.0, 100.0))
+    image = NoisyImage(radiance, variance, plain, PictureNoise(spp=16, noise=None), 1.0, 0.0)
+    kept, removed = denoise_image(image), denoise_image(image, "remove")
+    assert kept[20, 30].max() > 400.0
+    assert removed.max() < 1.0
+    changed = (kept != removed).any(axis=2)
+    assert changed[20, 30]
+    assert changed.sum() == 1
