@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -38,9 +38,6 @@ from .frame import (
     SurfaceLight,
     Transmission,
 )
-
-if TYPE_CHECKING:
-    from .scene.loaded_scene import LoadedScene
 
 #: Dr.Jit and the active variant belong to the whole process: one renderer works at a time.
 _process_lock = threading.RLock()
@@ -126,7 +123,7 @@ class Renderer:
                 with stopwatch.stage("draft"):
                     on_draft(draft_picture(self.loaded))
             self._tracer, self._cache = PATH_TRACER, None
-            self._polarised: Sequence[LoadedScene] = ()
+            self._polarised: tuple[Any, ...] = ()
             if cached:
                 on_stage("light")
                 with stopwatch.stage("light"):
@@ -289,9 +286,6 @@ class Renderer:
     def stokes(self, view: int, samples: int | None = None) -> StokesPicture:
         """Trace the Stokes vectors that the left camera sees; with a polarisation camera, every frame has them.
 
-        They are path traced in a polarised variant, into which the scene is loaded when they are first asked for: once
-        with wavelengths, or three times, for red, green and blue.
-
         Parameters
         ----------
         view : int
@@ -304,34 +298,22 @@ class Renderer:
         InputError
             Where the scene has no such view, or neither `samples` nor a polarisation camera.
         """
-        from .pictures.stokes import trace_stokes_view
+        from .pictures.stokes import load_channels, room_light, trace_stokes_view
 
         device, number = self.scene.polarisation_camera, self._view(view)
         if samples is None and device is None:
             raise InputError("scene, polarisation_camera", "one, as sensors.polarisation imx250mzr, or samples", "none")
         count = whole_number("samples", device.samples if samples is None and device else samples, 1, 1 << 20)
         seed = stream_seed(self.scene.seed, self.scene.scene_id, f"render/{number}/stokes")
+        polarised = f"{self.variant.split('_')[0]}_ad_{'spectral' if 'spectral' in self.variant else 'mono'}_polarized"
         with self._active():
+            light = room_light(self.loaded)
             try:
-                return trace_stokes_view(self._in_polarised(), self.scene.cameras[number], count, seed)
+                activate(polarised)
+                self._polarised = self._polarised or load_channels(self.scene, light)
+                return trace_stokes_view(self._polarised, self.scene.cameras[number], count, seed)
             finally:
                 activate(self.variant)
-
-    def _in_polarised(self) -> Sequence[LoadedScene]:
-        """Return the scene loaded in a polarised variant, which is active afterwards."""
-        from .scene.loaded_scene import load
-
-        kind, loaded = self.variant.split("_")[0], self.loaded
-        spectral = "spectral" in self.variant
-        # As an array, before the variant of its values is left.
-        light = None if spectral or loaded.room is None else np.array(loaded.room.irradiance)
-        activate(f"{kind}_ad_{'spectral' if spectral else 'mono'}_polarized")
-        if not self._polarised:
-            if spectral:
-                self._polarised = (load(self.scene),)
-            else:
-                self._polarised = tuple(load(self.scene, channel=k, room_light=light) for k in range(3))
-        return self._polarised
 
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
@@ -377,15 +359,11 @@ class Renderer:
                     infrared = self.infrared(view)
                 else:
                     beams = self.beams(view)
-        stokes = None
-        if scene.polarisation_camera is not None:
-            with stopwatch.stage("polarisation"):
-                stokes = self.stokes(view)
+        with stopwatch.stage("polarisation"):
+            stokes = None if scene.polarisation_camera is None else self.stokes(view)
         with stopwatch.stage("denoise"):
-            clean = [
-                denoise_image(noisy, picture.fireflies) if picture.denoise else noisy.radiance
-                for noisy in (left, right)
-            ]
+            eyes = (left, right)
+            clean = [denoise_image(one, picture.fireflies) if picture.denoise else one.radiance for one in eyes]
         return Frame(
             view=view,
             left=clean[0],

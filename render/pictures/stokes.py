@@ -16,10 +16,11 @@ from ...core.polarisation import angle_of_linear_polarisation as angle_of_linear
 from ...core.polarisation import degree_of_linear_polarisation as degree_of_linear_polarisation
 from ...core.polarisation import degree_of_polarisation as degree_of_polarisation
 from ...procedural.description.camera import Camera
+from ...procedural.description.scene import Scene
 from ...procedural.surroundings.colour import LUMINANCE
 from .._mitsuba import dr, mi
 from ..frame import Eye, StokesPicture
-from ..scene.loaded_scene import LoadedScene
+from ..scene.loaded_scene import LoadedScene, load
 from ..scene.rays import Pinhole, pinhole
 from .guides import trace_guides
 from .integrator import trace
@@ -115,6 +116,26 @@ def _in_camera(
     right = dr.normalize(dr.cross(down, direction))
     R = mi.mueller.rotate_stokes_basis(-direction, mi.mueller.stokes_basis(-direction), right)
     return s1 * R[1, 1] + s2 * R[1, 2], s1 * R[2, 1] + s2 * R[2, 2], s3
+
+
+def room_light(loaded: LoadedScene) -> np.ndarray | None:
+    """Return the light of a scene's room, `RoomEmitter.irradiance`; None where the room is a map, or there is none."""
+    return None if loaded.room is None else np.array(loaded.room.irradiance)
+
+
+def load_channels(scene: Scene, light: np.ndarray | None) -> tuple[LoadedScene, ...]:
+    """Return a scene in the active polarised variant: once with wavelengths, else for red, green and blue.
+
+    Parameters
+    ----------
+    scene : Scene
+        The description.
+    light : (n,) float32, optional
+        That of the room (`room_light`), by the same scene in an RGB variant.
+    """
+    if mi.is_spectral:
+        return (load(scene),)
+    return tuple(load(scene, channel=k, room_light=light) for k in range(3))
 
 
 def trace_stokes_view(channels: Sequence[LoadedScene], camera: Camera, samples: int, seed: int) -> StokesPicture:
