@@ -103,7 +103,8 @@ def room_radiance(
     """Return what the room sends against rays of direction `d` that met its surfaces, or nothing; else 0."""
     met = is_of_room(room, si, active)
     E = corner_irradiance(room, registry_id(si.shape), pi, met)
-    albedo = mi.Color3f(unpolarised(si.bsdf().eval_diffuse_reflectance(si, met)))
+    reflectance = unpolarised(si.bsdf().eval_diffuse_reflectance(si, met))
+    albedo = mi.Color3f(reflectance if mi.is_rgb else reflectance[0])
     light = dr.select(met, albedo * E * dr.inv_pi, dr.select(active & ~si.is_valid(), outside_along(room, d), 0.0))
     # In variants of one channel all three are the same.
     return light if mi.is_rgb else mi.Spectrum(mi.UnpolarizedSpectrum(light.x))

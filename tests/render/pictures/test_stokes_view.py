@@ -94,13 +94,13 @@ def test_colours_of_a_view_are_those_of_the_picture(backend, drawn, seed):
     activate(backend)
     scene = drawn(
         seed,
-        environment={"room_share": 1.0, "shipped_share": 0.0},
+        environment={"room_share": 1.0, "shipped_share": 0.0, "room_depth": True},
         cameras={"views": 1, "width": 64, "height": 48},
-        picture={"spp": 256, "light": "path"},
+        picture={"spp": 64, "light": "path"},
     )
     renderer = Renderer(scene)
     assert renderer.loaded.room is not None
-    frame, stokes = renderer.frame(0), renderer.stokes(0, samples=1024)
+    frame, stokes = renderer.frame(0), renderer.stokes(0, samples=512)
     picture = frame.left if frame.left_noisy is None else frame.left_noisy
     opaque = np.isfinite(frame.geometry.Z) & ~np.isin(frame.geometry.id, [body.id for body in scene.vessels])
     expected, found = (light[opaque].mean(0) for light in (picture, stokes.vector[..., 0, :]))
