@@ -12,7 +12,7 @@ from ..render.frame import Eye, Frame, Geometry
 from ..render.renderer import Renderer
 from .keypoints import SURFACE_TOLERANCE, SceneKeypoints
 from .labels import Labels, annotate
-from .projection import inside_picture, project, transformed, unproject
+from .projection import disparity, transformed
 
 #: How the other camera sees a point of this one, by its code: it sees it as well, a surface is in front of it, it is
 #: outside of its picture, or there is no point.
@@ -94,11 +94,17 @@ def _sight(
     nothing_before, no_opaque_before : (n,) bool
         Whether no surface, and whether no opaque one, is between the point and the other eye.
     """
-    camera, other = renderer.scene.cameras[view], "right" if eye == "left" else "left"
+    camera = renderer.scene.cameras[view]
+    other, towards = ("right", -1.0) if eye == "left" else ("left", 1.0)
     here, there = eye_camera(camera, eye), eye_camera(camera, other)
-    world = transformed(here.world_T_camera, unproject(depth, here.K)[wanted])
-    inside = inside_picture(project(world, there.K, there.world_T_camera)[0], there.width, there.height)
-    place, world = np.flatnonzero(wanted)[inside], world[inside]
+    place = np.flatnonzero(wanted)
+    Z = depth.ravel()[place].astype(np.float64)
+    row, column = np.divmod(place, camera.width)
+    landing = column + towards * disparity(Z, camera.fx, camera.baseline)  # the row is the same
+    inside = (landing >= -0.5) & (landing < camera.width - 0.5)
+    place, Z = place[inside], Z[inside]
+    (cx, cy), u, v = camera.centre, column[inside], row[inside]
+    world = transformed(here.world_T_camera, np.stack([(u - cx) / camera.fx * Z, (v - cy) / camera.fy * Z, Z], axis=1))
     distance = np.linalg.norm(world - there.world_T_camera[:3, 3], axis=1) - SURFACE_TOLERANCE
     sight = renderer.line_of_sight(view, world, other)
     return place, sight.first_distance >= distance, sight.opaque_distance >= distance

@@ -32,7 +32,7 @@ from ..render.frame import EYES, Eye, Geometry, Layers, Refraction, StokesPictur
 from .depth_cameras.from_labels import painted
 from .format import layout
 from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, PolarisationRecord, camera_of, known_K
-from .format.exr import channel, read_channel, read_exr, stacked
+from .format.exr import channel, exr_channels, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
 from .format.matte_files import read_mattes
@@ -79,6 +79,11 @@ class StoredView:
     def partial_labels(self) -> PartialLabels:
         """Return the labels of a view of a converted data set: what that states, and None for the rest."""
         return read_record(PartialLabels, self.folder / layout.LABELS, PARTIAL_LABELS_SCHEMA)
+
+    def has_depth(self) -> bool:
+        """Return whether true depth is stored; converted data sets may have none, or normals alone."""
+        path = self.folder / layout.GEOMETRY
+        return path.is_file() and "Z" in exr_channels(path)
 
     def depth(self) -> np.ndarray:
         """Return the true planar depth of the first surface, (H, W) float32 [m].

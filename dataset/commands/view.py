@@ -72,9 +72,13 @@ def _view(arguments: Sequence[str]) -> None:
     rerun = request.rerun or (request.save is not None and request.save.suffix.lower() in _RERUN)
     out = request.save or root / (layout.RECORDING if rerun else layout.PAGE)
     check_page_file("--save", out, root, _RERUN if rerun else _HTML)
+    dataset = Dataset.open(root)
     if rerun:
         rerun_library()
-    views = _write(request, out, rerun, console)
+        if dataset.head.converted is not None:
+            found = f"a conversion of {dataset.head.converted.title}"
+            raise InputError(root, "a rendered data set for Rerun; a page shows converted ones (no --rerun)", found)
+    views = _write(request, dataset, out, rerun, console)
     line = f"{out}: {counted(views, 'view')}, {sized(out.stat().st_size)}"
     console.print(line, markup=False, highlight=False, soft_wrap=True)
     if request.save is None and rerun:
@@ -83,9 +87,8 @@ def _view(arguments: Sequence[str]) -> None:
         open_file(out)
 
 
-def _write(request: View, out: Path, rerun: bool, console: Console) -> int:
+def _write(request: View, dataset: Dataset, out: Path, rerun: bool, console: Console) -> int:
     """Write the file, whole or not at all; return the number of views."""
-    dataset = Dataset.open(request.directory)
     choices = chosen(dataset, parse_scenes(request.scenes) if request.scenes else (), request.most_views)
     try:
         with atomic_file(out) as partial:

@@ -48,7 +48,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         raise InputError(path, "a readable EXR file", "none")
     try:
         with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+            channels = {name: channel.pixels for name, channel in file.channels().items()}  # their own memory
     except (RuntimeError, ValueError) as error:  # a truncated file raises either
         raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
     for name, values in channels.items():
@@ -80,6 +80,18 @@ def read_channel(path: Path, name: str) -> np.ndarray:
     if kind is None:
         raise InputError(f"{path}: channel {name}", "float32 or half", f"{len(data)} bytes of {shape[1]}x{shape[0]} px")
     return np.frombuffer(data, kind).reshape(shape).copy()  # the buffer itself cannot be written to
+
+
+def exr_channels(path: Path) -> tuple[str, ...]:
+    """Return the names of a file's channels, by its header; InputError where it is damaged."""
+    try:
+        with quiet():
+            file = OpenEXR.InputFile(str(path))
+            names = tuple(sorted(file.header()["channels"]))
+            file.close()
+    except (OSError, RuntimeError, ValueError, TypeError) as error:
+        raise InputError(path, "an undamaged EXR file", str(error).replace("\n", " ")) from error
+    return names
 
 
 def exr_attributes(path: Path) -> dict[str, str]:

@@ -47,16 +47,23 @@ def read_layers(path: Path) -> Layers:
         raise InputError(path, "layers numbered from 00 without a gap", names)
 
     def every(field: str, dtype: type) -> np.ndarray:
-        rows = [_whole(channel(channels, f"{name}.{field}", path), dtype, field, path) for name in names]
-        return np.array(rows, dtype).reshape(-1, *count.shape)
+        found = np.empty((len(names), *count.shape), dtype)
+        for number, name in enumerate(names):
+            found[number] = _whole(channel(channels, f"{name}.{field}", path), dtype, field, path)
+        return found
 
+    Z = np.empty((len(names), *count.shape), np.float32)
+    normal = np.empty((*Z.shape, 3), np.float16)
+    for number, name in enumerate(names):
+        Z[number] = channel(channels, f"{name}.Z", path)
+        for axis, letter in enumerate("XYZ"):
+            normal[number, ..., axis] = channel(channels, f"{name}.N.{letter}", path)
     part = every("part", np.uint8)
     if part.max(initial=0) >= len(PARTS):
         raise InputError(f"{path}: part", f"0 to {len(PARTS) - 1}", int(part.max()))
-    normals = [stacked(channels, f"{name}.N.XYZ", path) for name in names]
     return Layers(
-        Z=np.array([channel(channels, f"{name}.Z", path) for name in names], np.float32).reshape(-1, *count.shape),
-        normal=np.array(normals, np.float16).reshape(-1, *count.shape, 3),
+        Z=Z,
+        normal=normal,
         id=every("id", np.uint16),
         part=part,
         material=every("material", np.uint16),
@@ -95,11 +102,24 @@ def read_refraction(path: Path) -> Refraction:
 
 
 def _whole(values: np.ndarray, dtype: type, field: str, path: Path) -> np.ndarray:
-    # NumPy computes with halves number by number, which takes ten times as long.
-    numbers = values.astype(np.float32, copy=False)
-    low, high = float(numbers.min(initial=0.0)), float(numbers.max(initial=0.0))  # NaN stays NaN
-    if low >= 0.0 and np.isfinite(high):
-        whole = numbers.astype(dtype)
-        if np.array_equal(whole, numbers):
-            return whole
-    raise InputError(f"{path}: {field}", "whole numbers of at least 0", "others")
+    """Return whole numbers as a type that holds them, bool or unsigned; InputError for others."""
+    # NumPy computes with halves number by number, which takes ten times as long as to look up what each is.
+    numbers = _WHOLE_HALVES[values.view(np.uint16)] if values.dtype == np.float16 else _whole_of(values)
+    if numbers.max(initial=0) > (1 if dtype is bool else min(np.iinfo(dtype).max, _NO_NUMBER - 1)):
+        raise InputError(f"{path}: {field}", "whole numbers of at least 0", "others")
+    return numbers.astype(dtype, copy=False)
+
+
+#: Above all numbers of a half, which end at 65504.
+_NO_NUMBER = 65535
+
+
+def _whole_of(values: np.ndarray) -> np.ndarray:
+    """Return whole numbers of at most 65534 as uint16, and `_NO_NUMBER` for all others."""
+    whole = (values >= 0.0) & (values < _NO_NUMBER)
+    numbers = np.where(whole, values, 0.0).astype(np.uint16)
+    return np.where(whole & (numbers == values), numbers, np.uint16(_NO_NUMBER))
+
+
+#: The whole number of each half, by its bits.
+_WHOLE_HALVES = _whole_of(np.arange(1 << 16, dtype=np.uint16).view(np.float16).astype(np.float32))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from scipy.spatial import cKDTree
 
 from ...core.mesh import Mesh, as_trimesh
 from ...procedural.description.camera import Camera
@@ -135,15 +134,9 @@ def _surface_points(item: SceneObject, record: ObjectRecord, file: str) -> list[
 def _distances(solid: trimesh.Trimesh, points: np.ndarray, where: str, file: str) -> list[Fault]:
     if not len(points):
         return []
-    # Only faces near the points are looked at: exact distances to all of them take seconds.
-    reach = 2.0 * float(np.linalg.norm(np.ptp(solid.triangles, axis=1), axis=1).max()) + ON_SURFACE
-    tree = cKDTree(points)
-    near = tree.query(solid.triangles_center, distance_upper_bound=reach)[0] <= reach
-    if not near.any():
-        return [Fault("objects", file, where, "points on the surface", "others")]
-    triangles = solid.triangles[near]
-    worst = max(_distance(triangles, point) for point in points)
-    if worst <= _CHORD * float(np.linalg.norm(solid.extents)) if "openings" in where else worst <= ON_SURFACE:
+    within = _CHORD * float(np.linalg.norm(solid.extents)) if "openings" in where else ON_SURFACE
+    worst = _worst_distance(solid.triangles, points, within)
+    if worst <= within:
         return []
     return [Fault("objects", file, where, "points on the surface", f"one {1e3 * worst:.3f} mm off")]
 
@@ -152,9 +145,29 @@ def _distances(solid: trimesh.Trimesh, points: np.ndarray, where: str, file: str
 _CHORD = 2e-3
 
 
-def _distance(triangles: np.ndarray, point: np.ndarray) -> float:
-    closest = trimesh.triangles.closest_point(triangles, np.broadcast_to(point, (len(triangles), 3)))
-    return float(np.linalg.norm(closest - point, axis=1).min())
+def _worst_distance(triangles: np.ndarray, points: np.ndarray, within: float) -> float:
+    """Return the largest distance of points, (n, 3), from triangles, (m, 3, 3); one above `within` is of one of them.
+
+    Of a point that is near enough to a triangle, the triangle's box, widened by `within`, holds the point: distances
+    to all triangles take seconds.
+    """
+    low, high = triangles.min(axis=1) - within, triangles.max(axis=1) + within
+    boxed = np.ones((len(points), len(triangles)), bool)
+    for axis in range(3):
+        place = points[:, axis, None]
+        boxed &= (place >= low[:, axis]) & (place <= high[:, axis])
+    point, triangle = np.nonzero(boxed)
+    away = np.full(len(points), np.inf)
+    if len(point):
+        np.minimum.at(away, point, _distances_in_pairs(triangles[triangle], points[point]))
+    worst = int(np.argmax(away))
+    if away[worst] <= within:
+        return float(away[worst])
+    return float(_distances_in_pairs(triangles, np.broadcast_to(points[worst], (len(triangles), 3))).min())
+
+
+def _distances_in_pairs(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(trimesh.triangles.closest_point(triangles, points) - points, axis=1)
 
 
 def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
@@ -173,7 +186,7 @@ def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Faul
     faults: list[Fault] = []
     for motion in motions:
         moved = some @ motion[:3, :3].T + motion[:3, 3]
-        worst = max(_distance(solid.triangles, point) for point in moved[:8])
+        worst = _worst_distance(solid.triangles, moved[:8], reach)
         if worst > reach:
             text = f"one that moves it by {1e3 * worst:.2f} mm"
             faults.append(Fault("objects", file, f"object {item.id} symmetries", "motions onto itself", text))

@@ -35,9 +35,9 @@ def at_pixels(check: str, file: str, wrong: np.ndarray, expected: np.ndarray | s
     values : (H, W, ...) array
         What is there.
     """
-    rows, columns = np.nonzero(wrong)
-    if not len(rows):
+    if not wrong.any():  # ten times as fast as to look for the places
         return []
+    rows, columns = np.nonzero(wrong)
     at = rows[0], columns[0]
     wanted = expected if isinstance(expected, str) else _text(expected[at])
     where = f"{len(rows)} px, first (u, v) = ({columns[0]}, {rows[0]})"

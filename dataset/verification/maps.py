@@ -17,7 +17,7 @@ from ..format.exr import channel, read_exr
 from ..format.map_files import HEAT_STEPS, PAIR_SHIFTS, read_ids
 from .fault import Fault, at_pixels
 from .objects import sight_states
-from .pinhole import Pinhole, image_of, in_picture, pinhole_of, pixel_centres, rays_of, seen_from
+from .pinhole import Pinhole, image_of, pinhole_of, pixel_centres, rays_of, seen_from
 from .triangles import Triangles
 
 #: Relative rounding of float32, with a factor for two operations.
@@ -26,6 +26,8 @@ FLOAT32 = 3e-7
 HALF = 6e-4
 #: Step of the heat map, and the rounding of float32 in the exponent: 10 at the edge of what is not 0.
 HEAT = 1.5 / HEAT_STEPS
+#: Standard deviations beyond which there is no heat: exp(-_FAR^2 / 2) is a sixth of a step.
+_FAR = 5.1
 #: Pixels of each map of ``pair.png`` whose rays are traced again.
 SAMPLED = 400
 #: Bits of ``vessel_parts.png`` that follow from layers, and the kinds of surfaces that set them.
@@ -51,10 +53,10 @@ def pair_contradictions(
     """Check that points are in or outside of the other picture as stated, and that there are points at all."""
     found: list[Fault] = []
     for eye, name, depth, codes in _pair_maps(seen, read):
-        pixels = _landing(camera, eye, depth)
+        landing = _landing(camera, eye, depth)
         point = np.isfinite(depth)
-        inside = in_picture(pinhole_of(camera, _other(eye)), pixels)
-        border = np.abs(pixels + 0.5 - np.rint(pixels + 0.5)).min(axis=-1) < 1e-4
+        inside = (landing >= -0.5) & (landing < camera.width - 0.5)
+        border = np.abs(landing + 0.5 - np.rint(landing + 0.5)) < 1e-4
         wrong = (codes == NOTHING) != ~point
         wrong |= point & ((codes == OUTSIDE) == inside) & ~border
         found += at_pixels(f"pair {eye}.{name}", path.name, wrong, "what the other camera sees of it", codes)
@@ -90,16 +92,22 @@ def pair_faults(
 def heatmap_faults(path: Path, ids: np.ndarray, labels: Labels) -> list[Fault]:
     """Compare the heatmap with one computed from the ids: normals with 0.8 of the covariance of objects' pixels."""
     heat = np.zeros(ids.shape)
-    rows, columns = np.indices(ids.shape)
     for label in labels.objects:
         y, x = np.nonzero(ids == label.id)
         if len(x) < 16 or min(corner[2] for corner in label.box3d) <= 0.0:
             continue
         spread = 0.8 * (np.cov(np.stack([x, y]), bias=True) + np.eye(2) / 12.0)
-        u, v = columns - x.mean(), rows - y.mean()
+        # Beyond that many deviations along either axis there is less than a step of heat.
+        half = _FAR * np.sqrt(np.diag(spread))
+        box = tuple(
+            slice(max(int(middle - reach), 0), int(middle + reach) + 2)
+            for middle, reach in zip((y.mean(), x.mean()), half[::-1], strict=True)
+        )
+        v, u = (np.arange(size)[part] for size, part in zip(ids.shape, box, strict=True))
+        u, v = u - x.mean(), (v - y.mean())[:, None]
         inverse = np.linalg.inv(spread)
         away = inverse[0, 0] * u * u + 2.0 * inverse[0, 1] * u * v + inverse[1, 1] * v * v
-        heat = np.maximum(heat, np.exp(-0.5 * away))
+        heat[box] = np.maximum(heat[box], np.exp(-0.5 * away))
     stored = read_ids(path) / HEAT_STEPS
     return at_pixels("heatmap", path.name, np.abs(stored - heat) > HEAT + 1e-5, heat, stored)
 
@@ -109,24 +117,27 @@ def coordinate_faults(
 ) -> list[Fault]:
     """Compare object coordinates with the description's poses and sizes."""
     channels = read_exr(path)
-    last = None
+    places = np.flatnonzero(np.isin(geometry.id, [item.id for item in scene.objects]))
+    ids, rays = geometry.id.ravel()[places], rays_of(camera, pixel_centres(camera)[places])
+    depths = {"": geometry.Z.ravel()[places]}
     if layers is not None:
-        own = (layers.id == geometry.id) & np.isfinite(layers.Z) & (geometry.id > 1)
-        last = np.where(own, layers.Z, 0.0).max(axis=0)
+        along = layers.Z.reshape(len(layers.Z), -1)[:, places]
+        own = (layers.id.reshape(len(along), -1)[:, places] == ids) & np.isfinite(along)
+        depths["back."] = np.where(own, along, 0.0).max(axis=0)
     found: list[Fault] = []
-    for prefix, depth in (("", geometry.Z), ("back.", last)):
-        if depth is None:
-            continue
-        stored = np.stack([channel(channels, f"{prefix}{axis}", path) for axis in "XYZ"], axis=-1).astype(np.float64)
-        rays = rays_of(camera, pixel_centres(camera)).reshape(*geometry.Z.shape, 3)
+    for prefix, depth in depths.items():
+        stored = np.stack([channel(channels, f"{prefix}{axis}", path) for axis in "XYZ"], axis=-1)
         expected = np.full(stored.shape, np.nan)
         for item in scene.objects:
-            on = (geometry.id == item.id) & np.isfinite(depth) & (depth > 0.0)
+            on = np.flatnonzero((ids == item.id) & np.isfinite(depth) & (depth > 0.0))
             pose = np.asarray(item.world_T_object)
             world = (rays[on] * depth[on][:, None]) @ camera.axes + camera.origin
-            expected[on] = 0.5 + (world - pose[:3, 3]) @ pose[:3, :3] / np.sqrt(np.square(item.size).sum())
-        both = np.isnan(stored) == np.isnan(expected)
-        wrong = ~(both & (np.isnan(expected) | (np.abs(stored - expected) < HALF))).all(axis=-1)
+            unit = 0.5 + (world - pose[:3, 3]) @ pose[:3, :3] / np.sqrt(np.square(item.size).sum())
+            expected.reshape(-1, 3)[places[on]] = unit
+        wrong = np.asarray(~np.isnan(stored).all(axis=-1))  # where there is no object
+        mine, here = stored.reshape(-1, 3)[places].astype(np.float64), expected.reshape(-1, 3)[places]
+        near = (np.isnan(mine) & np.isnan(here)) | (np.abs(mine - here) < HALF)
+        wrong.ravel()[places] = ~near.all(axis=-1)
         found += at_pixels(f"coordinates {prefix or 'front.'}XYZ", path.name, wrong, expected, stored)
     return found
 
@@ -156,34 +167,37 @@ def mouth_masks(scene: Scene, camera: Pinhole, mouths: list[list[np.ndarray]]) -
     By the winding number: the angles under which a pixel sees the edges add up to a full turn inside.
     """
     width, height = camera.size
-    pixels = pixel_centres(camera)
-    inside, unsure = np.zeros(len(pixels), bool), np.zeros(len(pixels), bool)
+    inside, unsure = np.zeros((height, width), bool), np.zeros((height, width), bool)
     for body, lines in zip(scene.vessels, mouths, strict=True):
         pose = np.asarray(body.world_T_object)
         for line in lines:
             corners = image_of(camera, seen_from(camera, line @ pose[:3, :3].T + pose[:3, 3]))
             if not np.isfinite(corners).all():
                 continue
-            low, high = corners.min(axis=0) - 1.0, corners.max(axis=0) + 1.0
-            near = np.flatnonzero(((pixels >= low) & (pixels <= high)).all(axis=1))
-            winding, away = np.zeros(len(near)), np.full(len(near), np.inf)
+            low = np.clip(np.floor(corners.min(axis=0) - 1.0), 0, camera.size).astype(int)
+            high = np.clip(np.ceil(corners.max(axis=0) + 2.0), 0, camera.size).astype(int)
+            box = slice(low[1], high[1]), slice(low[0], high[0])
+            rows, columns = np.mgrid[box]
+            pixels = np.stack([columns, rows], axis=-1).astype(np.float64)
+            winding, away = np.zeros(pixels.shape[:2]), np.full(pixels.shape[:2], np.inf)
             for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-                p, q = a - pixels[near], b - pixels[near]
-                winding += np.arctan2(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0], (p * q).sum(axis=1))
-                t = np.clip(((pixels[near] - a) @ (b - a)) / max((b - a) @ (b - a), 1e-12), 0.0, 1.0)
-                away = np.minimum(away, np.linalg.norm(pixels[near] - a - t[:, None] * (b - a), axis=1))
-            inside[near] |= np.abs(winding) > np.pi
-            unsure[near] |= away < 0.01
-    return np.stack([inside, unsure]).reshape(2, height, width)
+                p, q, side = a - pixels, b - pixels, b - a
+                winding += np.arctan2(p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0], (p * q).sum(axis=-1))
+                t = np.clip((-p @ side) / max(side @ side, 1e-12), 0.0, 1.0)
+                away = np.minimum(away, np.linalg.norm(p + t[..., None] * side, axis=-1))
+            inside[box] |= np.abs(winding) > np.pi
+            unsure[box] |= away < 0.01
+    return np.stack([inside, unsure])
 
 
 def _pair_maps(
     seen: dict[Eye, Geometry], read: Callable[[Eye], PairVisibility]
 ) -> Iterator[tuple[Eye, str, np.ndarray, np.ndarray]]:
+    stored = {eye: read(eye) for eye in seen}
     for eye, name in PAIR_SHIFTS:
         if eye in seen:
             depth = seen[eye].Z if name == "first" else seen[eye].background_Z
-            yield eye, name, depth, getattr(read(eye), name)
+            yield eye, name, depth, getattr(stored[eye], name)
 
 
 def _other(eye: Eye) -> Eye:
@@ -191,7 +205,7 @@ def _other(eye: Eye) -> Eye:
 
 
 def _landing(camera: Camera, eye: Eye, depth: np.ndarray) -> np.ndarray:
-    """Return where the points of one eye appear in the other one, (H, W, 2): u moves by the disparity."""
-    v, u = np.indices(depth.shape)
+    """Return the columns in which the points of one eye appear in the other one, (H, W) [px]: rows are the same."""
+    u = np.arange(depth.shape[1])
     shift = camera.focal * camera.baseline / depth.astype(np.float64)
-    return np.stack([u - shift if eye == "left" else u + shift, v], axis=-1)
+    return u - shift if eye == "left" else u + shift

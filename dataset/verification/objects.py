@@ -74,7 +74,8 @@ def modal_box_faults(labels: Labels, geometry: Geometry, file: str) -> list[Faul
     """Compare boxes around visible pixels with the ids."""
     found: list[Fault] = []
     for label in labels.objects:
-        rows, columns = np.nonzero(geometry.id == label.id)
+        visible = geometry.id == label.id
+        rows, columns = np.flatnonzero(visible.any(axis=1)), np.flatnonzero(visible.any(axis=0))
         box = [columns.min() - 0.5, rows.min() - 0.5, columns.max() + 0.5, rows.max() + 0.5] if len(rows) else ()
         found += unlike("boxes", file, f"object {label.id} box2d.modal", box, label.box2d.modal or ())
     return found
@@ -86,10 +87,10 @@ def count_faults(labels: Labels, geometry: Geometry, file: str) -> list[Fault]:
     for label, crossed, reached in zip(labels.objects, geometry.crossed, geometry.reached, strict=True):
         visible = geometry.id == label.id
         counts = {
-            "silhouette": int(crossed.sum()),
-            "visible": int((crossed & visible).sum()),
-            "seen_through": int((reached & ~visible).sum()),
-            "occluded": int((crossed & ~reached).sum()),
+            "silhouette": np.count_nonzero(crossed),
+            "visible": np.count_nonzero(crossed & visible),
+            "seen_through": np.count_nonzero(reached & ~visible),
+            "occluded": np.count_nonzero(crossed & ~reached),
         }
         for name, count in counts.items():
             found += unlike("counts", file, f"object {label.id} pixels.{name}", count, getattr(label.pixels, name))
@@ -119,10 +120,10 @@ def order_faults(labels: Labels, geometry: Geometry, file: str) -> list[Fault]:
         return []  # as in data sets of earlier versions
     expected = {}
     for behind, crossed in zip(labels.objects, geometry.crossed, strict=True):
+        counts = np.bincount(geometry.id[crossed])
         for front in labels.objects:
-            pixels = int((crossed & (geometry.id == front.id)).sum())
-            if pixels and front.id != behind.id:
-                expected[front.id, behind.id] = pixels
+            if front.id != behind.id and front.id < len(counts) and counts[front.id]:
+                expected[front.id, behind.id] = int(counts[front.id])
     found = {(pair.front, pair.behind): pair.pixels for pair in labels.occlusion}
     return unlike("occlusion", file, "occlusion", str(sorted(expected.items())), str(sorted(found.items())))
 

@@ -40,18 +40,21 @@ def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
 def radiance_faults(view: StoredView, camera: Camera, developed: bool) -> list[Fault]:
     """Check radiance: finite, not negative, and that of the picture where no other camera took it."""
     found: list[Fault] = []
-    gains: np.ndarray | None = None
+    light: dict[str, np.ndarray] = {}
     for eye in ("left", "right"):
         path = Path(view.folder, f"{eye}.exr")
         if not path.is_file():
             continue
-        light = view.radiance(eye)
-        wrong = ~np.all(np.isfinite(light) & (light >= 0.0), axis=-1)
-        found += at_pixels("radiance", path.name, wrong, "finite light", light)
-        if wrong.any() or developed:
+        light[eye] = view.radiance(eye)
+        wrong = ~((light[eye] >= 0.0) & (light[eye] < np.inf))  # true of NaN
+        found += at_pixels("radiance", path.name, _any(wrong), "finite light", light[eye])
+        if developed or wrong.any():
             continue
-        gains = gains_of(view.radiance("left"), camera) if gains is None else gains
-        expected = np.round(encoded(light, camera, gains))
-        apart = np.abs(expected - view.picture(eye)).max(axis=-1)
-        found += at_pixels("radiance", path.name, apart > STEP, "the light of the picture", light)
+        expected = np.round(encoded(light[eye], camera, gains_of(light["left"], camera)))
+        apart = np.abs(expected - view.picture(eye)) > STEP
+        found += at_pixels("radiance", path.name, _any(apart), "the light of the picture", light[eye])
     return found
+
+
+def _any(flags: np.ndarray) -> np.ndarray:
+    return flags[..., 0] | flags[..., 1] | flags[..., 2]

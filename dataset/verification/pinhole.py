@@ -57,4 +57,5 @@ def pixel_centres(camera: Pinhole) -> np.ndarray:
 
 def in_picture(camera: Pinhole, pixels: np.ndarray) -> np.ndarray:
     """Return which image coordinates, (..., 2), are on a pixel; NaN is not."""
-    return np.all((pixels >= -0.5) & (pixels < np.array(camera.size) - 0.5), axis=-1)
+    (width, height), u, v = camera.size, pixels[..., 0], pixels[..., 1]
+    return (u >= -0.5) & (u < width - 0.5) & (v >= -0.5) & (v < height - 0.5)

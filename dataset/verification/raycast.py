@@ -59,9 +59,9 @@ def cast(triangles: Triangles, camera: Pinhole, pixels: np.ndarray) -> Hits:
     grid = _Grid(keys, low, high)
     parts, doubtful = [], np.zeros(len(pixels), bool)
     for tri, ray in _candidates(local, camera, grid):
-        hit, Z, weights, slack, near = _tested(local[tri], rays[ray], camera)
+        hit, Z, weights, slack, near = _tested(local, tri, rays[ray], camera)
         doubtful[order[ray[near]]] = True
-        parts.append((order[ray[hit]], Z[hit], tri[hit], weights[hit], slack[hit]))
+        parts.append((order[ray[hit]], Z, tri[hit], weights, slack))
     empty = (np.zeros(0, int), np.zeros(0), np.zeros(0, int), np.zeros((0, 3)), np.zeros(0))
     columns = [np.concatenate(column) for column in zip(empty, *parts, strict=True)]
     sort = np.lexsort((columns[1], columns[0]))
@@ -107,21 +107,40 @@ def _candidates(local: np.ndarray, camera: Pinhole, grid: _Grid) -> Iterator[tup
         first = last
 
 
-def _tested(corners: np.ndarray, rays: np.ndarray, camera: Pinhole) -> tuple[np.ndarray, ...]:
-    """Return of pairs whether they meet, depth, weights, slack of the depth, and whether an edge is near, (k, ...)."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    sides = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    volumes = np.einsum("kij,kj->ki", sides, rays)
-    volume = np.einsum("kj,kj->k", a, sides[:, 0])
-    total = volumes.sum(axis=1)
+def _tested(local: np.ndarray, tri: np.ndarray, rays: np.ndarray, camera: Pinhole) -> tuple[np.ndarray, ...]:
+    """Test pairs of triangles, in ascending order, and rays.
+
+    Returns
+    -------
+    hit : (h,) int
+        The pairs that meet.
+    Z, weights, slack : (h,), (h, 3), (h,) float
+        Their depth, barycentric coordinates, and how far the depth may be off.
+    near : (e,) int
+        The pairs of which an edge is near.
+    """
+    # Of the triangles once: most belong to many pairs.
+    first = np.concatenate([[True], tri[1:] != tri[:-1]]) if len(tri) else np.zeros(0, bool)
+    own = np.cumsum(first) - 1
+    a, b, c = np.moveaxis(local[tri[first]], 1, 0)
+    sides = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=1)
+    volume = np.einsum("kj,kj->k", a, sides[:, 0])[own]
     # How fast each volume changes with the pixel: its distance to zero in pixels.
     slope = np.hypot(sides[..., 0] / camera.focal[0], sides[..., 1] / camera.focal[1])
+    turn = np.hypot(sides[..., 0].sum(axis=1) / camera.focal[0], sides[..., 1].sum(axis=1) / camera.focal[1])
+    volumes = np.einsum("kij,kj->ki", sides[own], rays)
+    total = volumes.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        Z = volume / total
-        weights = volumes / total[:, None]
-        away = volumes * np.sign(total)[:, None] / slope
-        turn = np.hypot(sides[..., 0].sum(axis=1) / camera.focal[0], sides[..., 1].sum(axis=1) / camera.focal[1])
-        slack = np.abs(Z) * np.minimum(EDGE * turn / np.abs(total), 1.0)
-    front = (total != 0.0) & (Z > 0.0) & np.isfinite(Z)
-    away = np.where(np.isfinite(away), away, -np.inf).min(axis=1)
-    return front & (away >= 0.0), Z, weights, slack, front & (np.abs(away) <= EDGE)
+        away = volumes * np.sign(total)[:, None] / slope[own]
+    lowest = np.where(np.isfinite(away), away, -np.inf).min(axis=1)
+    front = (total != 0.0) & (volume * total > 0.0)  # of Z = volume / total
+    hit = np.flatnonzero(front & (lowest >= 0.0))
+    Z, total = volume[hit] / total[hit], total[hit]
+    slack = np.abs(Z) * np.minimum(EDGE * turn[own[hit]] / np.abs(total), 1.0)
+    return hit, Z, volumes[hit] / total[:, None], slack, np.flatnonzero(front & (np.abs(lowest) <= EDGE))
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return cross products of rows; NumPy's own takes three times as long."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

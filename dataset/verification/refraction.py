@@ -30,11 +30,13 @@ def refraction_contradictions(refraction: Refraction, camera: Pinhole, opaque: l
     state, hit = refraction.state, refraction.hit.astype(np.float64)
     on = state == HIT
     local = seen_from(camera, hit)
-    v, u = np.indices(state.shape)
-    flow = image_of(camera, local) - np.stack([u, v], axis=-1)
-    shown = on & np.isfinite(flow).all(axis=-1)
-    apart = np.abs(np.where(shown[..., None], refraction.flow - flow, 0.0)).max(axis=-1)
-    length = np.linalg.norm(hit, axis=-1)
+    flow = image_of(camera, local)
+    flow[..., 0] -= np.arange(state.shape[1])
+    flow[..., 1] -= np.arange(state.shape[0])[:, None]
+    shown = on & np.isfinite(flow[..., 0]) & np.isfinite(flow[..., 1])
+    off = np.abs(np.where(shown[..., None], refraction.flow - flow, 0.0))
+    apart = np.maximum(off[..., 0], off[..., 1])
+    length = np.sqrt(np.einsum("hwi,hwi->hw", hit, hit))
     depth = np.where(on & (local[..., 2] > 0), local[..., 2], np.nan)
     away = np.abs(np.where(on, refraction.Z, 0.0) - np.where(on, local[..., 2], 0.0))
     return [

@@ -94,19 +94,19 @@ def background_contradictions(scene: Scene, geometry: Geometry, file: str) -> li
 def transmittance_faults(scene: Scene, geometry: Geometry, file: str) -> list[Fault]:
     """Check that transmittance is a fraction, and 1 where nothing transparent is in front of the background."""
     values = geometry.transmittance
-    inside = np.all((values >= 0.0) & (values <= 1.0), axis=-1)
+    inside = _every((values >= 0.0) & (values <= 1.0))
     clear = (geometry.id == geometry.background_id) & (geometry.id > 0)
     clear &= ~np.isin(geometry.id, partly_opaque_ids(scene))
     return [
         *at_pixels("transmittance", file, ~inside, "a fraction", values),
-        *at_pixels("transmittance", file, clear & np.any(values != 1.0, axis=-1), "1 in front of all glass", values),
+        *at_pixels("transmittance", file, clear & ~_every(values == 1.0), "1 in front of all glass", values),
     ]
 
 
 def normal_contradictions(camera: Pinhole, geometry: Geometry, file: str) -> list[Fault]:
     """Check that normals have unit length and face the camera on surfaces, and are 0 elsewhere."""
     normals = geometry.normal.astype(np.float64)
-    hit, length = np.isfinite(geometry.Z), np.linalg.norm(geometry.normal.astype(np.float64), axis=-1)
+    hit, length = np.isfinite(geometry.Z), np.sqrt(np.einsum("hwi,hwi->hw", normals, normals))
     return [
         *at_pixels("normals", file, hit & ~(np.abs(length - 1.0) <= UNIT), "length 1", length),
         *at_pixels("normals", file, ~hit & (length != 0.0), "0 where there is no surface", normals),
@@ -134,9 +134,14 @@ def _depths(check: str, truth: Truth, which: np.ndarray, stored: np.ndarray, fil
     return at_pixels(check, file, wrong, depth, stored)
 
 
+def _every(flags: np.ndarray) -> np.ndarray:
+    """Return where all three of (H, W, 3) bool hold; NumPy's own reduction takes several times as long."""
+    return flags[..., 0] & flags[..., 1] & flags[..., 2]
+
+
 def _cosine(camera: Pinhole, normals: np.ndarray) -> np.ndarray:
     """Return the cosine between normals, (H, W, 3), and the way back to the camera."""
     height, width = normals.shape[:2]
-    v, u = np.mgrid[:height, :width]
-    x, y = (u - camera.centre[0]) / camera.focal[0], (v - camera.centre[1]) / camera.focal[1]
+    x = (np.arange(width) - camera.centre[0]) / camera.focal[0]
+    y = ((np.arange(height) - camera.centre[1]) / camera.focal[1])[:, None]
     return -(x * normals[..., 0] + y * normals[..., 1] + normals[..., 2]) / np.sqrt(1.0 + x * x + y * y)

@@ -14,14 +14,19 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def encoded(light: np.ndarray, camera: Camera, gains: np.ndarray) -> np.ndarray:
-    """Return the 8-bit values of a radiance, (H, W, 3) float, not yet rounded."""
-    value = np.maximum(light.astype(np.float64) * camera.exposure * gains, 0.0)
+    """Return the 8-bit values of a radiance, (H, W, 3) float32, not yet rounded.
+
+    Float32 is off by some 1e-5 of a step.
+    """
+    factors = (camera.exposure * gains).astype(np.float32)
+    value = np.maximum(light.astype(np.float32, copy=False) * factors, 0.0)
     if camera.tone.white > 1.0:
         high = value > KNEE
         value[high] = _shoulder(np.minimum(value[high], camera.tone.white), camera.tone.white)
     value = np.minimum(value, 1.0)
     # The sRGB curve, IEC 61966-2-1:1999.
-    return 255.0 * np.where(value > 0.0031308, 1.055 * np.power(value, 1.0 / 2.4) - 0.055, 12.92 * value)
+    power = np.power(value, np.float32(1.0 / 2.4))
+    return np.where(value > 0.0031308, 269.025 * power - 14.025, 3294.6 * value).astype(np.float32, copy=False)
 
 
 def gains_of(left: np.ndarray, camera: Camera) -> np.ndarray:

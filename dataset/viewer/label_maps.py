@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
 from ...annotate.vessel_parts import PART_BITS
-from ...core.images import depth_colours
+from ...core.images import depth_colours, id_colour
 from ...render.frame import EYES, PARTS, Eye, Geometry, Layers, Refraction
 from ..format import layout
+from ..format.exr import read_exr, stacked
 from ..format.map_files import read_ids
 from ..reader import StoredView
 
@@ -93,6 +94,57 @@ def view_maps(view: StoredView, following: StoredView | None) -> tuple[list[Labe
     if following is not None:
         found.append(_flow("left/flow", "optical flow to the next view", "motion", view.flow(following)))
     return found, absent
+
+
+def converted_maps(view: StoredView, classes: Sequence[str]) -> list[LabelMap]:
+    """Return the maps that a view of a converted data set has.
+
+    Parameters
+    ----------
+    view : StoredView
+        The view.
+    classes : sequence of str
+        Names of the values of ``classes.png``.
+
+    Raises
+    ------
+    InputError
+        For a damaged file.
+    """
+    return [*_converted_surfaces(view), *_converted_depths(view), *_pixel_classes(view, classes)]
+
+
+def _converted_surfaces(view: StoredView) -> Iterator[LabelMap]:
+    if (view.folder / layout.INSTANCES).is_file():
+        yield _ids("left/ids", "instance ids", "surfaces", view.instances())
+    path = view.folder / layout.GEOMETRY
+    channels = read_exr(path) if path.is_file() else {}
+    if "N.X" in channels:
+        normals = np.rint(127.0 * np.nan_to_num(stacked(channels, "N.XYZ", path).astype(np.float32))).astype(np.int8)
+        yield LabelMap("left/normals", "normals", "surfaces", "vector", normals, step=1.0 / 127.0)
+
+
+def _converted_depths(view: StoredView) -> Iterator[LabelMap]:
+    record = view.camera_record()
+    nothing = np.zeros((record.height, record.width), np.uint16)
+    ids = view.instances() if (view.folder / layout.INSTANCES).is_file() else nothing
+    if view.has_depth():
+        yield _depth("left/depth", "depth", "surfaces", view.depth(), ids)
+        if record.K is not None and record.baseline is not None:
+            yield _disparity("left/disparity", "disparity", np.nan_to_num(view.disparity()))
+    if (view.folder / layout.MEASURED_DEPTH).is_file():
+        yield _depth("left/sensor-depth", "depth of the sensor", "depth camera", view.sensor_depth(), ids)
+
+
+def _pixel_classes(view: StoredView, classes: Sequence[str]) -> Iterator[LabelMap]:
+    if not (view.folder / layout.CLASSES).is_file():
+        return
+    codes = view.classes()
+    names = []
+    for number in range(int(codes.max(initial=0)) + 1):
+        name = classes[number] if number < len(classes) else f"class {number}"
+        names.append((name, "#{:02x}{:02x}{:02x}".format(*id_colour(number)) if number else "#2d2d30"))
+    yield LabelMap("left/classes", "classes", "surfaces", "class", codes, none=None, names=tuple(names))
 
 
 def _surfaces(geometry: Geometry, eye: Eye) -> Iterator[LabelMap]:

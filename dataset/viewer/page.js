@@ -47,6 +47,7 @@ async function show() {
   if (shownView !== place) {
     view = record(`view-${place}`);
     shownView = place;
+    if (!view.pictures[state.eye]) state.eye = "left";
     showSides();
     if (state.tab === "maps") await showMaps();
   }
@@ -93,8 +94,8 @@ function showSides() {
   const objects = [["", "all"], ...(view.shapes.left || []).map((one) => [`${one.id}`, `${one.id} ${names[one.id]}`, `rgb(${colours[one.id]})`])];
   byId("object-list").replaceChildren(
     ...choices("radio", "object", objects, (object) => set({object}), (id) => id === state.object));
-  byId("absent").replaceChildren(...Object.entries(view.absent).map(([kind, purpose]) =>
-    element("p", {class: "soft"}, `not in this data set: ${purpose} (--write ${kind})`)));
+  const absent = [...Object.entries(view.absent).map(([kind, purpose]) => `${purpose} (--write ${kind})`), ...(view.lacks || [])];
+  byId("absent").replaceChildren(...absent.map((text) => element("p", {class: "soft"}, `not in this data set: ${text}`)));
 }
 
 let sidesOf = "";
@@ -206,8 +207,10 @@ function frustum({K, pose, width, height}, depth, colour) {
 async function fillSpace() {
   await space.setBodies(scene.bodies, colours);
   space.setLines("boxes", scene.bodies.filter((body) => body.size).flatMap(edgesOf));
+  if (scene.target) space.target = scene.target;
+  const drawn = (camera, colour) => (camera ? frustum(camera, 0.1, colour) : []);
   const cameras = scene.cameras.flatMap((pair, i) => [
-    ...frustum(pair.left, 0.1, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...frustum(pair.right, 0.1, [110, 130, 170])]);
+    ...drawn(pair.left, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...drawn(pair.right, [110, 130, 170])]);
   space.setLines("cameras", cameras);
   const points = scene.bodies.filter((body) => body.keypoints).flatMap((body) => {
     const m = transposed(body.pose);
@@ -220,6 +223,7 @@ let cloudOf = "";
 async function fillCloud() {
   if (cloudOf === shownView) return;
   cloudOf = shownView;
+  if (!view.cloud) return space.setGroup("cloud", new Float32Array(), new Uint8Array(), 0, space.gl.POINTS);
   const places = await values(view.cloud.points), paint = await values(view.cloud.colours), n = places.length / 3;
   const rows = (data, Kind) => Kind.from({length: 3 * n}, (_, i) => data[(i % 3) * n + Math.floor(i / 3)]);
   space.setGroup("cloud", rows(places, Float32Array), rows(paint, Uint8Array), n, space.gl.POINTS);
@@ -259,7 +263,8 @@ function drawSpace() {
   const labels = [], box = byId("world");
   if (solids().has("names")) {
     const places = scene.bodies.filter((body) => body.size).map((body) => [`${body.id}`, [body.pose[3], body.pose[7], body.pose[11]]]);
-    scene.cameras.forEach((pair, i) => places.push([`camera ${current().views[i]}`, [pair.left.pose[3], pair.left.pose[7], pair.left.pose[11]]]));
+    scene.cameras.forEach((pair, i) =>
+      pair.left && places.push([`camera ${current().views[i]}`, [pair.left.pose[3], pair.left.pose[7], pair.left.pose[11]]]));
     for (const [text, place] of places) {
       const [x, y, , w] = apply(camera, place);
       if (w < 0.02 || Math.abs(x) > w || Math.abs(y) > w) continue;

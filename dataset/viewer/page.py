@@ -20,11 +20,14 @@ from ...procedural.description.scene import TABLE_ID
 from ...procedural.description.surroundings import ROOM_IDS
 from ...render.frame import EYES, Eye
 from ..format import layout
+from ..format.conversion import Conversion
 from ..format.dataset_file import DatasetFile
 from ..format.objects_file import ObjectRecord
+from ..reader import StoredView
 from .bodies import scene_bodies, view_cloud
 from .choice import Choice
-from .label_maps import LabelMap, reduced, view_maps
+from .converted import converted_cloud, converted_scene, converted_shapes, lacking
+from .label_maps import LabelMap, converted_maps, reduced, view_maps
 from .packing import packed
 from .shapes import view_lines, view_shapes
 
@@ -81,9 +84,11 @@ def page_parts(head: DatasetFile, choices: Sequence[Choice], width: int) -> Iter
     listed = [{"id": one.scene.scene_id, "views": [view.number for view in one.views]} for one in choices]
     yield _block("head", {"ramp": ramp.ravel().tolist(), "scenes": listed, "columns": _COLUMNS})
     for number, choice in enumerate(choices):
-        yield _block(f"scene-{number}", _scene(choice))
-        for place in range(len(choice.views)):
-            yield _block(f"view-{number}-{place}", _view(choice, place, width))
+        made = head.converted
+        yield _block(f"scene-{number}", _scene(choice) if made is None else converted_scene(choice))
+        for place, one in enumerate(choice.views):
+            record = _view(choice, place, width) if made is None else _converted_view(one, made, width)
+            yield _block(f"view-{number}-{place}", record)
     yield f"<script>{script}</script></body></html>\n"
 
 
@@ -110,7 +115,10 @@ def _header(title: str, head: DatasetFile, views: int) -> str:
     tabs = (("picture", "Picture"), ("maps", "All maps"), ("space", "3D"), ("objects", "Objects"))
     buttons = "".join(f'<button id="to-{name}" role="tab">{text}</button>' for name, text in tabs)
     lists = "".join(f'<select id="{name}" aria-label="{name}"></select>' for name in ("scene", "view"))
-    facts = f"seed {head.seed}, {counted(views, 'stereo view')} of scenes {escape(head.scenes)}"
+    made = f"seed {head.seed}, {counted(views, 'stereo view')}"
+    if head.converted is not None:
+        made = f"{head.converted.title} (licence: {head.converted.licence}), {counted(views, 'view')}"
+    facts = f"{escape(made)} of scenes {escape(head.scenes)}"
     return (
         f'<header><h1>{title}</h1>{lists}<nav role="tablist">{buttons}</nav><span class="soft">{facts}</span></header>'
     )
@@ -164,6 +172,25 @@ def _view(choice: Choice, place: int, width: int) -> dict[str, Any]:
         "shapes": shapes,
         "lines": view_lines(view),
         "cloud": view_cloud(view, camera),
+    }
+
+
+def _converted_view(view: StoredView, made: Conversion, width: int) -> dict[str, Any]:
+    record = view.camera_record()
+    shown = min(width, record.width)
+    height = max(1, round(record.height * shown / record.width))
+    eyes: tuple[Eye, ...] = EYES if (view.folder / "right.png").is_file() else ("left",)
+    return {
+        "width": shown,
+        "height": height,
+        "size": [record.width, record.height],
+        "pictures": {eye: _picture(view.picture(eye), shown, height) for eye in eyes},
+        "maps": [_map(one, shown, height) for one in converted_maps(view, made.classes)],
+        "absent": {},
+        "lacks": lacking(made),
+        "shapes": {"left": converted_shapes(view)},
+        "lines": {"openings": [], "fill lines": []},
+        "cloud": converted_cloud(view),
     }
 
 

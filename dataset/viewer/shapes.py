@@ -29,7 +29,7 @@ def view_shapes(labels: Labels, camera: Camera) -> list[dict[str, Any]]:
 def view_lines(view: StoredView) -> dict[str, list[list[list[float]]]]:
     """Return the mouths and fill lines of a view's vessels, polygons in the left picture [px]."""
     return {
-        name: [_pixels(line) for lines in found.values() for line in lines if np.isfinite(line).all()]
+        name: [pixel_lists(line) for lines in found.values() for line in lines if np.isfinite(line).all()]
         for name, found in (("openings", view.openings()), ("fill lines", view.fill_lines()))
     }
 
@@ -38,18 +38,19 @@ def _object(label: ObjectLabel, camera: Camera) -> dict[str, Any]:
     mask = decode_mask(label.mask_amodal.counts, label.mask_amodal.size)
     return {
         "id": label.id,
-        "modal": _box(label.box2d.modal),
-        "amodal": _box(label.box2d.amodal),
-        "edges": _segments(np.array(label.box3d), EDGES, camera),
+        "modal": box_sides(label.box2d.modal),
+        "amodal": box_sides(label.box2d.amodal),
+        "edges": segments(np.array(label.box3d), EDGES, camera.K),
         "axes": _axes(label, camera),
-        "keypoints": [[*_pixels([p.pixel])[0], p.state] for p in label.keypoints if p.pixel is not None],
-        "centre": None if label.centroid.pixel is None else _pixels([label.centroid.pixel])[0],
+        "keypoints": [[*pixel_lists([p.pixel])[0], p.state] for p in label.keypoints if p.pixel is not None],
+        "centre": None if label.centroid.pixel is None else pixel_lists([label.centroid.pixel])[0],
         "silhouette": _outlines(mask),
         "fractions": None if label.fractions is None else label.fractions.model_dump(mode="json"),
     }
 
 
-def _box(box: tuple[float, ...] | None) -> list[float] | None:
+def box_sides(box: tuple[float, ...] | None) -> list[float] | None:
+    """Return the sides of a box to a hundredth of a pixel."""
     return None if box is None else [round(float(side), _DIGITS) for side in box]
 
 
@@ -57,15 +58,15 @@ def _axes(label: ObjectLabel, camera: Camera) -> list[list[list[float]]]:
     corners = np.array(label.box3d)
     length = 0.5 * np.linalg.norm(corners[7] - corners[0]) / np.sqrt(3.0)
     ends = label.camera_T_object[:3, 3] + length * np.vstack([np.zeros(3), label.camera_T_object[:3, :3].T])
-    return _segments(ends, ((0, 1), (0, 2), (0, 3)), camera)
+    return segments(ends, ((0, 1), (0, 2), (0, 3)), camera.K)
 
 
-def _segments(points: np.ndarray, pairs: Iterable[tuple[int, int]], camera: Camera) -> list[list[list[float]]]:
-    """Return lines between points of the camera frame; none where one is behind the camera."""
-    pixels, Z = project_camera(points, camera.K)
+def segments(points: np.ndarray, pairs: Iterable[tuple[int, int]], K: np.ndarray) -> list[list[list[float]]]:
+    """Return lines between points of the camera frame, (n, 3); none where one is behind the camera."""
+    pixels, Z = project_camera(points, K)
     if (Z <= 0.0).any():
         return []
-    return [_pixels([pixels[a], pixels[b]]) for a, b in pairs]
+    return [pixel_lists([pixels[a], pixels[b]]) for a, b in pairs]
 
 
 def _outlines(mask: np.ndarray) -> list[list[list[float]]]:
@@ -74,5 +75,6 @@ def _outlines(mask: np.ndarray) -> list[list[list[float]]]:
     return [line[:, 0].tolist() for line in lines]
 
 
-def _pixels(points: Iterable[Any]) -> list[list[float]]:
+def pixel_lists(points: Iterable[Any]) -> list[list[float]]:
+    """Return image coordinates to a hundredth of a pixel, bounded far outside of the picture."""
     return [[round(float(np.clip(value, -_FARTHEST, _FARTHEST)), _DIGITS) for value in point] for point in points]

@@ -29,6 +29,8 @@ class Columns:
     ----------
     pitch : float
         Distance between lines [m].
+    origin : (2,) float64
+        Place of the first line [m].
     shape : (int, int)
         Lines along x and y.
     column : (n,) int
@@ -45,6 +47,7 @@ class Columns:
     """
 
     pitch: float
+    origin: np.ndarray
     shape: tuple[int, int]
     column: np.ndarray
     bottom: np.ndarray
@@ -88,6 +91,7 @@ def columns_of(vertices: np.ndarray, faces: np.ndarray, pitch: float) -> Columns
     kept = leaves | enters
     return Columns(
         pitch=pitch,
+        origin=lines.origin,
         shape=lines.shape,
         column=np.concatenate([[-1], column[leaves]]),
         bottom=bottom,

@@ -117,6 +117,17 @@ def wall_of(corners: np.ndarray, hollow: Hollow) -> Wall:
     return Wall(heights, radii, centres, (away <= ROUND) & once & (radii > 0.0), corners)
 
 
+def least_radii(wall: Wall, axis: np.ndarray) -> np.ndarray:
+    """Return how near the wall comes to a vertical axis (2,) at each of its heights, (n,) [m]."""
+    first, ends, level = _segments(wall.corners, wall.heights)
+    start, along = first - axis, ends - first
+    t = -np.einsum("ij,ij->i", start, along) / np.maximum((along**2).sum(1), np.finfo(float).tiny)
+    distance = np.hypot(*(start + np.clip(t, 0.0, 1.0)[:, None] * along).T)
+    found = np.full(len(wall.heights), np.inf)
+    np.minimum.at(found, level, distance)
+    return found
+
+
 def _segments(corners: np.ndarray, heights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return both ends (k, 2) of the lines in which planes cut triangles, and the plane's number, (k,).
 

@@ -70,7 +70,7 @@ def draw_contents(
     settings : ContentsSettings
         Probabilities and ranges.
     vessel : GlassBody
-        At the origin of its own frame. Of a vessel of any shape only the liquids change.
+        At the origin of its own frame. Of a vessel from a file only the liquids change.
     may_stand : bool
         Whether something may lean in it.
     chosen : bool
@@ -85,10 +85,11 @@ def draw_contents(
         return Drawn(vessel)
     tries = _Tries()
     pours = _liquids(streams, settings, vessel, tries, chosen)
-    if isinstance(vessel, MeshVessel):
+    # Of vessels from files too little is known: what is their inside may be a handle's hole.
+    room = room_of(vessel) if vessel.origin is None else None
+    if room is None:
         changed = vessel if pours == held(vessel) else _filled(vessel, pours)
         return Drawn(_counted(changed, tries))
-    room = room_of(vessel)
 
     def takes(*bodies: Body) -> bool:
         return not pours or _filled_with(vessel, pours, bodies) is not None
@@ -117,7 +118,9 @@ def draw_contents(
     return Drawn(_counted(filled.vessel, tries), standing)
 
 
-def _filled_with(vessel: Vessel, pours: tuple[Pour, ...], bodies: Sequence[Body]) -> Vessel | MeshVessel | None:
+def _filled_with(
+    vessel: Vessel | MeshVessel, pours: tuple[Pour, ...], bodies: Sequence[Body]
+) -> Vessel | MeshVessel | None:
     """Return a vessel with liquids and bodies in it; None where it does not hold them."""
     try:
         return fill_vessel(vessel, pours, bodies).vessel
@@ -198,7 +201,7 @@ def body_of(kind: str, mesh: Mesh, medium: Medium, count: int = 1) -> Body:
 def _beads(
     rng: np.random.Generator,
     settings: ContentsSettings,
-    vessel: Vessel,
+    vessel: Vessel | MeshVessel,
     room: Room,
     leaning: list[Mesh],
     tries: _Tries,
@@ -220,7 +223,7 @@ def _beads(
 def _ice(
     rng: np.random.Generator,
     settings: ContentsSettings,
-    vessel: Vessel,
+    vessel: Vessel | MeshVessel,
     room: Room,
     pours: tuple[Pour, ...],
     beads: list[Body],
@@ -240,7 +243,7 @@ def _ice(
         edges = edges - smaller * (edges - settings.ice_edge[0])
         count = max(settings.ice_count[0], round(count * (1.0 - smaller)))
         bodies = _cubes(rng, room, edges[:count], vessel.liquids[-1].centre, dense, mouth)
-        if bodies is not None and _fits(vessel, pours, [*beads, *bodies, *leaning]):
+        if bodies is not None and _fits(vessel, room, pours, [*beads, *bodies, *leaning]):
             return bodies
         tries.count += 1
     if settings.ice == 1.0:
@@ -281,17 +284,17 @@ def _cube(rng: np.random.Generator, edge: float, place: np.ndarray, level: float
     return replace(mesh, vertices=points, normals=mesh.normals @ rotation.T)
 
 
-def _fits(vessel: Vessel, pours: tuple[Pour, ...], bodies: list[Body]) -> bool:
+def _fits(vessel: Vessel | MeshVessel, room: Room, pours: tuple[Pour, ...], bodies: list[Body]) -> bool:
     filled = _filled_with(vessel, pours, bodies)
     if filled is None:
         return False
-    return max(content.centre[2] + 0.5 * content.size[2] for content in filled.contents) < room_of(vessel).brim + 0.01
+    return max(content.centre[2] + 0.5 * content.size[2] for content in filled.contents) < room.brim + 0.01
 
 
 def _bubbles(
     rng: np.random.Generator,
     settings: ContentsSettings,
-    vessel: Vessel,
+    vessel: Vessel | MeshVessel,
     room: Room,
     pours: tuple[Pour, ...],
     bodies: list[Body],

@@ -1,4 +1,4 @@
-"""Places for ice, beads and bubbles in a vessel of revolution, apart from each other and from what leans there."""
+"""Places for ice, beads and bubbles in a vessel, apart from each other and from what leans there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 
 from ...core.mesh import Mesh
 from ..description.floating import GAP
-from ..profiles.clearance import clearance, floor_under
 from .room import Room
 
 #: Least distance between bodies in a vessel [m], and of bubbles from the glass that they stick to: far above the
@@ -47,7 +46,7 @@ def ice_places(
         near = [cKDTree(points) for points in beside if len(points)]
         for _ in range(_PLACES if reach > 0.0 else 0):
             radius, angle, turn = reach * np.sqrt(rng.random()), rng.uniform(0, 2 * np.pi), rng.uniform(0, np.pi / 2)
-            x, y = radius * np.cos(angle), radius * np.sin(angle)
+            x, y = room.axis + np.array([radius * np.cos(angle), radius * np.sin(angle)])
             square = _square(x, y, turn, 0.5 * edge + 0.5 * APART)
             free = all(
                 _apart(square, _square(*other, 0.5 * e + 0.5 * APART)) for other, e in zip(placed, edges, strict=False)
@@ -95,13 +94,13 @@ def bead_places(
     Each goes to the lowest of many places: on the floor, or in a hollow between others.
     """
     inner_reach = room.narrowest(room.floor + radius, room.floor + 3.0 * radius) - radius - GAP
-    profile = _resting_heights(room, radius)
+    heights = room.ball_heights(radius, GAP)
     tree = cKDTree(np.concatenate(others)) if others else None
-    placed = np.zeros((0, 3))
+    placed, (x, y) = np.zeros((0, 3)), room.axis
     for _ in range(count):
         r = max(inner_reach, 0.0) * np.sqrt(rng.random(_PLACES))
         angle = rng.uniform(0.0, 2.0 * np.pi, _PLACES)
-        places = np.stack([r * np.cos(angle), r * np.sin(angle), np.interp(r, *profile)], 1)
+        places = np.stack([r * np.cos(angle) + x, r * np.sin(angle) + y, heights(r, angle)], 1)
         for ball in placed:
             flat = np.hypot(*(places[:, :2] - ball[:2]).T)
             over = ball[2] + np.sqrt(np.maximum((2.0 * radius + GAP) ** 2 - flat**2, 0.0))
@@ -117,16 +116,6 @@ def bead_places(
         best = int(np.where(free, places[:, 2], np.inf).argmin())
         placed = np.concatenate([placed, places[best : best + 1]])
     return placed
-
-
-def _resting_heights(room: Room, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return distances from the axis, and the height at which the middle of a ball there clears the glass [m]."""
-    r = np.linspace(0.0, float(room.inner[:, 0].max()), 64)
-    dense = np.linspace(-1.0, 1.0, 41) * radius
-    under = floor_under(room.inner, np.abs(r[:, None] + dense))
-    # A ball's lower side at each of its places stands over the floor there.
-    height = (under + np.sqrt(np.maximum(radius**2 - dense**2, 0.0))).max(1) + GAP
-    return r, height
 
 
 def bubble_places(
@@ -147,26 +136,17 @@ def bubble_places(
     others : sequence of Mesh
         Bodies in the vessel.
     """
-    inner = room.inner[room.inner[:, 1] < levels[-1] - _DEPTH]
-    if len(inner) < 2:
+    wall = room.wall_below(levels[-1] - _DEPTH)
+    if wall is None:
         return np.zeros((0, 4))
-    start, along = inner[:-1], np.diff(inner, axis=0)
-    length = np.linalg.norm(along, axis=1)
-    area = length * (start[:, 0] + 0.5 * along[:, 0])
-    cumulative = np.cumsum(area) / area.sum()
     points = [mesh.vertices.astype(np.float64) for mesh in others]
     tree = cKDTree(np.concatenate(points)) if points else None
     found = np.zeros((0, 4))
     for radius in radii.tolist():
         for _ in range(_BUBBLE_PLACES):
-            k = min(int(np.searchsorted(cumulative, rng.random())), len(length) - 1)
-            place = start[k] + rng.random() * along[k]
-            inwards = np.array([-along[k, 1], along[k, 0]]) / max(length[k], 1e-12)
-            r, z = place + (radius + STUCK) * inwards
-            angle = rng.uniform(0.0, 2.0 * np.pi)
-            middle = np.array([r * np.cos(angle), r * np.sin(angle), z])
-            free = clearance(room.outer, room.inner, middle[None])[0] >= radius + 0.5 * STUCK
-            free &= all(abs(z - level) > radius + _DEPTH for level in levels) and z < levels[-1]
+            middle = wall(rng, radius + STUCK)
+            free = room.clearance(middle[None])[0] >= radius + 0.5 * STUCK
+            free &= all(abs(middle[2] - level) > radius + _DEPTH for level in levels) and middle[2] < levels[-1]
             free &= tree is None or tree.query(middle)[0] > radius + 2.0 * _DEPTH
             if free and (np.linalg.norm(found[:, :3] - middle, axis=1) > found[:, 3] + radius + APART).all():
                 found = np.concatenate([found, [[*middle, radius]]])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.mesh import Mesh
-from ..profiles.clearance import along_edges, clearance, floor_under
+from ..profiles.clearance import along_edges
 from .room import Room
 
 #: Distance from the glass at rest [m]: that of objects and the table.
@@ -40,7 +40,7 @@ class Leaning:
     Parameters
     ----------
     vessel_T_body : (4, 4) float64
-        The body's z axis points up along its shaft; it leans in the vessel's x z plane towards +x.
+        The body's z axis points up along its shaft; it leans in the room's x z plane towards +x.
     reach : float
         Distance along the shaft from the foot to where it meets the rim [m].
     """
@@ -57,7 +57,7 @@ def leaning(mesh: Mesh, room: Room) -> Leaning | None:
     mesh : Mesh
         Its shaft along z, its foot at z = 0 [m].
     room : Room
-        The vessel.
+        The vessel, in the frame of the plane in which it leans.
     """
     points = mesh.vertices.astype(np.float64)
     foot, shaft = points[points[:, 2] < _FOOT], _shaft(points, mesh.faces)
@@ -70,7 +70,7 @@ def leaning(mesh: Mesh, room: Room) -> Leaning | None:
     pose = _pose(foot, room, low)
     if pose is None:
         return None
-    if clearance(room.outer, room.inner, points @ pose[:3, :3].T + pose[:3, 3]).min() < 0.5 * GAP:
+    if room.clearance(points @ pose[:3, :3].T + pose[:3, 3]).min() < 0.5 * GAP:
         return None
     return Leaning(pose, _nearest(shaft, room, pose)[1])
 
@@ -97,7 +97,7 @@ def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray) -> tuple[float, fl
             low, high = place - 3.0 * _COARSE, place + 3.0 * _COARSE
             points = along_edges(shaft, step)
             points = points[(points[:, 2] > low) & (points[:, 2] < high)]
-        free = clearance(room.outer, room.inner, points @ pose[:3, :3].T + pose[:3, 3])
+        free = room.clearance(points @ pose[:3, :3].T + pose[:3, 3])
         place = float(points[int(free.argmin()), 2])
     return float(free.min()), place
 
@@ -117,7 +117,7 @@ def _pose(foot: np.ndarray, room: Room, tilt: float) -> np.ndarray | None:
     lowest = _height(tip, room, 0.0)
     if not np.isfinite(lowest):  # the foot is wider than the vessel
         return None
-    places = np.linspace(0.0, float(room.inner[:, 0].max()), _PLACES)
+    places = np.linspace(0.0, room.widest, _PLACES)
     free = [place for place in places.tolist() if _height(turned, room, place) <= lowest + _CLIMB]
     if not free:
         return None
@@ -133,5 +133,5 @@ def _pose(foot: np.ndarray, room: Room, tilt: float) -> np.ndarray | None:
 
 def _height(turned: np.ndarray, room: Room, out: float) -> float:
     """Return the least height of the foot where it clears the floor and the wall, at a distance from the axis [m]."""
-    radius = np.hypot(turned[:, 0] - out, turned[:, 1])
-    return float((floor_under(room.inner, radius + GAP) - turned[:, 2]).max()) + GAP
+    places = turned[:, :2] - np.array([out, 0.0])
+    return float((room.floor_under(places, GAP) - turned[:, 2]).max()) + GAP

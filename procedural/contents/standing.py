@@ -10,7 +10,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.weighted import weights_of
-from ..description.bodies import FIRST_OBJECT_ID, GlassBody, Interface, Prop, SceneObject, Vessel
+from ..description.bodies import FIRST_OBJECT_ID, GlassBody, Interface, Prop, SceneObject
 from ..description.material import OpaqueMaterial, UniformTexture
 from ..materials.draw import METALS
 from ..optics.catalogue import glass_named
@@ -27,6 +27,8 @@ LENGTHS = {"straw": (0.14, 0.25), "spoon": (0.12, 0.22), "stirring rod": (0.15, 
 _STRAW, _ROD, _STRAW_WALL = (0.005, 0.008), (0.005, 0.008), (0.0003, 0.0005)
 #: How far they stand out beyond the rim at least [m]: less would not be reached by fingers.
 _STANDS_OUT = 0.015
+#: How much a body may be in the glass [m]: a tenth of the overlap that counts as touching.
+_TOUCHES = 5e-5
 #: Length with which the tilt is sought [m]: longer than any vessel is deep.
 _PROBE = 0.36
 #: Colours of straws, linear Rec.709: black, white and paper, and the primaries of party straws.
@@ -49,7 +51,7 @@ Shape = Callable[[float], Mesh]
 def draw_standing(
     rng: np.random.Generator,
     settings: ContentsSettings,
-    vessel: Vessel,
+    vessel: GlassBody,
     room: Room,
     takes: Callable[[SceneObject], bool] = lambda _: True,
 ) -> tuple[SceneObject | None, int]:
@@ -68,20 +70,24 @@ def draw_standing(
     place, azimuth, thick, thin, colour = rng.uniform(size=5).tolist()
     if not wanted:
         return None, 0
+    direction, axis = room.azimuth(azimuth), room.axis
+    if direction is not None:
+        room = room.turned(direction)
     # The others in turn where the one that is drawn finds no rest.
     first = list(weights)[int(chosen)]
     for tries, kind in enumerate([first, *(other for other in kinds if other != first)]):
-        found = _leaning(kind, _shape(kind, thick, thin), room, place)
-        if found is not None:
+        found = None if direction is None else _leaning(kind, _shape(kind, thick, thin), room, place)
+        if found is not None and direction is not None:
             mesh, pose = found
-            item = _item(kind, mesh, _turned(pose, 2.0 * np.pi * azimuth), vessel.name, colour)
+            item = _item(kind, mesh, _turned(pose, direction, axis), vessel.name, colour)
             if takes(item):
                 return item, tries
     if settings.standing == 1.0:
         depth = room.brim - room.floor
         expected = f"something that leans in {vessel.name} (a {vessel.category}, {1e3 * depth:.0f}mm deep)"
         others = [kind for kind in STANDING if kind not in weights]
-        working = [kind for kind in others if _leaning(kind, _shape(kind, thick, thin), room, place)]
+        shapes = {kind: _shape(kind, thick, thin) for kind in others if direction is not None}
+        working = [kind for kind, shape in shapes.items() if _leaning(kind, shape, room, place)]
         if working:
             expected += f", such as {working[0]}"
         raise InputError("vessels.contents.standing_kinds", expected, ", ".join(weights))
@@ -95,7 +101,25 @@ def _leaning(kind: str, shape: Shape, room: Room, place: float) -> tuple[Mesh, n
         return None
     least, most = LENGTHS[kind]
     least, most = max(least, found.reach + _STANDS_OUT), min(most, 2.0 * MOST_BEYOND * found.reach)
-    return None if least > most else (shape(least + place * (most - least)), found.vessel_T_body)
+    if least > most:
+        return None
+    mesh, pose = shape(least + place * (most - least)), found.vessel_T_body
+    if _is_clear(mesh, pose, room):
+        return mesh, pose
+    # A spoon of this length is wider where it meets the rim, which counts in corners.
+    again = leaning(mesh, room)
+    return None if again is None or not _is_held(mesh, again.reach) else (mesh, again.vessel_T_body)
+
+
+def _is_clear(mesh: Mesh, pose: np.ndarray, room: Room) -> bool:
+    points = mesh.vertices.astype(np.float64)
+    return float(room.clearance(points @ pose[:3, :3].T + pose[:3, 3]).min()) > -_TOUCHES
+
+
+def _is_held(mesh: Mesh, reach: float) -> bool:
+    """Return whether a body stands out beyond the rim, and its middle lies between its foot and the rim."""
+    length = float(mesh.bounds[1, 2])
+    return reach + _STANDS_OUT <= length <= 2.0 * MOST_BEYOND * reach
 
 
 def _shape(kind: str, thick: float, thin: float) -> Shape:
@@ -111,10 +135,11 @@ def _shape(kind: str, thick: float, thin: float) -> Shape:
     return lambda length: rod(0.5 * between(_ROD, thick), length, "stirring-rod")
 
 
-def _turned(pose: np.ndarray, azimuth: float) -> np.ndarray:
+def _turned(pose: np.ndarray, azimuth: float, axis: np.ndarray) -> np.ndarray:
     c, s = np.cos(azimuth), np.sin(azimuth)
     turn = np.eye(4)
     turn[:2, :2] = [[c, -s], [s, c]]
+    turn[:2, 3] = axis
     return turn @ pose
 
 

@@ -15,6 +15,7 @@ from ...core.mesh import Mesh
 from ...core.units import volume_text
 from ..cavities.interior import Interior, interior_of, most_volume
 from ..cavities.pierce import pierced
+from ..cavities.space import Space, space_of
 from ..cavities.split import split_at, volume_below
 from ..optics.medium import AIR, Medium
 from ..optics.turbid import is_turbid
@@ -158,7 +159,23 @@ def _floater(vessel: Vessel | MeshVessel, body: Body) -> Floater:
         return Floater(draught)
     if isinstance(vessel, Vessel):
         return Floater(draught, body.density, lying_rise(body.mesh, np.array(vessel.inner)))
-    return Floater(draught, body.density, vessel.cavities[0].floor + GAP - float(draught.heights[0]))
+    return Floater(draught, body.density, _lying_rise(body.mesh, _space(vessel)))
+
+
+def _space(vessel: MeshVessel) -> Space:
+    found = space_of(vessel.solid)
+    if found is None:
+        raise InputError(f"{vessel.name}, contents", "a vessel with a cavity", "none")
+    return found
+
+
+def _lying_rise(mesh: Mesh, space: Space) -> float:
+    """Return by how much a body has to rise to lie on the floor of a cavity, `GAP` above it [m]."""
+    points = mesh.vertices.astype(np.float64)
+    rise = space.bottom_at(points[:, :2]) - points[:, 2]
+    # Within the distance of two lines of the wall the bottom is not known there: what lies there is over a corner.
+    rise = rise[np.isfinite(rise)]
+    return float(rise.max() if len(rise) else space.floor - points[:, 2].min()) + GAP
 
 
 def _settled(
@@ -216,14 +233,18 @@ def _placed(vessel: Vessel | MeshVessel, bodies: Sequence[Body], rises: Sequence
             continue
         x, y, z = body.record.centre
         moved = Body(raised(body.mesh, rise), body.record.model_copy(update={"centre": (x, y, z + rise)}))
-        if isinstance(vessel, Vessel):
-            points = moved.mesh.vertices.astype(np.float64)
-            depth = -float(clearance(np.array(vessel.outer), np.array(vessel.inner), points).min())
-            if depth > ALLOWANCE:
-                where, expected = f"{vessel.name}, contents", f"room for its {body.record.kind} at this level"
-                raise InputError(where, expected, f"{1e3 * depth:.1f} mm of it in the glass")
+        depth = -float(_clearance(vessel, moved.mesh.vertices.astype(np.float64)).min())
+        if depth > ALLOWANCE:
+            where, expected = f"{vessel.name}, contents", f"room for its {body.record.kind} at this level"
+            raise InputError(where, expected, f"{1e3 * depth:.1f} mm of it in the glass")
         placed.append(moved)
     return placed
+
+
+def _clearance(vessel: Vessel | MeshVessel, points: np.ndarray) -> np.ndarray:
+    if isinstance(vessel, Vessel):
+        return clearance(np.array(vessel.outer), np.array(vessel.inner), points)
+    return _space(vessel).clearance(points)
 
 
 def _stacked(vessel: Vessel | MeshVessel, stacker: Stacker, pours: Sequence[Pour], targets: np.ndarray) -> Stack:

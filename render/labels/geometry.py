@@ -143,8 +143,8 @@ def line_of_sight(loaded: LoadedScene, origin: np.ndarray, points: np.ndarray) -
         return LineOfSight(np.zeros(0), np.zeros(0))
     direction = dr.normalize(mi.Vector3f(np.ascontiguousarray((points - origin).T, dtype=np.float32)))
     start = dr.opaque(mi.Float, 0.0) + mi.Point3f(np.asarray(origin, dtype=np.float32))
-    hits = straight_hits(loaded, mi.Ray3f(start, direction))
-    dr.eval(hits)
+    hits = straight_hits(loaded, mi.Ray3f(start, direction), to_opaque=True)
+    dr.eval(hits.first, hits.background)
     return LineOfSight(np.array(hits.first, np.float64), np.array(hits.background, np.float64))
 
 
@@ -158,8 +158,13 @@ def _bits(word: mi.UInt64, count: int, shape: tuple[int, int]) -> np.ndarray:
 
 
 @syntax
-def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | None = None) -> StraightHits:
-    """Follow straight rays through all surfaces along them; the recorder takes their layers."""
+def straight_hits(
+    loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | None = None, to_opaque: bool = False
+) -> StraightHits:
+    """Follow straight rays through all surfaces along them; the recorder takes their layers.
+
+    With `to_opaque` only to the first opaque one: `crossed`, `reached` and `count` are then those of its front.
+    """
     scene, table, offset = loaded.mi_scene, loaded.surfaces, mi.Float(loaded.offset)
     robust = loaded.robust_scene
     dr.make_opaque(offset)
@@ -213,6 +218,7 @@ def straight_hits(loaded: LoadedScene, ray: mi.Ray3f, recorder: LayerRecorder | 
         surfaces += 1
         # Behind a wall of the room there is nothing.
         active &= (surfaces < MAX_SURFACES) & ~((instance >= first_shell) & (instance <= last_shell))
+        active &= ~(stops & mi.Bool(to_opaque))
 
     return StraightHits(first, first_id, normal, background, background_id, transmittance, crossed, reached, count)
 

@@ -22,9 +22,8 @@ from ....procedural.description.scene import Prop, Scene, SceneObject, glass_sol
 from ....procedural.optics.medium import Medium
 from ...format import layout
 from ...format.objects_file import ObjectRecord
-from ...reader import StoredScene
 from ..files import compact_json
-from ..job import Exporter, Job, chosen_ids, write_nothing
+from .folders import scene_files
 from .looks import opaque_look
 
 #: glTF 2.0, binary: magic number, version, types of chunks.
@@ -84,16 +83,6 @@ class _File:
             file.write(struct.pack("<III", _MAGIC, _VERSION, size))
             file.write(struct.pack("<II", len(text), _JSON) + text)
             file.write(struct.pack("<II", len(self.buffer), _BIN) + self.buffer)
-
-
-def place(job: Job, scene: StoredScene) -> Path:
-    """Return the file of a scene."""
-    return job.out / f"{layout.scene_name(scene.scene_id)}.glb"
-
-
-def write(job: Job, scene: StoredScene) -> None:
-    """Write a scene."""
-    write_gltf(place(job, scene), scene.scene(), scene.objects().objects, chosen_ids(job, scene.objects()))
 
 
 def write_gltf(path: Path, scene: Scene, records: Sequence[ObjectRecord], ids: Sequence[int]) -> None:
@@ -184,9 +173,4 @@ def _medium(file: _File, medium: Medium, roughness: float) -> int:
     return file.add("materials", {"name": medium.name, "pbrMetallicRoughness": factors, "extensions": extensions})
 
 
-EXPORTER = Exporter(
-    purpose="scenes: Blender, viewers",
-    place=place,
-    write=write,
-    finish=write_nothing,
-)
+EXPORTER = scene_files("scenes: Blender, viewers", ".glb", write_gltf)

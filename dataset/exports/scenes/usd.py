@@ -27,8 +27,7 @@ from ....procedural.optics.capillary import GRAVITY
 from ....procedural.physics.mass import MassProperties, combined, moved_mass
 from ...format import layout
 from ...format.objects_file import ObjectRecord
-from ...reader import StoredScene
-from ..job import Exporter, Job, chosen_ids, write_nothing
+from .folders import scene_files
 from .simulated import (
     SimulatedBody,
     SimulatedTable,
@@ -76,25 +75,6 @@ class _Text:
         yield
         self.depth -= 1
         self.line("}")
-
-
-def place(job: Job, scene: StoredScene) -> Path:
-    """Return the file of a scene."""
-    return job.out / f"{layout.scene_name(scene.scene_id)}.usda"
-
-
-def write(job: Job, scene: StoredScene) -> None:
-    """Write a scene."""
-    objects = scene.objects()
-    write_usd(place(job, scene), scene.scene(), objects.objects, chosen_ids(job, objects))
-
-
-EXPORTER = Exporter(
-    purpose="scenes with physics: Isaac Sim, Omniverse, Blender",
-    place=place,
-    write=write,
-    finish=write_nothing,
-)
 
 
 def write_usd(path: Path, scene: Scene, records: Sequence[ObjectRecord], ids: Sequence[int]) -> None:
@@ -270,3 +250,6 @@ def _tuple(values: Iterable[float]) -> str:
 def _rows(values: np.ndarray) -> str:
     """Return vectors of float32 with nine digits, which read back exactly."""
     return ", ".join(f"({x:.9g}, {y:.9g}, {z:.9g})" for x, y, z in values.tolist())
+
+
+EXPORTER = scene_files("scenes with physics: Isaac Sim, Omniverse, Blender", ".usda", write_usd)
