@@ -1,6 +1,6 @@
 """Draw the picture of docs/polarisation.md from a data set with a polarisation camera.
 
-.venv/bin/render-scene --seed 7 --width 480 --height 360 --views 1 --out polarised --sensors.polarisation imx250mzr
+.venv/bin/render-scene --seed 7 --width 400 --height 300 --views 1 --out polarised --sensors.polarisation imx250mzr
 .venv/bin/python docs/polarisation_picture.py polarised
 """
 
