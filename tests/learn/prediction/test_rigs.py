@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -95,3 +96,11 @@ def test_one_eye_and_eyes_of_two_sizes_are_refused():
         with_rig(pair()[:1], RigOptions("d435"))
     with pytest.raises(InputError, match="pictures: expected two of one size, found 64 x 48 px and 32 x 24 px"):
         with_rig([pair(64, 48)[0], pair(32, 24)[0]], RigOptions("d435"))
+
+
+def test_the_calibration_that_the_page_shows_is_taken(tmp_path):
+    text = (Path(__file__).resolve().parents[3] / "docs" / "pretrained.md").read_text("utf-8")
+    (tmp_path / "rig.json").write_text(text.split("```json\n")[1].split("```")[0])
+    left, right = with_rig(pair(640, 480), RigOptions(str(tmp_path / "rig.json")))
+    assert (left.distortion.k1, right.distortion.k1) == (-0.12, -0.11)
+    assert right.world_T_camera[0, 3] == 0.0601
