@@ -66,10 +66,12 @@ def test_a_card_has_the_figures_of_its_reports():
         "spacing": "inverse",
         "depth_range": [0.3, 1.2],
     }
+    frames = {"bottle_0/1": {"found": 2, "mask_iou": 0.61, "centre_error": 0.0284}}
     weights = {"network": network, "views": {"size": [128, 160]}, "focal": 153.5, "baseline": 0.12, "step": 9}
     record = {
         "name": "base", "parameters": 7_600_000, "bytes": 15_500_000, "weights": weights, "settings": {"batch": 4},
-        "notes": {"machine": "two cores"}, "reports": {"unseen scenes": report},
+        "notes": {"machine": "two cores"},
+        "reports": {"unseen scenes": report, "real pairs": {"ways": {"whole": frames}}},
     }  # fmt: skip
     begin, end = card["BEGIN"], card["END"]
     page = card["with_card"](f"before\n{begin}old\n{end}after\n", record)
@@ -80,6 +82,7 @@ def test_a_card_has_the_figures_of_its_reports():
         "`base`: 7.6 million parameters, 15.5 MB.",
         "| machine | two cores |",
         "On `unseen scenes`, 12 samples (depth at full size):",
+        "| whole | bottle_0/1 | 2 | 0.61 | 28 | - | - |",
         "| transparent | 12 | 50 | 0.020 | 0.750 | 88 |",
         "| opaque | - | - | - | - | - |",
         "| mask IoU of all objects | - |",
