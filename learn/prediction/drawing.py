@@ -54,7 +54,7 @@ def drawn(picture: np.ndarray, found: Prediction) -> np.ndarray:
     for row in range(len(found)):
         _draw_label(over, _label(found, row), found.peak[row] * factor, row, placed)
     if not len(found):
-        _write(over, "no objects found", (8, size[1] - 10), _font(over))
+        _draw_label(over, ["no objects found"], np.array([0.0, size[1]]), 0, placed)
     depth, ends = _depth(found.depth, size)
     return np.concatenate([over, depth, _scale(size, ends)], axis=1)
 
@@ -117,7 +117,6 @@ def _draw_label(
 
 
 def _write(over: np.ndarray, text: str, at: tuple[int, int], font: float) -> None:
-    cv2.putText(over, text, at, cv2.FONT_HERSHEY_SIMPLEX, font, _PAPER, 3, cv2.LINE_AA)
     cv2.putText(over, text, at, cv2.FONT_HERSHEY_SIMPLEX, font, _INK, 1, cv2.LINE_AA)
 
 

@@ -27,7 +27,7 @@ SAMPLE = Path(__file__).resolve().parents[1] / "sample"
 
 def sample_pair() -> tuple[Path, Path]:
     """Return the pictures of the stereo pair that comes with glassware, left and right."""
-    return SAMPLE / "left.png", SAMPLE / "right.png"
+    return SAMPLE / "left.jpg", SAMPLE / "right.jpg"
 
 
 def predict(
