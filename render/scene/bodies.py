@@ -14,6 +14,7 @@ from ...procedural.optics.medium import AIR
 from ...procedural.patterns.bake import bake_material
 from .._mitsuba import mi
 from .shining_surfaces import surface_emitter
+from .spectrum import in_channel
 from .surfaces import Surface
 from .vertex_colours import coloured
 
@@ -21,6 +22,11 @@ from .vertex_colours import coloured
 #: Mostly metallic materials count at any roughness: all their light is reflected. Tables never count: the denoiser
 #: cleans reflections in their flat tops.
 POLISHED = 0.4
+#: Samples of emitter sampling of mostly metallic materials [1]: all their light is reflected, by a lobe that meets few
+#: of the directions from which a scene is lit. One takes 30 to 60 ns of CPU time, a ray about 290. On a table of
+#: brushed steel that mirrors lamps (seed 204, 160x120) the error of the noisy picture is 53, 43, 35, 27 and 24 sRGB
+#: levels with 1, 4, 8, 16 and 32, and a picture takes 1.57, 1.65, 1.86, 2.10 and 2.49 s.
+METAL_CANDIDATES = 16
 #: Longest edge of opaque meshes whose vertices are cache points of the irradiance cache [m]: as fine as contact shadows
 #: of small objects and as caustics. The table's sides may have longer ones [m]; its top has a grid of its own.
 MAX_EDGE, MAX_EDGE_OF_TABLE = 0.0035, 0.05
@@ -42,22 +48,27 @@ class Body:
     material: OpaqueMaterial | None = None  #: of an opaque body
 
 
-def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
+def scene_bodies(scene: Scene, glass_for_mitsuba: bool, channel: int | None = None) -> list[Body]:
     """Return the bodies of a scene: the table first, then the objects in their order.
 
-    The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it.
+    The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it. With a `channel`
+    colours are one of red, green and blue (`spectrum.in_channel`).
     """
-    material, surface = scene.table.material, Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    material = scene.table.material
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, candidates=_candidates(material))
     pixels, maps = bake_material(material)
-    table = mi.load_dict(opaque_bsdf(material, pixels, maps))
+    table = mi.load_dict(opaque_bsdf(material, in_channel(pixels, channel), maps))
     bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps, material)]
     glass = None if glass_for_mitsuba else table
     for index, item in enumerate(scene.objects):
-        bodies += _prop_bodies(item, index) if isinstance(item, Prop) else _glass_bodies(item, index, glass)
+        if isinstance(item, Prop):
+            bodies += _prop_bodies(item, index, channel)
+        else:
+            bodies += _glass_bodies(item, index, glass, channel)
     return bodies
 
 
-def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[Body]:
+def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None, channel: int | None) -> list[Body]:
     """Return one body for each interface, with the BSDF `glass` or, if that is None, a dielectric one of its own."""
     bodies = []
     for part in body.interfaces:
@@ -71,8 +82,10 @@ def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[Bo
             # A turbid liquid: its surface shows from the other medium, which is its front here.
             if part.seen_from_back:
                 mesh, front, back = turned(mesh), back, front
-            surface = Surface(body.id, index, True, front, back, 0.0, part.part, _is_polished(part.opaque))
-            bsdf = mi.load_dict(opaque_bsdf(part.opaque))
+            polished, count = _is_polished(part.opaque), _candidates(part.opaque)
+            surface = Surface(body.id, index, True, front, back, 0.0, part.part, polished, count)
+            pixels = in_channel(bake_material(part.opaque)[0], channel)
+            bsdf = mi.load_dict(opaque_bsdf(part.opaque, pixels))
         bodies.append(Body(mesh, body.world_T_object, bsdf, surface, material=part.opaque))
     return bodies
 
@@ -83,20 +96,30 @@ def _glass_bsdf(interface: Interface) -> mi.BSDF:
     return mi.load_dict(bsdf | {"int_ior": interface.back.eta, "ext_ior": interface.front.eta})
 
 
-def _prop_bodies(prop: Prop, index: int) -> list[Body]:
+def _prop_bodies(prop: Prop, index: int, channel: int | None) -> list[Body]:
     """Return one body for each part of a prop."""
     bodies, start = [], 0
     for number, piece in enumerate(prop.pieces):
         material, end = piece.material, start + piece.faces
         mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
         front = piece.surrounding or AIR
-        surface = Surface(prop.id, index, True, front, AIR, 0.0, polished=_is_polished(material), piece=number)
+        surface = Surface(
+            prop.id,
+            index,
+            True,
+            front,
+            AIR,
+            0.0,
+            polished=_is_polished(material),
+            candidates=_candidates(material),
+            piece=number,
+        )
         if material.base_colour.kind == "vertices":
             mesh, pixels = coloured(mesh)
             maps = bake_maps(material) if material.is_mapped else None
         else:
             pixels, maps = bake_material(material)
-        bsdf = mi.load_dict(opaque_bsdf(material, pixels, maps))
+        bsdf = mi.load_dict(opaque_bsdf(material, in_channel(pixels, channel), maps))
         bodies.append(Body(with_repeats(mesh, material), prop.world_T_object, bsdf, surface, maps, material))
         start = end
     return bodies
@@ -104,7 +127,15 @@ def _prop_bodies(prop: Prop, index: int) -> list[Body]:
 
 def _is_polished(material: OpaqueMaterial) -> bool:
     """Return whether pixels that show a prop of the material need more samples."""
-    return mean_roughness(material) <= POLISHED or mean_metallic(material) >= 0.5
+    return mean_roughness(material) <= POLISHED or _is_metal(material)
+
+
+def _is_metal(material: OpaqueMaterial) -> bool:
+    return mean_metallic(material) >= 0.5
+
+
+def _candidates(material: OpaqueMaterial) -> int:
+    return METAL_CANDIDATES if _is_metal(material) else 1
 
 
 def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None, maps: np.ndarray | None = None) -> dict:
@@ -146,14 +177,14 @@ def with_repeats(mesh: Mesh, material: OpaqueMaterial) -> Mesh:
     return replace(mesh, uv=mesh.uv * (across if across == up else np.array([across, up], mesh.uv.dtype)))
 
 
-def mitsuba_mesh(body: Body) -> mi.Mesh:
+def mitsuba_mesh(body: Body, channel: int | None = None) -> mi.Mesh:
     """Return the mesh in the world frame. Equal positions in two meshes of one object stay equal to the last bit."""
     mesh, world_T_mesh = body.mesh, body.world_T_mesh
     properties = mi.Properties()
     properties["mesh_bsdf"] = body.bsdf
     properties["face_normals"] = mesh.normals is None
     if body.material is not None and body.material.emission is not None:
-        properties["mesh_emitter"] = surface_emitter(body.material.emission)
+        properties["mesh_emitter"] = surface_emitter(body.material.emission, channel)
     shape = mi.Mesh(
         mesh.name,
         len(mesh.vertices),
