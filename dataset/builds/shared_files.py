@@ -26,7 +26,7 @@ def check_original(original: Path, root: Path, seed: int, twin: str) -> None:
         raise InputError(where, f"a data set of seed {seed}", f"{original}, of seed {found}")
 
 
-def share_equal_files(root: Path, original: Path) -> tuple[int, int]:
+def link_equal_files(root: Path, original: Path) -> tuple[int, int]:
     """Replace files of scenes that are equal in another data set by hard links to those; return how many, and bytes.
 
     What is equal is found by the digests in ``checksums.json`` and then by content, so nothing that a reader sees

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from glassware.core.errors import InputError
-from glassware.dataset.builds.shared_files import check_original, share_equal_files
+from glassware.dataset.builds.shared_files import check_original, link_equal_files
 from glassware.dataset.commands.build_dataset import main
 from glassware.dataset.format.checksums import faults_of, write_checksums
 
@@ -27,12 +27,12 @@ def test_equal_files_become_one_and_all_others_stay(tmp_path):
     first = _scene(original, 0, table=b"board", cup=b"glass", left=b"only here")
     twin = _scene(root, 0, table=b"board", cup=b"paint")
     alone = _scene(root, 1, table=b"board")
-    assert share_equal_files(root, original) == (1, len(b"board"))
+    assert link_equal_files(root, original) == (1, len(b"board"))
     assert (first / "meshes/table.ply").samefile(twin / "meshes/table.ply")
     assert not (first / "meshes/table.ply").samefile(alone / "meshes/table.ply")
     assert (twin / "meshes/cup.ply").read_bytes() == b"paint"
     assert [fault for folder in (first, twin, alone) for fault in faults_of(folder)] == []
-    assert share_equal_files(root, original) == (1, len(b"board"))  # again, where it is one already
+    assert link_equal_files(root, original) == (1, len(b"board"))  # again, where it is one already
     shutil.rmtree(original)
     assert list(faults_of(twin)) == []
 
@@ -42,7 +42,7 @@ def test_a_file_that_was_changed_after_its_checksum_is_not_shared(tmp_path):
     damaged = _scene(original, 0, table=b"board")
     twin = _scene(root, 0, table=b"board")
     (damaged / "meshes/table.ply").write_bytes(b"bored")
-    assert share_equal_files(root, original) == (0, 0)
+    assert link_equal_files(root, original) == (0, 0)
     assert (twin / "meshes/table.ply").read_bytes() == b"board"
 
 
