@@ -16,15 +16,28 @@ if TYPE_CHECKING:
     from .networks.mvtrans import MVTrans
     from .networks.reference import ReferenceMVTrans, load_reference
     from .networks.settings import NetworkSettings
+    from .prediction.predictor import Prediction, Predictor, load
 
-__all__ = ["MVTrans", "NetworkSettings", "ReferenceMVTrans", "build_network", "load_reference"]
+__all__ = [
+    "MVTrans",
+    "NetworkSettings",
+    "Prediction",
+    "Predictor",
+    "ReferenceMVTrans",
+    "build_network",
+    "load",
+    "load_reference",
+]
 #: The module of each public name.
 _MODULES = {
-    "MVTrans": "mvtrans",
-    "NetworkSettings": "settings",
-    "ReferenceMVTrans": "reference",
-    "build_network": "build",
-    "load_reference": "reference",
+    "MVTrans": "networks.mvtrans",
+    "NetworkSettings": "networks.settings",
+    "Prediction": "prediction.predictor",
+    "Predictor": "prediction.predictor",
+    "ReferenceMVTrans": "networks.reference",
+    "build_network": "networks.build",
+    "load": "prediction.predictor",
+    "load_reference": "networks.reference",
 }
 
 
@@ -32,7 +45,7 @@ def __getattr__(name: str) -> Any:
     """Load a public name when it is first used (PEP 562)."""
     if name not in _MODULES:
         raise AttributeError(f"module 'glassware.learn' has no attribute {name!r}; it has {', '.join(__all__)}")
-    value = getattr(import_module(f".networks.{_MODULES[name]}", __name__), name)
+    value = getattr(import_module(f".{_MODULES[name]}", __name__), name)
     globals()[name] = value
     return value
 

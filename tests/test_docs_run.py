@@ -34,6 +34,7 @@ import glassware as gw
 from glassware.dataset.commands import build_dataset, glassware, render_scene
 from glassware.dataset.settings.config import merged, parse_request
 from glassware.dataset.settings.draw import draw
+from glassware.learn.training.weights import shipped_weights
 from glassware.procedural.description.scene import Scene
 from glassware.render.backend.variant import activate
 
@@ -76,6 +77,11 @@ NOT_RUN = {
     "glassware evaluate keypose/": "needs trained networks; tests/learn/test_baselines.py runs it",
     "glassware train keypose-ours ": "takes minutes; tests/learn/data/test_partial_truth.py trains on such data",
     "glassware evaluate out-keypose/": "needs the weights of the run above",
+    "glassware predict base left.png": "needs a pair of one's own; tests/learn/prediction reads such pairs",
+    "glassware predict out-tuned/": "needs the weights of a run; tests/learn/commands/test_commands.py runs it",
+    "glassware train mine --init ": "needs weights and data; tests/learn/training/test_weights.py begins such a run",
+    "glassware export-weights ": "needs the weights of a run; tests/learn/training/test_weights.py exports some",
+    "glassware export-onnx ": "takes long; tests/learn/prediction/test_export_onnx.py runs it",
     "glassware view out --rerun": "opens a window",
     "glassware view out --save out.rrd": "needs the extra `view`; tests/dataset/viewer/test_recording.py writes one",
     "ray ": "starts a cluster of several machines",
@@ -83,6 +89,8 @@ NOT_RUN = {
     "taskset -c 0 python bench/": "takes minutes to hours; its options are compared with its --help",
     "python examples/": "tests/test_examples.py runs them; their options are compared with their --help",
 }
+if "base" not in shipped_weights():
+    NOT_RUN["glassware predict base --sample"] = "needs weights that this checkout does not have"
 #: Options of commands that are only parsed, and why.
 PARSED_ONLY = {
     "--rerun": "opens a window; tests/dataset/viewer reads the recordings",
@@ -93,6 +101,8 @@ PARSED_ONLY = {
 REFUSED = {"render-scene --views 0": "render-scene: cameras.views: expected greater than or equal to 1, found 0"}
 #: Python blocks that cannot run here, by a line of theirs, and why.
 PYTHON_NOT_RUN = {
+    'load("base")': "needs a pair of one's own; tests/learn/prediction/test_predictor.py runs such lines",
+    "onnxruntime.InferenceSession(": "needs the extra `onnx`; tests/learn/prediction/test_export_onnx.py runs it",
     "load_reference(": "needs the weights that the authors of MVTrans released",
     "from cryptomatte_api": "needs the extra `formats`; tests/dataset/format/test_cryptomatte.py reads such files",
 }

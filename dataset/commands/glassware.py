@@ -36,6 +36,8 @@ _PURPOSES = {
     "train": "train a network that finds glass in pictures (needs the extra `learn`)",
     "evaluate": "measure a network against the labels of a data set (needs the extra `learn`)",
     "predict": "objects and depth in pictures of your own (needs the extra `learn`)",
+    "export-weights": "the weights of a training run alone, to use or to pass on (needs the extra `learn`)",
+    "export-onnx": "a network for other runtimes (needs the extras `learn` and `onnx`)",
     "tables": "the paper's tables: networks trained, compared and written up (needs the extra `learn`)",
 }
 
@@ -61,7 +63,7 @@ def _help() -> None:
 
     say("Pictures of glass with labels: glassware COMMAND [OPTIONS]\n")
     for name, purpose in _purposes().items():
-        say(f"  {name:11} {purpose}")
+        say(f"  {name:14} {purpose}")
     say("\nglassware COMMAND --help lists the options of a command, glassware --version the version.")
     say("A first scene: glassware render --seed 7 --out out")
 

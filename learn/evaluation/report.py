@@ -67,7 +67,7 @@ def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
 
     ``auc`` and ``near`` are over the keypoints of all objects; those of missed objects are within no threshold.
     ``mae``, ``add``, ``add_s``, ``translation`` [m] and ``rotation`` [degrees] are means over the detected objects,
-    to be read together with ``found``, the fraction of objects detected.
+    to be read together with ``found``, the fraction of objects detected; ``translation_median`` is a median.
     """
     found = [item.pose for item in objects if item.pose is not None]
     distances = [distance for pose in found for distance in pose.points]
@@ -81,6 +81,7 @@ def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
         "add": _mean([pose.add for pose in found]),
         "add_s": _mean([pose.add_s for pose in found]),
         "translation": _mean([pose.translation for pose in found]),
+        "translation_median": float(np.median([pose.translation for pose in found])) if found else math.nan,
         "rotation": math.degrees(_mean([pose.rotation for pose in found])),
     }
 

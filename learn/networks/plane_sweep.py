@@ -44,6 +44,19 @@ def quarter_intrinsics(K: Tensor) -> Tensor:
     return K * K.new_tensor([0.25, 0.25, 1.0])[:, None]
 
 
+def inverse_intrinsics(K: Tensor) -> Tensor:
+    """Return the inverses of intrinsic matrices, (B, 3, 3), whose last row is 0, 0, 1.
+
+    In closed form, which needs no solver: a GPU does not wait for the processor, and ONNX has no inverse of matrices.
+    """
+    (a, b), (c, d) = K[:, 0, :2].unbind(-1), K[:, 1, :2].unbind(-1)
+    x, y = K[:, 0, 2], K[:, 1, 2]
+    determinant = a * d - b * c
+    zero, one = torch.zeros_like(a), torch.ones_like(a)
+    rows = [d, -b, b * y - d * x, -c, a, c * x - a * y, zero, zero, determinant * one]
+    return (torch.stack(rows, dim=-1) / determinant[:, None]).unflatten(-1, (3, 3))
+
+
 def source_T_reference(world_T_camera: Tensor) -> Tensor:
     """Return the pose of the reference (view 0) in each source view, (B, V - 1, 4, 4), of rigid poses, (B, V, 4, 4)."""
     rotation, translation = world_T_camera[:, 1:, :3, :3].mT, world_T_camera[:, 1:, :3, 3:]
@@ -83,7 +96,7 @@ def plane_sweep_grid(
     )
     pixels = torch.stack([x, y, torch.ones_like(x)]).reshape(3, -1).to(planes)  # homogeneous, (3, h w)
     # K_s (R d K_r^-1 p + t): one matrix per sample for the rays, and one column for the translation.
-    rays = K_source @ source_T_reference[:, :3, :3] @ torch.linalg.inv(K_reference) @ pixels  # (B, 3, h w)
+    rays = K_source @ source_T_reference[:, :3, :3] @ inverse_intrinsics(K_reference) @ pixels  # (B, 3, h w)
     shift = K_source @ source_T_reference[:, :3, 3:]  # (B, 3, 1)
     projected = rays[:, :, None] * planes[:, None, :, None] + shift[..., None]  # (B, 3, D, h w)
     Z = projected[:, 2]

@@ -46,6 +46,16 @@ def read_safetensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
     return tensors, metadata
 
 
+def read_metadata(path: Path) -> dict[str, str]:
+    """Return the metadata of a safetensors file alone; InputError where it is missing or damaged."""
+    _check_is_file(path)
+    try:
+        with safe_open(path, framework="pt") as file:
+            return dict(file.metadata() or {})
+    except (SafetensorError, OSError) as error:
+        raise InputError(path, _EXPECTED, _first_line(error)) from error
+
+
 def is_safetensors(path: Path) -> bool:
     """Return whether a file begins as safetensors files do: 8 bytes of length, then a JSON object."""
     _check_is_file(path)

@@ -24,8 +24,15 @@ from ...core.setting_errors import setting_error
 from ..data.dataset_digest import DatasetRecord
 from ..networks.build import Network, build_network
 from ..networks.reference import load_reference
-from ..networks.weights_file import is_safetensors, read_safetensors, read_weights, write_safetensors
+from ..networks.weights_file import (
+    is_safetensors,
+    read_metadata,
+    read_safetensors,
+    read_weights,
+    write_safetensors,
+)
 from .settings import TrainSettings
+from .weights import ENTRY, WeightsHeader, read_shipped, weights_path
 
 CHECKPOINT_SCHEMA = "glassware/checkpoint/2"
 #: Groups of tensors, and the state of torch's generator on the CPU.
@@ -78,6 +85,8 @@ def save_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 def load_checkpoint(path: Path) -> Checkpoint:
     """Return a checkpoint; InputError where the file is damaged or no checkpoint of ours."""
     tensors, metadata = read_safetensors(path)
+    if ENTRY in metadata:
+        raise InputError(path, "a checkpoint of glassware train", "weights alone, from which --init begins a run")
     if "checkpoint" not in metadata:
         raise InputError(path, "a checkpoint of glassware train", "a safetensors file without its header")
     try:
@@ -109,18 +118,45 @@ def load_checkpoint(path: Path) -> Checkpoint:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class TrainedWeights:
+    """The weights of a network that is to be used, or that a run begins with."""
+
+    settings: TrainSettings
+    weights: dict[str, Tensor]
+    header: WeightsHeader | None  #: None for a checkpoint
+
+
+def load_trained(path: Path) -> TrainedWeights:
+    """Return settings and weights of a checkpoint of ours (the averaged ones), or of weights alone (`weights`).
+
+    Parameters
+    ----------
+    path : Path
+        A file, or the name of weights that come with glassware.
+    """
+    path = weights_path(path)
+    if ENTRY in read_metadata(path):
+        header, weights = read_shipped(path)
+        return TrainedWeights(TrainSettings(network=header.network, views=header.views), weights, header)
+    checkpoint = load_checkpoint(path)
+    return TrainedWeights(checkpoint.settings, checkpoint.eval_weights(), None)
+
+
 def load_network(path: Path) -> tuple[Network, TrainSettings]:
     """Return the network of a file in evaluation mode, and its settings.
 
-    The file is a checkpoint of ours, or a torch file with the weights of the released code.
+    The file is a checkpoint of ours, weights alone (or their name), or a torch file with the weights of the released
+    code.
     """
+    path = weights_path(path)
     if not is_safetensors(path):
         settings = TrainSettings.model_validate({"network": {"variant": "reference"}})
         return load_reference(read_weights(path), str(path)), settings
-    checkpoint = load_checkpoint(path)
-    network = build_network(checkpoint.settings.network)
-    load_weights(network, checkpoint.eval_weights(), path)
-    return network.eval(), checkpoint.settings
+    trained = load_trained(path)
+    network = build_network(trained.settings.network)
+    load_weights(network, trained.weights, path)
+    return network.eval(), trained.settings
 
 
 def load_weights(network: torch.nn.Module, weights: Mapping[str, Tensor], where: Path) -> None:

@@ -20,7 +20,7 @@ from ...dataset.reader import Dataset
 from ..data.loading import load_batches
 from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
-from .checkpoint import Checkpoint, load_checkpoint, load_weights, save_checkpoint
+from .checkpoint import Checkpoint, load_checkpoint, load_trained, load_weights, save_checkpoint
 from .losses import total_loss
 from .methods import losses_of, note_step, outputs_of, with_own_views
 from .out_folder import make_out_folder
@@ -66,7 +66,7 @@ def train(
     say : callable
         Takes lines about the progress.
     init : Path, optional
-        A checkpoint whose network and weights a new run begins with, on this data set and with these settings.
+        A checkpoint, or weights by name, whose network a new run begins with, on this data set and with these settings.
 
     Raises
     ------
@@ -79,9 +79,9 @@ def train(
     settings = with_own_views(settings)
     if init is not None and resume is not None:
         raise InputError("init", "none beside resume, which goes on with a run", init)
-    weights = None if init is None else load_checkpoint(init)
+    weights = None if init is None else load_trained(init)
     if init is not None and weights is not None:
-        settings = with_network_of(settings, weights, init)
+        settings = with_network_of(settings, weights.settings, init)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
     if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
@@ -91,9 +91,10 @@ def train(
     state = set_up_training(settings if start is None else start.settings, data, out)
     _check_samples(state, data)
     if start is None:
-        load_pretrained_context(state)
         if init is not None and weights is not None:
-            load_weights(state.network, weights.eval_weights(), init)
+            load_weights(state.network, weights.weights, init)
+        else:
+            load_pretrained_context(state)
         start = _initial_checkpoint(state)
     else:
         restore_train_state(state, start, resume or out)

@@ -13,6 +13,7 @@ from torch import Tensor
 from ...core.errors import InputError
 from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
 from ..data.samples import Samples
+from ..data.settings import ViewSettings
 from ..networks.build import Network, build_network
 from ..networks.efficientnet import EfficientNet, load_efficientnet, published_weights
 from ..networks.layers import set_memory_formats
@@ -83,14 +84,23 @@ def load_pretrained_context(state: TrainState) -> None:
         load_pretrained(context, path)
 
 
-def with_network_of(settings: TrainSettings, start: Checkpoint, where: Path) -> TrainSettings:
-    """Return settings with the network of a checkpoint; InputError where they ask for another one."""
-    wanted, found = settings.network.model_dump(), start.settings.network.model_dump()
+def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
+    """Return settings with the network of trained weights, and their views where the settings leave these open.
+
+    Raises
+    ------
+    InputError
+        Where the settings ask for another network.
+    """
+    wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
         if value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
-    return settings.model_copy(update={"network": start.settings.network})
+    views, open_views = settings.views, ViewSettings()
+    left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
+    views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
+    return settings.model_copy(update={"network": trained.network, "views": views})
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:

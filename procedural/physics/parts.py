@@ -42,9 +42,9 @@ class BodyParts:
 def body_parts(item: SceneObject) -> BodyParts:
     """Return the convex parts of an object without its liquid, none thinner than `LEAST_THICKNESS`.
 
-    Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes and
-    drawn props are cut into sectors; what is convex but for `HULL_DEPTH` is its hull; everything else, which files
-    have, is decomposed.
+    Vessels and props that are solids of revolution are rings of wedges of their section; vessels of other shapes are
+    cut into sectors, drawn props into slices or sectors; what is convex but for `HULL_DEPTH` is its hull; everything
+    else, which files have, is decomposed.
     """
     found = _parts(item)
     parts = tuple(replace(part, points=thickened(part.points)) for part in found.parts)
@@ -71,7 +71,7 @@ def _parts(item: SceneObject) -> BodyParts:
     if outlines:
         return _of_revolution(outlines)
     if not isinstance(item, Prop) or item.origin is None:  # drawn things are closed, and each is there once
-        sectors = sector_parts(mesh)[1]
+        sectors = sector_parts(mesh, wall=not isinstance(item, Prop))[1]
         if sectors:
             return BodyParts(corners, tuple(sectors))
     return BodyParts(corners, tuple(ConvexPart(part) for part in convex_parts(places, faces)))

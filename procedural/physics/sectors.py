@@ -1,5 +1,7 @@
 """Walls of any shape as convex bodies: sectors around the vertical axis, cut by levels until every piece is convex.
 
+What is no wall around an axis, as the cover of a book, is cut into slices instead where a few of them are convex.
+
 Vessels with handles, spouts, flutes or corners are no solids of revolution, but their walls still run around an axis.
 Cuts by planes are exact, and the hull of a piece contains it, so bodies that keep apart from the hulls keep apart from
 the vessel.
@@ -21,14 +23,17 @@ SIMPLIFICATION = 1e-4
 #: Mean depth of the dents of a piece that is convex enough, and the height of the lowest piece [m].
 MEAN_DENT, LEAST_HEIGHT = 3e-4, 3e-3
 
+#: Thinnest slice [m], and most of them [1]: a dozen halvings find both boards of a book.
+LEAST_SLICE, MOST_SLICES = 4e-4, 24
 #: How far the corners of a flat foot or rim may differ in height [m]: rounding to single precision.
 _FLAT = 1e-7
 
 
-def sector_parts(mesh: Mesh) -> tuple[np.ndarray, list[ConvexPart]]:
+def sector_parts(mesh: Mesh, wall: bool = True) -> tuple[np.ndarray, list[ConvexPart]]:
     """Return the corners of the hull (n, 3), and convex bodies that together contain a closed mesh around the z axis.
 
-    Both are empty where the mesh is not closed.
+    Both are empty where the mesh is not closed. What is no `wall` around the axis is cut into slices where few of them
+    are convex.
     """
     from manifold3d import Error, Manifold, Mesh64
 
@@ -41,7 +46,7 @@ def sector_parts(mesh: Mesh) -> tuple[np.ndarray, list[ConvexPart]]:
     components = solid.decompose()
     if any(some.volume() <= 0.0 for some in components):  # the surface of a hollow within
         components = [solid]
-    pieces = [piece for whole in components for piece in _pieces(whole)]
+    pieces = [piece for whole in components for piece in _pieces(whole, wall)]
     return _standing(_corners(solid.hull()), points), [ConvexPart(_corners(piece)) for piece in pieces]
 
 
@@ -56,11 +61,15 @@ def _standing(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.concatenate([inner, ends])
 
 
-def _pieces(whole: Any) -> list[Any]:
+def _pieces(whole: Any, wall: bool) -> list[Any]:
     """Return hulls that together contain a connected solid."""
     hull = _hull_of(whole)
     if hull is not None:
         return [hull]
+    for axis in () if wall else (2, 0, 1):
+        slices = _slices(whole, axis)
+        if slices is not None:
+            return slices
     halves = whole.split_by_plane((0.0, 1.0, 0.0), 0.0)
     sectors = [
         sector
@@ -69,6 +78,25 @@ def _pieces(whole: Any) -> list[Any]:
         for sector in _sectors(part, np.pi * number, np.pi * (number + 1), SECTORS // 2)
     ]
     return [piece for sector in sectors for piece in _levels(sector)]
+
+
+def _slices(whole: Any, axis: int) -> list[Any] | None:
+    """Return hulls of slices across an axis that together contain a solid; None where they are not convex or many."""
+    found, waiting = [], [whole]
+    normal = tuple(float(k == axis) for k in range(3))
+    while waiting:
+        piece = waiting.pop()
+        hull = _hull_of(piece)
+        if hull is not None:
+            found.append(hull)
+            continue
+        box = piece.bounding_box()
+        low, high = box[axis], box[axis + 3]
+        if high - low < LEAST_SLICE or len(found) + len(waiting) >= MOST_SLICES:
+            return None
+        for part in piece.split_by_plane(normal, 0.5 * (low + high)):
+            waiting += part.decompose()
+    return found
 
 
 def _corners(solid: Any) -> np.ndarray:

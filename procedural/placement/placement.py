@@ -34,6 +34,13 @@ class PlacementSettings(Model):
     gap: Length = Field(
         default=0.005, ge=0.001, le=0.2, description="Smallest distance between two objects, seen from above [m]"
     )
+    carried_probability: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=1.0,
+        description="Probability that a vessel that stands is on a tray or a plate of the scene, where one has room "
+        "for it and nothing piles",
+    )
     edge: Length = Field(default=0.03, ge=0.0, le=0.5, description="Smallest distance to the edge of the table [m]")
 
 

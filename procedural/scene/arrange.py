@@ -14,12 +14,14 @@ from ..description.surroundings import Table
 from ..physics.bodies import mechanics_of
 from ..physics.faults import placed_parts
 from ..physics.piles import pile_up
+from ..physics.sections import hull
 from ..placement.placement import CONTACT_GAP, draw_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline
 from ..things.draw import prop_pose
 from .draw_vessels import Parts, group_mesh, lies
 from .settings import SceneSettings
+from .supports import put_on_carriers
 
 #: Least angle between the axis of a vessel that lies and the vertical [rad]: it lies on its side or on a corner of its
 #: foot and its rim, and neither stands nor is it turned over.
@@ -31,9 +33,9 @@ def arranged(
 ) -> tuple[list[SceneObject], Rest | None]:
     """Return the objects in their places with their parts behind them, and how they came to rest where they fell.
 
-    Vessels stand upright, but empty ones lie with `physics.lying_probability`. Props stand apart in a stable pose, or
-    with `physics.piled_probability` all props of the scene and the vessels that lie fall onto the table. Where no pile
-    comes to rest they stand apart after all, which the record says.
+    Vessels stand upright, some of them on trays and plates, but empty ones lie with `physics.lying_probability`. Props
+    stand apart in a stable pose, or with `physics.piled_probability` all props of the scene and the vessels that lie
+    fall onto the table. Where no pile comes to rest they stand apart after all, which the record says.
 
     Parameters
     ----------
@@ -90,10 +92,16 @@ def _apart(
     meshes = [group_mesh(item, parts.get(item.name, ())) for item in objects]
     streams = [stream(seed, scene_id, f"pose/{item.name}") for item in objects]
     poses = [_pose(*given) for given in zip(objects, meshes, upright, streams, strict=True)]
+    carrier = put_on_carriers(objects, upright, meshes, poses, settings.placement, seed, scene_id)
     outlines = [footprint(mesh, pose) for mesh, pose in zip(meshes, poses, strict=True)]
-    shifts = draw_positions(outlines, board, settings.placement, stream(seed, scene_id, "placement"))
-    for pose, shift in zip(poses, shifts, strict=True):
-        pose[:3, 3] += [*shift, CONTACT_GAP]
+    groups = {number: [outlines[number]] for number in range(len(objects)) if number not in carrier}
+    for number, below in carrier.items():
+        groups[below].append(outlines[number])
+    around = [hull(np.concatenate(some)) if len(some) > 1 else some[0] for some in groups.values()]
+    shifts = draw_positions(around, board, settings.placement, stream(seed, scene_id, "placement"))
+    shift_of = dict(zip(groups, shifts, strict=True))
+    for number, pose in enumerate(poses):
+        pose[:3, 3] += [*shift_of[carrier.get(number, number)], CONTACT_GAP]
     return poses
 
 

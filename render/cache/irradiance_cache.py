@@ -18,7 +18,8 @@ import numpy as np
 from ...procedural.description.scene import TABLE_ID
 from ...procedural.surroundings.colour import luminance
 from .._mitsuba import dr, mi
-from ..pictures.integrator import Bounce, PathDimensions, StoredCaustics, balance_heuristic
+from ..pictures.emitter_candidates import candidates_of, chosen_candidate
+from ..pictures.integrator import Bounce, PathDimensions, StoredCaustics, emitter_weight
 from ..scene.emitters import sample_emitter, unoccluded
 from ..scene.loaded_scene import LoadedScene
 from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
@@ -62,7 +63,6 @@ class TracedSurfaces:
 
     rows: mi.Bool  #: by registry id
     caustics: StoredCaustics
-    maps: SurfaceMaps | None = None  #: of the materials that have any
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +191,9 @@ def shade(
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
     radiance = diffuse(material, point.wi, eye, moments_at(shader.moments, index, weight, point))
     level = dr.max(radiance)
-    radiance += _glossy_emitter(shader.loaded, point, offset, u, _FAINT * level)
+    count = candidates_of(table.candidates, row)
+    direct, u_emitter = _glossy_emitter(shader.loaded, point, offset, u, _FAINT * level, count)
+    radiance += direct
 
     wo = sample_glossy(material, point.wi, u.u_bsdf)
     value, pdf = eval_glossy(material, point.wi, wo)
@@ -204,7 +206,7 @@ def shade(
     survival = dr.clip(_SURVIVAL * dr.max(factor) * dr.maximum(expected_radiance, 1.0), _MIN_SURVIVAL, 1.0)
     factor = dr.select(u.u_lobe < survival, factor / survival, 0.0)
     radiance, factor = (dr.select(is_light, 0.0, x) for x in (radiance, factor))
-    return Bounce(radiance, direction, factor, pdf, mi.Bool(False))
+    return Bounce(radiance, direction, factor, pdf, mi.Bool(False), u_emitter, count)
 
 
 def interpolated(moments: mi.Float, index: list[mi.UInt32], weight: list[mi.Float]) -> Moments:
@@ -259,19 +261,34 @@ def diffuse(material: OpaqueParameters, wi: mi.Vector3f, eye: mi.Vector3f, momen
 
 
 def _glossy_emitter(
-    loaded: LoadedScene, point: ShadingPoint, offset: mi.Float, u: PathDimensions, faint: mi.Float
-) -> mi.Color3f:
-    """Return the radiance of the glossy lobe by emitter sampling (next-event estimation), MIS-weighted.
+    loaded: LoadedScene,
+    point: ShadingPoint,
+    offset: mi.Float,
+    u: PathDimensions,
+    faint: mi.Float,
+    count: mi.UInt32 | None,
+) -> tuple[mi.Color3f, mi.Point2f]:
+    """Return the radiance of the glossy lobe by emitter sampling (next-event estimation), and its sample point.
 
-    Below the radiance `faint`, Russian roulette decides whether a shadow ray is traced.
+    It is MIS-weighted, and chosen from a number of candidates. Below the radiance `faint`, Russian roulette decides
+    whether a shadow ray is traced.
     """
-    ds, arriving = sample_emitter(loaded.emitters, point.si, u.u_emitter)
-    value, pdf = eval_glossy(point.material, point.wi, point.frame.to_local(ds.d))
-    if point.tilt is not None:
-        value = dr.select(point.tilt.above(point, ds.d), value, 0.0)
-    mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
-    weight = mis_weight * value
+
+    def sampled(at: mi.Point2f) -> tuple[mi.DirectionSample3f, mi.Color3f, mi.Color3f]:
+        ds, arriving = sample_emitter(loaded.emitters, point.si, at)
+        value, pdf = eval_glossy(point.material, point.wi, point.frame.to_local(ds.d))
+        if point.tilt is not None:
+            value = dr.select(point.tilt.above(point, ds.d), value, 0.0)
+        return ds, arriving, dr.select(ds.pdf > 0.0, emitter_weight(ds, pdf, count) * value, 0.0)
+
+    def reflected(at: mi.Point2f) -> mi.Float:
+        _, arriving, weight = sampled(at)
+        return dr.max(weight * arriving)
+
+    chosen = chosen_candidate(u.u_emitter, u.u_rr, count, reflected)
+    ds, arriving, weight = sampled(chosen.u)
+    weight *= chosen.weight
     survival = dr.minimum(dr.max(weight * arriving) / faint, 1.0)
-    lit = (ds.pdf > 0.0) & (u.u_rr < survival)
+    lit = (ds.pdf > 0.0) & (chosen.left < survival)
     arriving = unoccluded(loaded.emitters, point.si, (ds, arriving), offset, lit)
-    return dr.select(lit, weight * arriving / survival, 0.0)
+    return dr.select(lit, weight * arriving / survival, 0.0), chosen.u

@@ -33,7 +33,7 @@ from ..pictures.integrator import (
 from ..pictures.picture import Tracer
 from ..pictures.sample_weights import SampleWeights
 from ..pictures.sampler import SobolSampler, hashed_seed, sample_4d
-from ..scene.emitters import Emitters, ends_paths
+from ..scene.emitters import ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
@@ -97,7 +97,7 @@ def _traced_surfaces(loaded: LoadedScene, cache: IrradianceCache, ids: tuple[int
     rows = mi.Bool(np.isin(np.array(loaded.surfaces.instance), ids))
     dr.make_opaque(rows)
     caustics = np.zeros(cache.moments.shape) if cache.caustics is None else cache.caustics
-    return TracedSurfaces(rows, stored_caustics(loaded, cache.points, caustics), loaded.surfaces.maps)
+    return TracedSurfaces(rows, stored_caustics(loaded, cache.points, caustics))
 
 
 def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
@@ -258,7 +258,7 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
         if any_traced:
             glossy, through_glass = fraction, mi.Bool(False)
         beta *= bounce.weight
-        ray, pdf, delta = leave(si, bounce.direction, offset), bounce.pdf, bounce.delta
+        ray, pdf, delta = leave(si, bounce.direction, offset), bounce.mis_pdf, bounce.delta
         medium = medium_after_bounce(medium, si, bounce.direction)
         beta, active = _russian_roulette(beta, eta_scale, depth >= rr_depth, hashed_seed(sampler, before))
         active &= depth < max_depth
@@ -307,12 +307,12 @@ def _opaque_bounce(
     cached = shade(shader, si, barycentric, ray, offset, u)
     if shader.traced is None:  # the usual case has a kernel without the second kind
         return cached, mi.Color3f(1.0)
-    return _traced_bounce(tracing.loaded.emitters, si, barycentric, ray, offset, u, cached, shader.traced)
+    return _traced_bounce(tracing.loaded, si, barycentric, ray, offset, u, cached, shader.traced)
 
 
 @syntax
 def _traced_bounce(
-    emitters: Emitters,
+    loaded: LoadedScene,
     si: mi.SurfaceInteraction3f,
     barycentric: mi.Point2f,
     ray: mi.Ray3f,
@@ -324,8 +324,8 @@ def _traced_bounce(
     """Replace the bounces of surfaces that are path traced."""
     bounce, glossy = cached, mi.Color3f(1.0)
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
-    if dr.hint(traced, exclude=[emitters, surfaces]):
-        bounce = opaque_event(emitters, si, ray, offset, u, surfaces.maps)
+    if dr.hint(traced, exclude=[loaded, surfaces]):
+        bounce = opaque_event(loaded.emitters, si, ray, offset, u, loaded.surfaces)
         stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy

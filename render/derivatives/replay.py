@@ -165,10 +165,10 @@ def replay(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, picture: P
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, tape]):
-            bounce = opaque_event(emitters, si, ray, offset, u, table.maps)
-            direction, weight, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            bounce = opaque_event(emitters, si, ray, offset, u, table)
+            direction, weight, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
             L += beta * bounce.radiance
-            add_sampled_emitter(tape, scene.sample_emitter(u.u_emitter.x)[0], beta * bounce.radiance)
+            add_sampled_emitter(tape, scene.sample_emitter(bounce.u_emitter.x)[0], beta * bounce.radiance)
 
         if dr.hint(active & ~surface.opaque, exclude=[table, scene, emitters, sampler, tape]):
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))

@@ -21,7 +21,7 @@ from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
-from ..scene.surface_maps import MappedValues, SurfaceMaps, above_surface, mapped_normal, values_at
+from ..scene.surface_maps import MappedValues, above_surface, mapped_normal, values_at
 from ..scene.surfaces import (
     AIR_INDEX,
     SurfaceMedia,
@@ -31,6 +31,7 @@ from ..scene.surfaces import (
     registry_id,
     surface_media,
 )
+from .emitter_candidates import candidates_of, chosen_candidate, per_candidate
 from .sampler import SobolSampler, hashed_seed, sample_4d
 
 #: Maximum survival probability of Russian roulette [1]; below 1, so that paths in lossless glass end.
@@ -54,7 +55,7 @@ class PathOrigin:
     """Where and how the direction of a path's last segment was sampled: what MIS weights emitter hits by."""
 
     previous: mi.Interaction3f  #: the point that the segment starts from
-    pdf: mi.Float  #: density of the direction by solid angle
+    pdf: mi.Float  #: density of the direction by solid angle, over the number of samples of emitter sampling
     delta: mi.Bool  #: whether emitter sampling could not have sampled it (camera, glass, Dirac lobes)
 
 
@@ -77,6 +78,13 @@ class Bounce:
     weight: mi.Spectrum  #: factor on the throughput
     pdf: mi.Float  #: density of the direction by solid angle
     delta: mi.Bool  #: whether the sampled lobe is a Dirac one
+    u_emitter: mi.Point2f  #: sample point of emitter sampling
+    candidates: mi.UInt32 | None  #: samples of emitter sampling that it was chosen from (`emitter_candidates`)
+
+    @property
+    def mis_pdf(self) -> mi.Float:
+        """The density that the direction has in the MIS weight against one sample of emitter sampling."""
+        return per_candidate(self.pdf, self.candidates)
 
 
 #: Light through glass that is stored: takes a point on an opaque surface, its barycentric coordinates, the ray and the
@@ -141,8 +149,8 @@ def trace(
         active, u = hit & ~ends_paths(emitters, si, hit), path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
-            bounce = opaque_event(emitters, si, ray, offset, u, table.maps)
-            direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.pdf, bounce.delta
+            bounce = opaque_event(emitters, si, ray, offset, u, table)
+            direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
             medium = medium_after_bounce(surface.before, si, direction)
             L += beta * bounce.radiance
             if caustics_shade is not None:
@@ -256,18 +264,28 @@ def opaque_event(
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
-    maps: SurfaceMaps | None = None,
+    table: SurfaceTable,
 ) -> Bounce:
     """Sample an emitter (next-event estimation) and the next direction at an opaque surface."""
-    bsdf, si = si.bsdf(ray), two_sided(si, ray)
-    values = None if maps is None else values_at(maps, si, registry_id(si.shape))
+    bsdf, row, si = si.bsdf(ray), registry_id(si.shape), two_sided(si, ray)
+    values = None if table.maps is None else values_at(table.maps, si, row)
     if values is not None:
         si = mapped_frame(si, values, ray)
-    ds, arriving = sample_emitter(emitters, si, u.u_emitter)
+
+    def reflected(at: mi.Point2f) -> mi.Float:
+        ds, arriving = sample_emitter(emitters, si, at)
+        value, pdf = bsdf.eval_pdf(mi.BSDFContext(), si, si.to_local(ds.d))
+        found = unpolarised(value) * unpolarised(arriving) * emitter_weight(ds, pdf, count)
+        above = mi.Bool(True) if values is None else above_surface(values, si, -ray.d, ds.d)
+        return dr.select(above & (ds.pdf > 0.0), dr.max(found), 0.0)
+
+    count = candidates_of(table.candidates, row)
+    chosen = chosen_candidate(u.u_emitter, u.u_rr, count, reflected)
+    ds, arriving = sample_emitter(emitters, si, chosen.u)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)
-    lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0)
+    lit = (ds.pdf > 0.0) & dr.any(unpolarised(value) > 0.0) & (chosen.weight > 0.0)
     arriving = unoccluded(emitters, si, (ds, arriving), offset, lit)
-    mis_weight = dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, pdf))
+    mis_weight = chosen.weight * emitter_weight(ds, pdf, count)
     delta = mi.has_flag(sampled.sampled_type, mi.BSDFFlags.Delta)
     direction = si.to_world(sampled.wo)
     if values is not None:
@@ -277,4 +295,9 @@ def opaque_event(
         value = mueller_to_world(value, si, si.to_local(ds.d), ds.d, ray)
         weight = mueller_to_world(weight, si, sampled.wo, direction, ray)
     direct = dr.select(lit, mi.Spectrum(mis_weight) * value * arriving, 0.0)
-    return Bounce(direct, direction, weight, sampled.pdf, delta)
+    return Bounce(direct, direction, weight, sampled.pdf, delta, chosen.u, count)
+
+
+def emitter_weight(ds: mi.DirectionSample3f, pdf: mi.Float, candidates: mi.UInt32 | None) -> mi.Float:
+    """Return the MIS weight of one of a number of samples of emitter sampling, times that number."""
+    return dr.select(ds.delta, 1.0, balance_heuristic(ds.pdf, per_candidate(pdf, candidates)))

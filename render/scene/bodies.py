@@ -21,6 +21,11 @@ from .vertex_colours import coloured
 #: Mostly metallic materials count at any roughness: all their light is reflected. Tables never count: the denoiser
 #: cleans reflections in their flat tops.
 POLISHED = 0.4
+#: Samples of emitter sampling of mostly metallic materials [1]: all their light is reflected, by a lobe that meets few
+#: of the directions from which a scene is lit. One takes 30 to 60 ns of CPU time, a ray about 290. On a table of
+#: brushed steel that mirrors lamps (seed 204, 160x120) the error of the noisy picture is 53, 43, 35, 27 and 24 sRGB
+#: levels with 1, 4, 8, 16 and 32, and a picture takes 1.57, 1.65, 1.86, 2.10 and 2.49 s.
+METAL_CANDIDATES = 16
 #: Longest edge of opaque meshes whose vertices are cache points of the irradiance cache [m]: as fine as contact shadows
 #: of small objects and as caustics. The table's sides may have longer ones [m]; its top has a grid of its own.
 MAX_EDGE, MAX_EDGE_OF_TABLE = 0.0035, 0.05
@@ -47,7 +52,8 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool) -> list[Body]:
 
     The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it.
     """
-    material, surface = scene.table.material, Surface(TABLE_ID, -1, True, AIR, AIR, 0.0)
+    material = scene.table.material
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, candidates=_candidates(material))
     pixels, maps = bake_material(material)
     table = mi.load_dict(opaque_bsdf(material, pixels, maps))
     bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps, material)]
@@ -71,7 +77,8 @@ def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None) -> list[Bo
             # A turbid liquid: its surface shows from the other medium, which is its front here.
             if part.seen_from_back:
                 mesh, front, back = turned(mesh), back, front
-            surface = Surface(body.id, index, True, front, back, 0.0, part.part, _is_polished(part.opaque))
+            polished, count = _is_polished(part.opaque), _candidates(part.opaque)
+            surface = Surface(body.id, index, True, front, back, 0.0, part.part, polished, count)
             bsdf = mi.load_dict(opaque_bsdf(part.opaque))
         bodies.append(Body(mesh, body.world_T_object, bsdf, surface, material=part.opaque))
     return bodies
@@ -90,7 +97,17 @@ def _prop_bodies(prop: Prop, index: int) -> list[Body]:
         material, end = piece.material, start + piece.faces
         mesh = some_faces(prop.mesh, slice(start, end), f"{prop.mesh.name}-{number}") if prop.parts else prop.mesh
         front = piece.surrounding or AIR
-        surface = Surface(prop.id, index, True, front, AIR, 0.0, polished=_is_polished(material), piece=number)
+        surface = Surface(
+            prop.id,
+            index,
+            True,
+            front,
+            AIR,
+            0.0,
+            polished=_is_polished(material),
+            candidates=_candidates(material),
+            piece=number,
+        )
         if material.base_colour.kind == "vertices":
             mesh, pixels = coloured(mesh)
             maps = bake_maps(material) if material.is_mapped else None
@@ -104,7 +121,15 @@ def _prop_bodies(prop: Prop, index: int) -> list[Body]:
 
 def _is_polished(material: OpaqueMaterial) -> bool:
     """Return whether pixels that show a prop of the material need more samples."""
-    return mean_roughness(material) <= POLISHED or mean_metallic(material) >= 0.5
+    return mean_roughness(material) <= POLISHED or _is_metal(material)
+
+
+def _is_metal(material: OpaqueMaterial) -> bool:
+    return mean_metallic(material) >= 0.5
+
+
+def _candidates(material: OpaqueMaterial) -> int:
+    return METAL_CANDIDATES if _is_metal(material) else 1
 
 
 def opaque_bsdf(material: OpaqueMaterial, pixels: np.ndarray | None = None, maps: np.ndarray | None = None) -> dict:

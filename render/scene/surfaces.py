@@ -33,6 +33,7 @@ class Surface:
     alpha: float  #: GGX roughness of an interface
     part: str = PARTS[0]  #: one of `PARTS`
     polished: bool = False  #: whether it is a prop with clear mirror reflections
+    candidates: int = 1  #: samples of emitter sampling of which one is followed, in pictures
     piece: int = 0  #: number of the part of a prop, or of the material of a room's surface
     label: int | None = None  #: id in labels, where it is not `instance`
 
@@ -76,6 +77,9 @@ class SurfaceTable:
     sigma_a_render: mi.Float  #: by medium and sample of the active variant (`spectrum.absorption_at`) [1/m]
     media: tuple[Medium, ...]
     maps: SurfaceMaps | None = None  #: of roughness, metalness and normals; None where no material has any
+    #: Samples of emitter sampling (`emitter_candidates`); None where all surfaces have one: the kernels of such scenes
+    #: know nothing of more.
+    candidates: mi.UInt32 | None = None
 
     def relative_index(self, surface: SurfaceMedia, wavelengths: Any) -> mi.Float:
         """Return the index behind an interface over the index before it, for pictures in the active variant."""
@@ -103,6 +107,7 @@ def surface_table(
     rows = [blank if row is None else row for row in rows]
 
     index, absorption = media_columns(media, dispersion)
+    counts = [row.candidates for row in rows]
 
     def column(kind: type, values: list | np.ndarray) -> Any:
         array = kind(np.array(values))
@@ -127,6 +132,7 @@ def surface_table(
         sigma_a_render=column(mi.Float, absorption.astype(np.float32).ravel()),
         media=tuple(media),
         maps=surface_maps(maps or {}, len(rows)),
+        candidates=column(mi.UInt32, counts) if max(counts) > 1 else None,
     )
 
 

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from glassware.annotate.masks import decode_mask
 from glassware.annotate.symmetries import REVOLUTION
 from glassware.core.errors import InputError
 from glassware.dataset.reader import Dataset
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
-from glassware.learn.decoding.decode import Detections, decode
-from glassware.learn.evaluation import predict as predict_module
+from glassware.learn.decoding.decode import decode
 from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise
 from glassware.learn.evaluation.run import score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
@@ -162,20 +160,3 @@ def _error_of_objects(score) -> float:
     errors = score.full["objects"]
     assert errors is not None
     return errors.mae
-
-
-def test_a_prediction_has_the_category_and_the_mask_of_each_object_as_run_lengths():
-    masks = torch.zeros(2, 5, 7, dtype=torch.bool)
-    masks[0, 1:3, 2:6] = True
-    found = Detections(
-        score=torch.tensor([0.9, 0.5]),
-        peak=torch.zeros(2, 2),
-        camera_T_object=torch.eye(4, dtype=torch.float64).expand(2, 4, 4),
-        size=torch.ones(2, 3, dtype=torch.float64),
-        mask=masks,
-    )
-    first, second = predict_module._object_records(found)
-    assert (first["category"], first["pixels"], second["pixels"]) == ("object", 8, 0)
-    for record, mask in zip((first, second), masks, strict=True):
-        assert record["mask"]["size"] == [5, 7]
-        np.testing.assert_array_equal(decode_mask(record["mask"]["counts"], (5, 7)), mask.numpy())

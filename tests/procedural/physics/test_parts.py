@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from glassware.core.mesh import Mesh
+from glassware.core.mesh import Mesh, volume_of
+from glassware.core.randomness import stream
 from glassware.procedural.description.bodies import Prop
 from glassware.procedural.description.material import OpaqueMaterial, UniformTexture
 from glassware.procedural.physics.parts import body_parts, with_attached
 from glassware.procedural.physics.sections import area, coarser, convex_pieces, hull
+from glassware.procedural.physics.sectors import SIMPLIFICATION
 from glassware.procedural.physics.thin import LEAST_THICKNESS, thickened
 from glassware.procedural.physics.wedges import WEDGE_TOLERANCE, ConvexPart, revolved_hull, revolved_parts
+from glassware.procedural.props.draw import PropSettings
+from glassware.procedural.things.draw import draw_prop_of_kind
 
 #: Half section of a thick cup [m]: 40 mm wide and 80 mm high inside walls of 3 mm.
 CUP = np.array([[0.0, 0.0], [0.043, 0.0], [0.043, 0.083], [0.040, 0.083], [0.040, 0.003], [0.0, 0.003]])
@@ -126,6 +130,19 @@ def test_a_flat_sheet_is_a_thin_box():
     found = body_parts(_prop("napkin", _box(0.1, 0.2, 0.0)))
     assert not found.parts
     np.testing.assert_allclose(np.ptp(found.hull, axis=0), (0.1, 0.2, LEAST_THICKNESS), atol=1e-8)
+
+
+def test_a_book_is_a_few_slices_that_contain_it_and_little_else():
+    settings = PropSettings.model_validate({"kinds": ["book"]})
+    book = draw_prop_of_kind(stream(1, 0, "prop"), stream(1, 0, "kind"), settings, id=2, name="book")
+    assert isinstance(book, Prop)
+    parts = body_parts(book).parts
+    assert 3 < len(parts) < 30
+    points = book.mesh.vertices.astype(np.float64)
+    depth = [(points @ (planes := ConvexHull(part.points).equations)[:, :3].T + planes[:, 3]).max(1) for part in parts]
+    assert np.min(depth, axis=0).max() < SIMPLIFICATION + ROUNDING
+    volume = sum(ConvexHull(part.points).volume for part in parts)
+    assert volume == pytest.approx(volume_of(book.mesh), rel=0.05)
 
 
 def test_a_label_adds_nothing_to_the_shape_of_a_body_and_a_cap_does():

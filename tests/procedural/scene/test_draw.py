@@ -37,7 +37,7 @@ _PLACE = {"world_T_object"}
 
 
 def _settings(assets: Path | None = None, environment: dict | None = None) -> SceneSettings:
-    # Piles have tests of their own, in tests/procedural/physics.
+    # Piles, and vessels on trays, have tests of their own, in tests/procedural/physics and test_supports.py.
     files: dict[str, Any] = {"environment": environment or {}}
     if assets is not None:
         files = {"mesh_dir": assets / "meshes", "texture_dir": assets / "textures"}
@@ -47,6 +47,7 @@ def _settings(assets: Path | None = None, environment: dict | None = None) -> Sc
             "cameras": {"views": 5, "width": 64, "height": 48},
             "picture": {"spp": 4},
             "physics": {"piled_probability": 0.0},
+            "placement": {"carried_probability": 0.0},
             **files,
         }
     )

@@ -10,8 +10,8 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.core.pose import look_at
 from glassware.learn.data.views import CameraView
-from glassware.learn.evaluation.camera_checks import check_cameras
-from glassware.learn.evaluation.predict import read_image_and_camera
+from glassware.learn.prediction.camera_checks import check_cameras
+from glassware.learn.prediction.own_pictures import read_own_picture
 
 PICTURE = np.zeros((48, 64, 3), np.uint8)
 K = np.array([[60.0, 0.0, 31.5], [0.0, 60.0, 23.5], [0.0, 0.0, 1.0]])
@@ -87,4 +87,4 @@ INPUTS = Path(__file__).resolve().parents[4] / "shared" / "inputs" / "predict"
 def test_cameras_of_reported_files_are_refused_with_what_is_suspicious(names, said) -> None:
     paths = [INPUTS / f"{name}.png" for name in names]
     with pytest.raises(InputError, match=said):
-        check_cameras([read_image_and_camera(path) for path in paths], paths)
+        check_cameras([read_own_picture(path).view for path in paths], paths)

@@ -1,0 +1,1 @@
+"""Prediction in pictures of your own: their cameras and lenses, checks, windows, drawn output."""

@@ -1,0 +1,124 @@
+"""From a checkpoint of a training run to weights to use, with the record that a model card is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.atomic_io import write_atomically
+from ...core.errors import InputError
+from ...core.json_file import json_text, read_json
+from ...core.yaml_file import yaml_settings
+from ...dataset.reader import Dataset
+from ..data.scaling import fitted, fitted_K
+from ..data.splits import scenes_of
+from ..data.views import read_camera
+from ..networks.build import build_network
+from .checkpoint import check_weights, load_checkpoint
+from .settings import TrainSettings
+from .weights import WeightsHeader, glassware_version, write_weights
+
+CARD_SCHEMA = "glassware/model-card/1"
+#: Views whose cameras are read, evenly spaced: enough for a median.
+_CAMERAS = 200
+#: Settings of a run that say nothing about its weights.
+_LEFT_OUT = {"machine", "pretrained", "log_every", "pictures_every", "save_every"}
+
+
+def export_weights(
+    checkpoint: Path,
+    out: Path,
+    name: str,
+    data: Path | None = None,
+    reports: Mapping[str, Path] | None = None,
+    notes: Path | None = None,
+) -> Path:
+    """Write the weights of a checkpoint as OUT/NAME.safetensors, and their record as OUT/NAME.json.
+
+    Parameters
+    ----------
+    checkpoint : Path
+        Of `glassware train`; the averaged weights are taken where the run keeps them.
+    out : Path
+        Folder; it is made.
+    name : str
+        Name of the weights.
+    data : Path, optional
+        The data set that they were trained on, for the focal length and the baseline of its cameras.
+    reports : mapping of Path, optional
+        ``report.json`` files of `glassware evaluate`, by the words under which the model card shows them.
+    notes : Path, optional
+        YAML file with texts by their headings, such as ``command`` and ``machine``.
+
+    Returns
+    -------
+    Path
+        The file with the weights.
+    """
+    run = load_checkpoint(checkpoint)
+    weights = run.eval_weights()
+    check_weights(build_network(run.settings.network).state_dict(), weights, checkpoint)
+    focal, baseline = (None, None) if data is None else _median_camera(data, run.settings)
+    header = WeightsHeader(
+        name=name,
+        glassware=glassware_version(),
+        network=run.settings.network,
+        views=run.settings.views,
+        focal=focal,
+        baseline=baseline,
+        step=run.step,
+        data=run.data,
+    )
+    record = {
+        "schema_version": CARD_SCHEMA,
+        "name": name,
+        "weights": header.model_dump(mode="json"),
+        "parameters": sum(value.numel() for value in weights.values()),
+        "averaged": run.ema is not None,
+        "settings": run.settings.model_dump(mode="json", exclude=_LEFT_OUT),
+        "reports": {words: _report(path) for words, path in (reports or {}).items()},
+        "notes": {} if notes is None else _notes(notes),
+    }
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / f"{name}.safetensors"
+    write_weights(path, header, weights)
+    record["bytes"] = path.stat().st_size
+    write_atomically(out / f"{name}.json", json_text(record).encode())
+    return path
+
+
+def _median_camera(data: Path, settings: TrainSettings) -> tuple[float, float | None]:
+    """Return the median focal length at the network's size [px], and the median baseline of stereo pairs [m]."""
+    views = [view for scene in scenes_of(Dataset.open(data), settings.train_split) for view in scene.views]
+    if not views:
+        raise InputError(data, "views of the training data", "none")
+    focal, baselines = [], []
+    for view in views[:: max(1, len(views) // _CAMERAS)]:
+        camera = read_camera(view)
+        fit = fitted((camera.height, camera.width), settings.views.size, settings.views.fit)
+        focal.append(fitted_K(np.array(camera.K), fit)[0, 0])
+        if camera.baseline is not None:
+            baselines.append(camera.baseline)
+    return float(np.median(focal)), float(np.median(baselines)) if baselines else None
+
+
+def _report(path: Path) -> dict[str, Any]:
+    found = read_json(path)
+    if not isinstance(found, dict):
+        raise InputError(path, "a report of glassware evaluate", type(found).__name__)
+    # A path of the machine on which it was evaluated says nothing to others.
+    data = found.get("data")
+    if isinstance(data, dict):
+        found["data"] = {key: value for key, value in data.items() if key != "path"}
+    return {key: value for key, value in found.items() if key != "checkpoint"}
+
+
+def _notes(path: Path) -> dict[str, str]:
+    found = yaml_settings(str(path), "notes")
+    for heading, text in found.items():
+        if not isinstance(text, str):
+            raise InputError(f"{path}: {heading}", "a text", type(text).__name__)
+    return found
