@@ -37,7 +37,7 @@ _RUNS = (cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_NONE, cv2.IMWRITE_PNG_CO
 
 def _mostly_runs(picture: np.ndarray) -> bool:
     """Return whether nine pixels of ten are those to their left, as in maps of ids, classes and bits."""
-    return np.count_nonzero(picture[:, 1:] == picture[:, :-1]) > 0.9 * picture.size
+    return bool(np.count_nonzero(picture[:, 1:] == picture[:, :-1]) > 0.9 * picture.size)
 
 
 def save_png(path: Path | str, picture: Frame | np.ndarray, exposure: float = 1.0) -> None:
