@@ -8,6 +8,8 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from .polarisation import angle_of_linear_polarisation, degree_of_linear_polarisation
+
 #: Colours of pixels that show nothing, and of the table.
 NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
@@ -167,6 +169,24 @@ def difference_colours(difference: np.ndarray, most: float) -> np.ndarray:
     colours = np.rint(255.0 + np.abs(level) * (colour - 255.0)).astype(np.uint8)
     colours[~known] = NOTHING
     return colours
+
+
+def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return pictures of the degree and of the angle of linear polarisation, each (H, W, 3) uint8.
+
+    Parameters
+    ----------
+    stokes : (H, W, 3 or 4, 1) float
+        Stokes vectors of one channel. The degree is grey, from black for 0 to white for 1. The angle is a hue, red for
+        0 and cyan for a right angle, as bright as the degree.
+    """
+    degree = np.clip(degree_of_linear_polarisation(stokes)[..., 0], 0.0, 1.0)
+    turn = (angle_of_linear_polarisation(stokes)[..., 0] / np.pi) % 1.0
+    grey = np.rint(255.0 * srgb_curve(degree)).astype(np.uint8)
+    # OpenCV's hues of 8 bits go to 180.
+    hue = (np.rint(180.0 * turn).astype(np.int64) % 180).astype(np.uint8)
+    angle = cv2.cvtColor(np.stack([hue, np.full_like(hue, 255), grey], axis=-1), cv2.COLOR_HSV2RGB)
+    return np.repeat(grey[..., None], 3, axis=-1), angle
 
 
 def normal_colours(normal: np.ndarray) -> np.ndarray:

@@ -66,9 +66,11 @@ def setting_error(
     inner, expected, found = fault(first)
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
-    place = [*group, *loc, *([inner] if inner else [])]
+    # What a file of its own says begins with the file: that is no part of a dotted name.
+    of_file = [inner] if inner and ("/" in inner or ": " in inner) else []
+    name = ".".join([*group, *loc, *([inner] if inner and not of_file else [])])
     found += "".join(f"; {line}" for line in _more_unknown(faults[1:], group))
-    return InputError(": ".join([str(where), *([".".join(place)] if place else [])]), expected, found)
+    return InputError(": ".join([str(where), *([name] if name else []), *of_file]), expected, found)
 
 
 def _place(one: Any) -> list[str]:

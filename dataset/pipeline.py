@@ -91,8 +91,9 @@ def write_scene(
                 check_written(stored, scene, writer.records)
             if view in previews:
                 sensor = None if scene.depth_camera is None else stored.sensor_depth()
-                row = PreviewRow(layout.view_name(view), picture, scene.cameras[view], frame.geometry, labels, sensor)
-                shown.append(row)
+                stokes = None if frame.stokes is None else frame.stokes.vector
+                name, camera = layout.view_name(view), scene.cameras[view]
+                shown.append(PreviewRow(name, picture, camera, frame.geometry, labels, sensor, stokes))
     return WrittenScene(writer.rows, shown, renderer.light_check)
 
 

@@ -28,10 +28,10 @@ from ..procedural.description.depth_camera import DepthCamera
 from ..procedural.description.scene import Scene, SceneObject
 from ..procedural.scene.scene_file import load_scene
 from ..procedural.sensors.depth_cameras import depth_camera
-from ..render.frame import EYES, Eye, Geometry, Layers, Refraction
+from ..render.frame import EYES, Eye, Geometry, Layers, Refraction, StokesPicture
 from .depth_cameras.from_labels import painted
 from .format import layout
-from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, camera_of, known_K
+from .format.camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord, PolarisationRecord, camera_of, known_K
 from .format.exr import channel, exr_channels, read_channel, read_exr, stacked
 from .format.file_kinds import FileKind
 from .format.map_files import parts_of, read_coordinates, read_disparity, read_ids, read_pair
@@ -39,8 +39,10 @@ from .format.matte_files import read_mattes
 from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.partial_labels import PARTIAL_LABELS_SCHEMA, PartialLabels
 from .format.pictures import read_png
+from .format.polarisation_files import read_stokes
 from .format.ray_files import read_layers, read_refraction
 from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
+from .polarisation_cameras.mosaic import signal_of, stokes_of_mosaic
 
 _Frame = Literal["camera", "world"]
 
@@ -210,6 +212,40 @@ class StoredView:
         if device.kind != "stereo":
             raise InputError(self.folder / layout.CAMERA, "a stereo camera, such as sensors.depth d435", device.name)
         return read_numbers(self._of_kind(IR_FILES[_checked_eye(eye)], "infrared")[0])
+
+    def polarisation_camera(self) -> PolarisationRecord | None:
+        """Return the polarisation camera of the view: filters, bits, gain; None where there is none."""
+        return self.camera_record().polarisation_camera
+
+    def stokes(self) -> StokesPicture:
+        """Return the Stokes vectors that the left camera sees, with their errors.
+
+        It needs a data set made with the setting `sensors.polarisation`.
+        """
+        self._polarisation()
+        return read_stokes(self.folder / layout.STOKES)
+
+    def polarisation_mosaic(self) -> np.ndarray:
+        """Return what a polarisation camera reports, (H, W) uint16: a filter on each pixel (docs/polarisation.md)."""
+        self._polarisation()
+        return read_numbers(self.folder / layout.MOSAIC)
+
+    def measured_stokes(self) -> np.ndarray:
+        """Return the Stokes vectors that follow from the mosaic, (H, W, 3, n) float32: s0, s1, s2 as radiance.
+
+        A camera in colour has three channels, others have one. They have the camera's noise, and at edges they are
+        wrong: the four filters of a cell see different places.
+        """
+        device = self._polarisation()
+        light = signal_of(self.polarisation_mosaic(), device.bits, device.black_level) / np.float32(device.gain)
+        return stokes_of_mosaic(device, light)
+
+    def _polarisation(self) -> PolarisationRecord:
+        device = self.polarisation_camera()
+        if device is None:
+            expected = "a data set with a polarisation camera, made with --sensors.polarisation imx250mzr"
+            raise InputError(self.folder / layout.CAMERA, expected, "one without")
+        return device
 
     def painted_sensor_depth(self, device: str = "d435", seed: int = 0) -> np.ndarray:
         """Return true depth with a depth camera's kinds of faults painted onto it, (H, W) float32 [m]; NaN for none.

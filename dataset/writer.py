@@ -37,9 +37,10 @@ from .format.map_files import write_disparity, write_maps, write_pair
 from .format.matte_files import write_mattes
 from .format.objects_file import ObjectsFile, objects_file
 from .format.pictures import stored_radiance, write_png
+from .format.polarisation_files import write_polarisation
 from .format.ray_files import write_layers, write_refraction
 from .format.sensor_files import write_sensor
-from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, with_sensor, write_views_table
+from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, with_sensors, write_views_table
 from .output_checks import check_output
 from .settings.scene_ranges import format_scenes, parse_scenes
 
@@ -138,7 +139,7 @@ class SceneWriter:
         """Write all files of a view; return its left picture, (H, W, 3) uint8."""
         folder = self.folder / layout.view_name(frame.view)
         picture = write_view(folder, self._scene, frame, labels, self._files, stereo=stereo, mattes=mattes)
-        self.rows.append(with_sensor(view_row(self._scene, frame.view, frame, labels), folder, frame.geometry))
+        self.rows.append(with_sensors(view_row(self._scene, frame.view, frame, labels), folder, frame.geometry))
         return picture
 
 
@@ -242,6 +243,7 @@ def write_view(
         development or development_of(scene),
         (scene.scene_id, frame.view),
         depth_camera,
+        write_polarisation(folder, scene, frame),
     )
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)

@@ -112,6 +112,14 @@ class Beams:
     Z: np.ndarray  #: (h, w) float32, planar depth of first surfaces [m]; +inf for nothing
 
 
+@dataclass(frozen=True, eq=False)
+class StokesPicture:
+    """The polarisation of the light that the left camera sees, in the frame of the picture (docs/polarisation.md)."""
+
+    vector: np.ndarray  #: (H, W, 4, 3) float32, s0 to s3 in linear Rec.709, in the unit of the pictures' radiance
+    error: np.ndarray  #: (H, W, 4) float32, standard error of the luminance of each, estimated
+
+
 class PictureNoise(Model):
     """Samples and noise of one eye's picture before the denoiser."""
 
@@ -207,6 +215,7 @@ class Frame:
     refraction: Refraction | None = None  #: of the left camera; None if not requested
     infrared: Infrared | None = None  #: of the stereo depth camera; None without one
     beams: Beams | None = None  #: of the time-of-flight camera; None without one
+    stokes: StokesPicture | None = None  #: of the left camera; None without a polarisation camera
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
     tone: Tone = LINEAR  #: white balance and highlights, for display
     scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand

@@ -10,6 +10,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from .frame import (
     Infrared,
     LightCheck,
     LineOfSight,
+    StokesPicture,
     SurfaceLight,
     Transmission,
 )
@@ -121,6 +123,7 @@ class Renderer:
                 with stopwatch.stage("draft"):
                     on_draft(draft_picture(self.loaded))
             self._tracer, self._cache = PATH_TRACER, None
+            self._polarised: tuple[Any, ...] = ()
             if cached:
                 on_stage("light")
                 with stopwatch.stage("light"):
@@ -280,6 +283,38 @@ class Renderer:
         with self._active():
             return trace_beams(self.loaded, number, device)
 
+    def stokes(self, view: int, samples: int | None = None) -> StokesPicture:
+        """Trace the Stokes vectors that the left camera sees; with a polarisation camera, every frame has them.
+
+        Parameters
+        ----------
+        view : int
+            Number of the camera in ``scene.cameras``.
+        samples : int, optional
+            Paths of each pixel that shows glass; by default those of the polarisation camera.
+
+        Raises
+        ------
+        InputError
+            Where the scene has no such view, or neither `samples` nor a polarisation camera.
+        """
+        from .pictures.stokes import load_channels, room_light, trace_stokes_view
+
+        device, number = self.scene.polarisation_camera, self._view(view)
+        if samples is None and device is None:
+            raise InputError("scene, polarisation_camera", "one, as sensors.polarisation imx250mzr, or samples", "none")
+        count = whole_number("samples", device.samples if samples is None and device else samples, 1, 1 << 20)
+        seed = stream_seed(self.scene.seed, self.scene.scene_id, f"render/{number}/stokes")
+        polarised = f"{self.variant.split('_')[0]}_ad_{'spectral' if 'spectral' in self.variant else 'mono'}_polarized"
+        with self._active():
+            light = room_light(self.loaded)
+            try:
+                activate(polarised)
+                self._polarised = self._polarised or load_channels(self.scene, light)
+                return trace_stokes_view(self._polarised, self.scene.cameras[number], count, seed)
+            finally:
+                activate(self.variant)
+
     def surface_light(self) -> SurfaceLight | None:
         """Return the irradiance cache as a list of points; None where paths are traced."""
         if self._cache is None:
@@ -324,11 +359,11 @@ class Renderer:
                     infrared = self.infrared(view)
                 else:
                     beams = self.beams(view)
+        with stopwatch.stage("polarisation"):
+            stokes = None if scene.polarisation_camera is None else self.stokes(view)
         with stopwatch.stage("denoise"):
-            clean = [
-                denoise_image(noisy, picture.fireflies) if picture.denoise else noisy.radiance
-                for noisy in (left, right)
-            ]
+            eyes = (left, right)
+            clean = [denoise_image(one, picture.fireflies) if picture.denoise else one.radiance for one in eyes]
         return Frame(
             view=view,
             left=clean[0],
@@ -342,6 +377,7 @@ class Renderer:
             refraction=refraction,
             infrared=infrared,
             beams=beams,
+            stokes=stokes,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,

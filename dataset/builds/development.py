@@ -122,8 +122,9 @@ def _develop_view(view: StoredView, scene_folder: Path, development: Development
     Z = channel(read_exr(path), "Z", path)
     pair = (view.radiance("left"), view.radiance("right"))
     folder = scene_folder / layout.view_name(view.number)
-    place, device = (scene, view.number), view.depth_camera()
-    write_developed(folder, view.camera(), pair, Z, development, place, device)
+    place, record = (scene, view.number), view.camera_record()
+    devices = record.depth_camera, record.polarisation_camera
+    write_developed(folder, view.camera(), pair, Z, development, place, *devices)
 
 
 def _views(source: Path) -> Iterator[StoredView]:

@@ -42,8 +42,9 @@ Folder = Literal[
     "cameras.poses",
     "vessels.media",
     "sensors.depth",
+    "sensors.polarisation",
 ]
-_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth")
+_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth", "sensors.polarisation")
 #: Suffixes of meshes and of what they or their layouts refer to.
 _MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
@@ -153,8 +154,10 @@ def write_manifest(root: Path, manifest: Manifest) -> None:
 
 def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
-    device = settings.sensors.depth if isinstance(settings.sensors.depth, Path) else None  # else one by its name
-    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media, device), strict=True))
+    sensors = settings.sensors
+    # Others are devices by their names.
+    devices = [one if isinstance(one, Path) else None for one in (sensors.depth, sensors.polarisation)]
+    files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media, *devices), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 
 

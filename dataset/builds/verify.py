@@ -44,6 +44,8 @@ REQUESTED = {
     "vessel-parts": (layout.VESSEL_PARTS,),
     "mattes": (layout.MATTES, layout.CRYPTOMATTE),
 }
+#: Files of views with a polarisation camera.
+_STOKES_FILES = (layout.STOKES, layout.DOLP, layout.AOLP, layout.MOSAIC)
 #: Files that each view has, whatever was requested.
 _VIEW_FILES = (
     layout.CAMERA,
@@ -167,7 +169,8 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
 
 def _view_faults(scene: Scene, view: StoredView, files: FileKinds) -> Iterator[str]:
     sensor = _sensor_files(files, scene.depth_camera)
-    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *sensor):
+    stokes = () if scene.polarisation_camera is None else _STOKES_FILES
+    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *sensor, *stokes):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
             return

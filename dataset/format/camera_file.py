@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
 from ...annotate.labels import Rle
@@ -68,6 +69,25 @@ class DepthCameraRecord(Model):
     reasons: tuple[str, ...] = Field(description="Names of the numbers 0, 1, 2 ... in `sensor_valid.png`")
 
 
+class PolarisationRecord(Model):
+    """The polarisation camera in the place of a view's left camera, and what the numbers of its mosaic mean."""
+
+    name: str = Field(description="Of the device")
+    angles: tuple[tuple[float, float], tuple[float, float]] = Field(
+        description="Axes of the filters of the first 2 x 2 pixels, row by row, counter-clockwise from x [deg]"
+    )
+    colour: bool = Field(description="Whether each such cell lies behind one colour of a Bayer mosaic, rows R G, G B")
+    extinction_ratio: float = Field(gt=1.0, description="Light that passes along the axis over that across it")
+    bits: int = Field(ge=1, le=16, description="Of the numbers; the largest one is saturated")
+    black_level: float = Field(ge=0.0, lt=1.0, description="Number of no light, as a fraction of the largest one")
+    gain: float = Field(gt=0.0, description="Signal, from black 0 to saturated 1, for each unit of radiance")
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Axes of the filters of a cell, (2, 2) float64 [rad]."""
+        return np.radians(np.array(self.angles))
+
+
 class CameraFile(Model):
     """Intrinsics, pose and exposure of a view."""
 
@@ -112,6 +132,11 @@ class CameraFile(Model):
     )
     depth_camera: DepthCameraRecord | None = Field(
         default=None, exclude_if=lambda record: record is None, description="Of `sensor_depth.png`; absent without one"
+    )
+    polarisation_camera: PolarisationRecord | None = Field(
+        default=None,
+        exclude_if=lambda record: record is None,
+        description="Of `polarisation_mosaic.png`; absent without one",
     )
     conventions: dict[str, str] = Field(description="What the numbers mean")
 

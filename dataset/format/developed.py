@@ -16,7 +16,7 @@ from ..cameras.develop import PairLight, develop, lost_pixels
 from ..cameras.lens import Lens, check_distortion
 from ..cameras.presets import CAMERAS
 from . import layout
-from .camera_file import DepthCameraRecord, camera_file
+from .camera_file import DepthCameraRecord, PolarisationRecord, camera_file
 from .dataset_file import Development
 from .pictures import write_png
 
@@ -29,6 +29,7 @@ def write_developed(
     development: Development,
     place: tuple[int, int],
     depth_camera: DepthCameraRecord | None = None,
+    polarisation_camera: PolarisationRecord | None = None,
 ) -> np.ndarray:
     """Write ``left.png``, ``right.png`` and ``camera.json`` of a view into its folder; return the left picture.
 
@@ -48,6 +49,8 @@ def write_developed(
         Numbers of scene and view: those of the random streams.
     depth_camera : DepthCameraRecord, optional
         The depth camera beside the left one.
+    polarisation_camera : PolarisationRecord, optional
+        The polarisation camera in its place.
     """
     optics = optics_of(camera)
     light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone)
@@ -61,6 +64,7 @@ def write_developed(
             "colour_camera": None if lens.ideal else lens.name,
             "distortion": "none" if lens.rectified or lens.distortion.absent else lens.distortion,
             "depth_camera": depth_camera,
+            "polarisation_camera": polarisation_camera,
             "lost": None if lost is None else Rle(size=(camera.height, camera.width), counts=encode_mask(lost)),
         }
     )

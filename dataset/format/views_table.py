@@ -22,17 +22,22 @@ from ...core.atomic_io import atomic_file
 from ...core.errors import InputError
 from ...core.json_file import parsed, read_json, read_record
 from ...core.model import Model
+from ...core.polarisation import degree_of_linear_polarisation
 from ...procedural.description.rest import Rest
 from ...procedural.description.scene import Scene
+from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.photometry import Photometry
 from ...render.frame import Frame, Geometry, LightCheck
 from ..depth_cameras.errors import DepthErrors, depth_errors
 from . import layout
-from .camera_file import CAMERA_SCHEMA, CameraFile
+from .camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord
+from .polarisation_files import read_stokes
 from .sensor_files import read_sensor_depth
 
 #: Scenes per row group of the index: with Syn-TODD's 57 views about 4,000 rows.
 SCENES_A_GROUP = 64
+#: Objects of fewer visible pixels have no degree of polarisation [px].
+FEWEST_PIXELS = 100
 
 #: One row per view. Lists run over the scene's objects by ascending id.
 SCHEMA = pa.schema(
@@ -60,6 +65,8 @@ SCHEMA = pa.schema(
         ("sensor_depth", pa.string()),
         ("sensor_measured", pa.float64()),
         *((f"sensor_{name}", pa.list_(pa.float64())) for name in DepthErrors._fields),
+        ("stokes", pa.string()),
+        ("polarisation_degree", pa.list_(pa.float64())),
     ],
     metadata={"schema_version": "glassware/views/1"},
 )
@@ -101,6 +108,11 @@ class ViewRow(Model):
     sensor_behind: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
     sensor_front: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
     sensor_rim: tuple[float | None, ...] | None = _absent("ratio of `DepthErrors`")
+    #: What a polarisation camera sees; absent without one.
+    stokes: str | None = _absent("relative path")
+    polarisation_degree: tuple[float | None, ...] | None = _absent(
+        "median degree of linear polarisation of each object's visible pixels; null: fewer than `FEWEST_PIXELS`"
+    )
 
 
 class SceneViews(Model):
@@ -139,12 +151,22 @@ def view_row(scene: Scene, view: int, frame: Frame, labels: Labels) -> ViewRow:
     )
 
 
-def with_sensor(row: ViewRow, folder: Path, geometry: Geometry) -> ViewRow:
-    """Return a row with what the depth camera reported of the view in a folder; the same row where it has none."""
-    path = folder / layout.CAMERA
-    device = read_record(CameraFile, path, CAMERA_SCHEMA).depth_camera
-    if device is None:
-        return row
+def with_sensors(row: ViewRow, folder: Path, geometry: Geometry) -> ViewRow:
+    """Return a row with what depth and polarisation camera reported of the view in a folder, where it has them."""
+    record = read_record(CameraFile, folder / layout.CAMERA, CAMERA_SCHEMA)
+    if record.depth_camera is not None:
+        row = _with_depth(row, folder, geometry, record.depth_camera)
+    return row if record.polarisation_camera is None else _with_polarisation(row, folder, geometry)
+
+
+def _with_polarisation(row: ViewRow, folder: Path, geometry: Geometry) -> ViewRow:
+    degree = degree_of_linear_polarisation(luminance(read_stokes(folder / layout.STOKES).vector)[..., None])[..., 0]
+    objects = [degree[geometry.id == number] for number in row.object_ids]
+    medians = tuple(float(np.median(one)) if len(one) >= FEWEST_PIXELS else None for one in objects)
+    return row.model_copy(update={"stokes": f"{row.path}/{layout.STOKES}", "polarisation_degree": medians})
+
+
+def _with_depth(row: ViewRow, folder: Path, geometry: Geometry, device: DepthCameraRecord) -> ViewRow:
     reported = read_sensor_depth(folder / layout.SENSOR_DEPTH, device.unit)
     errors = [depth_errors(reported, geometry.Z, geometry.id == number) for number in row.object_ids]
     columns = {

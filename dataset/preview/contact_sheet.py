@@ -11,8 +11,16 @@ import numpy as np
 from ...annotate.boxes import EDGES
 from ...annotate.labels import Labels, ObjectLabel
 from ...annotate.projection import project_camera
-from ...core.images import depth_colours, difference_colours, id_colour, id_colours, normal_colours
+from ...core.images import (
+    depth_colours,
+    difference_colours,
+    id_colour,
+    id_colours,
+    normal_colours,
+    polarisation_colours,
+)
 from ...procedural.description.camera import Camera
+from ...procedural.surroundings.colour import luminance
 from ...render.frame import Geometry
 
 #: Largest number of rows of a sheet, so that it fits a screen.
@@ -24,6 +32,7 @@ _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
 _SENSOR_COLUMNS = ("sensor depth", "sensor depth - Z")
+_STOKES_COLUMNS = ("DoLP", "AoLP, as bright as DoLP")
 #: Difference of depths at the ends of its colours [m]: what a depth camera sees through glass is some 50 mm behind it.
 _DIFFERENCE = 0.05
 #: Font sizes of an instance's number; the first that fits its region is used. The last is the smallest readable one.
@@ -44,6 +53,7 @@ class PreviewRow:
     geometry: Geometry
     labels: Labels
     sensor: np.ndarray | None = None  #: (H, W) float32, what a depth camera reports [m]; NaN for none
+    stokes: np.ndarray | None = None  #: (H, W, 4, 3) float32, Stokes vectors
 
 
 def chosen_views(count: int, limit: int = MAX_VIEWS) -> list[int]:
@@ -56,10 +66,12 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
     Columns: left picture; depth over the objects' range, bright is near; normals (x red, up green, towards the camera
     blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility. Where a row has
-    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two.
+    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two. Where it has
+    Stokes vectors: degree of linear polarisation, and the angle as a hue.
     """
-    sensor = any(row.sensor is not None for row in rows)
-    columns = _COLUMNS + _SENSOR_COLUMNS if sensor else _COLUMNS
+    columns = _COLUMNS
+    for name, more in (("sensor", _SENSOR_COLUMNS), ("stokes", _STOKES_COLUMNS)):
+        columns += more if any(getattr(row, name) is not None for row in rows) else ()
     bands = [_header(title, columns)]
     for row in rows:
         cells = _cells(row)
@@ -117,7 +129,14 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
         _draw_axes(boxes, label, camera, scale)
         _draw_keypoints(points, label, scale)
     cells = [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
-    return cells if row.sensor is None else [*cells, *_sensor_cells(geometry, row.sensor, scale)]
+    cells += [] if row.sensor is None else _sensor_cells(geometry, row.sensor, scale)
+    return cells + ([] if row.stokes is None else _stokes_cells(row.stokes, scale))
+
+
+def _stokes_cells(stokes: np.ndarray, scale: float) -> list[np.ndarray]:
+    """Return the degree of linear polarisation in grey, and the angle as a hue that is as bright as that."""
+    pictures = polarisation_colours(luminance(stokes)[..., None])
+    return [_resized(picture, scale) for picture in pictures]
 
 
 def _sensor_cells(geometry: Geometry, sensor: np.ndarray, scale: float) -> list[np.ndarray]:

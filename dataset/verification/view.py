@@ -25,7 +25,7 @@ from ..format.matte_files import read_mattes
 from ..format.objects_file import ObjectsFile
 from ..stored_view import StoredView
 from . import layers as layer_checks
-from . import maps, mattes, objects, pictures, refraction, sensors, surfaces
+from . import maps, mattes, objects, pictures, polarisation, refraction, sensors, surfaces
 from .description import camera_faults
 from .fault import Fault
 from .pinhole import Pinhole, pinhole_of
@@ -79,6 +79,7 @@ class ViewChecks:
         if self._has(layout.REFRACTION):
             self._refraction()
         self._check("sensor", ("depth", "ids"), self._sensor)
+        self._check("polarisation", ("ids", "radiance"), self._polarisation)
         self._maps()
         if self._has(layout.MATTES):
             self._mattes()
@@ -207,6 +208,9 @@ class ViewChecks:
 
     def _sensor(self) -> list[Fault]:
         return sensors.sensor_faults(self.view, self.scene.depth_camera, self._geometry["left"])
+
+    def _polarisation(self) -> list[Fault]:
+        return polarisation.polarisation_faults(self.view, self.scene, self._geometry["left"])
 
     def _maps(self) -> None:
         folder, geometry, scene = self.view.folder, self._geometry, self.scene

@@ -40,6 +40,7 @@ from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
 from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
+from .polarisation_camera import PolarisationCamera
 from .rest import Rest
 from .surroundings import AreaLight, Environment, Table
 from .time_of_flight import DepthDevice
@@ -89,6 +90,9 @@ class Scene(Model):
     )
     depth_camera: DepthDevice | None = Field(
         default=None, exclude_if=lambda device: device is None, description="Beside the left colour camera"
+    )
+    polarisation_camera: PolarisationCamera | None = Field(
+        default=None, exclude_if=lambda device: device is None, description="In the place of the left colour camera"
     )
     twin: Twin | None = Field(
         default=None, exclude_if=lambda twin: twin is None, description="Which scene it is a twin of, where it is one"

@@ -6,6 +6,7 @@ from ...core.randomness import stream
 from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..props.draw import PropSettings
 from ..sensors.depth_cameras import depth_camera
+from ..sensors.polarisation_cameras import polarisation_camera
 from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
 from .arrange import arranged
@@ -63,6 +64,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         picture=settings.picture,
         rest=rest,
         depth_camera=depth_camera(settings.sensors.depth),
+        polarisation_camera=polarisation_camera(settings.sensors.polarisation),
     )
     return scene if settings.twin == "none" else twin_of(scene, settings.twin, settings, files)
 

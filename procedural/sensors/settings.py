@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 from pydantic import Field, field_validator
@@ -10,9 +11,10 @@ from ...core.errors import InputError
 from ...core.model import Model
 from ...core.user_text import UserPath
 from .depth_cameras import depth_camera
+from .polarisation_cameras import polarisation_camera
 
-#: The setting, as errors of `depth_camera` name it.
-_WHERE = "sensors.depth: "
+#: The settings, as errors of `depth_camera` and `polarisation_camera` name them.
+_DEPTH, _POLARISATION = "sensors.depth: ", "sensors.polarisation: "
 
 
 class SensorSettings(Model):
@@ -24,13 +26,30 @@ class SensorSettings(Model):
         "of your own (docs/sensors.md)",
     )
 
+    polarisation: Literal["none", "imx250mzr", "imx250myr"] | UserPath = Field(
+        default="none",
+        description="Polarisation camera in the place of the left colour camera: none, imx250mzr, imx250myr (in "
+        "colour), or a YAML file of a device of your own (docs/polarisation.md)",
+    )
+
     @field_validator("depth")
     @classmethod
     def _is_known(cls, depth: object) -> object:
-        try:
-            depth_camera(str(depth))
-        except InputError as error:
-            if str(error).startswith(_WHERE):  # the field is named by whoever reports it
-                raise ValueError(str(error).removeprefix(_WHERE)) from error
-            raise
+        _check(depth_camera, depth, _DEPTH)
         return depth
+
+    @field_validator("polarisation")
+    @classmethod
+    def _is_known_polarisation(cls, polarisation: object) -> object:
+        _check(polarisation_camera, polarisation, _POLARISATION)
+        return polarisation
+
+
+def _check(read: Callable[[str], object], value: object, where: str) -> None:
+    """Raise ValueError where a device of the setting `where` is not known, InputError where its file is wrong."""
+    try:
+        read(str(value))
+    except InputError as error:
+        if str(error).startswith(where):  # the field is named by whoever reports it
+            raise ValueError(str(error).removeprefix(where)) from error
+        raise

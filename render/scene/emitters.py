@@ -40,7 +40,7 @@ def sample_emitter(
     ds.d = dr.select(beyond, direction, ds.d)
     ds.pdf = dr.select(beyond, ds.pdf * factor, ds.pdf)
     ds.dist = dr.select(beyond, dr.largest(mi.Float), ds.dist)
-    return ds, dr.select(beyond, arriving / dr.maximum(factor, 1e-6), arriving)
+    return ds, dr.select(beyond, _over(arriving, dr.maximum(factor, 1e-6)), arriving)
 
 
 def unoccluded(
@@ -61,8 +61,13 @@ def unoccluded(
     # (The texture coordinates are all that is read.)
     met = pi.compute_surface_interaction(shadow, mi.RayFlags.UV, active & beyond)
     radiance = room_radiance(room, pi, met, ds.d, active & beyond)
-    seen = dr.select(beyond, radiance / ds.pdf, dr.select(pi.is_valid(), mi.Color3f(0.0), arriving))
+    seen = dr.select(beyond, _over(radiance, ds.pdf), dr.select(pi.is_valid(), mi.Spectrum(0.0), arriving))
     return dr.select(active & (ds.pdf > 0.0), seen, 0.0)
+
+
+def _over(light: mi.Spectrum, density: mi.Float) -> mi.Spectrum:
+    """Return light over a density; Mueller matrices have no division by a number."""
+    return light * mi.Spectrum(dr.rcp(density)) if mi.is_polarized else light / density
 
 
 def emitted(

@@ -11,6 +11,7 @@ from ...procedural.description.surroundings import AreaLight, Environment
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.sun_glints import wide_sun
 from .._mitsuba import dr, mi
+from .spectrum import in_channel
 
 #: Rotation from Mitsuba's equirectangular axes (y up) to ours (z up, azimuth from +x towards +y). Mitsuba's azimuth
 #: runs in the opposite direction: the columns of the picture are reversed as well.
@@ -21,9 +22,10 @@ _WORLD_T_ENVMAP = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
 _SKY_RADIUS = 64.0
 
 
-def envmap(environment: Environment) -> dict:
-    """Return the Mitsuba dictionary of the environment map."""
-    pixels = _rows_for_mitsuba(bake_environment(environment) * np.float32(environment.strength))
+def envmap(environment: Environment, channel: int | None = None) -> dict:
+    """Return the Mitsuba dictionary of the environment map, with a `channel` of one colour (`spectrum.in_channel`)."""
+    light = in_channel(bake_environment(environment), channel) * np.float32(environment.strength)
+    pixels = _rows_for_mitsuba(light)
     cos, sin = np.cos(environment.rotation), np.sin(environment.rotation)
     world_T_env = np.eye(4)
     world_T_env[:3, :3] = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ _WORLD_T_ENVMAP
@@ -118,13 +120,14 @@ def _in_ellipse(
     return yy * x * x - 2.0 * xy * x * y + xx * y * y < det, dr.pi * dr.sqrt(det)
 
 
-def area_light(light: AreaLight) -> dict:
+def area_light(light: AreaLight, channel: int | None = None) -> dict:
     """Return the Mitsuba dictionary of a rectangle that emits along its local +z and is black from behind."""
+    radiance = in_channel(np.array(light.radiance), channel).tolist()
     half = np.diag([light.size[0] / 2, light.size[1] / 2, 1.0, 1.0])  # Mitsuba's rectangle spans [-1, 1]^2
     return {
         "type": "rectangle",
         "to_world": mi.ScalarTransform4f(light.world_T_light @ half),
-        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": list(light.radiance)}},
+        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": radiance}},
         "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
     }
 

@@ -14,7 +14,7 @@ from .emitters import Emitters
 from .lighting import area_light, envmap, make_literals_opaque
 from .room import lamp_surface, lit_emitter, room_surfaces_of
 from .room_emitter import RoomEmitter
-from .spectrum import check_variant
+from .spectrum import check_variant, in_channel
 from .surfaces import SurfaceTable, registry_id, surface_table
 
 #: Offset of rays from the surface that they leave, along its geometric normal, over the scene's largest coordinate [1].
@@ -54,7 +54,13 @@ class LoadedScene:
         return self.emitters.room
 
 
-def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False) -> LoadedScene:
+def load(
+    scene: Scene,
+    glass_for_mitsuba: bool = False,
+    for_cache: bool = False,
+    channel: int | None = None,
+    room_light: np.ndarray | None = None,
+) -> LoadedScene:
     """Load a scene into Mitsuba (the variant must be active: `render.backend.variant.activate`).
 
     Parameters
@@ -67,6 +73,11 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     for_cache : bool
         Refine opaque meshes for the irradiance cache, whose points are their vertices, and list them in
         `LoadedScene.opaque_bodies`.
+    channel : int, optional
+        In variants of one channel: which one of red, green and blue that is; by default their luminance.
+    room_light : (n,) float32, optional
+        `RoomEmitter.irradiance` of the same scene loaded in an RGB variant. With it, variants of one channel have the
+        room in its place as well.
 
     Raises
     ------
@@ -74,15 +85,15 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
         If no variant is active, or the picture requires dispersion and the active variant is not spectral.
     """
     check_variant(scene.picture.dispersion)
-    bodies = scene_bodies(scene, glass_for_mitsuba)
+    bodies = scene_bodies(scene, glass_for_mitsuba, channel)
     if for_cache:
         bodies = [refined_for_cache(body) for body in bodies]
     reach = max(float(np.abs(to_world(body.mesh.vertices, body.world_T_mesh)).max()) for body in bodies)
-    room = room_surfaces_of(scene)
+    room = room_surfaces_of(scene, room_light is not None, channel)
     bodies += [surface.body for surface in room]
-    shapes = {f"body{i}": mitsuba_mesh(body) for i, body in enumerate(bodies)}
-    lights = {f"light{i}": area_light(light) for i, light in enumerate(scene.lights)}
-    contents = {"type": "scene", "environment": envmap(scene.environment), **shapes, **lights}
+    shapes = {f"body{i}": mitsuba_mesh(body, channel) for i, body in enumerate(bodies)}
+    lights = {f"light{i}": area_light(light, channel) for i, light in enumerate(scene.lights)}
+    contents = {"type": "scene", "environment": envmap(scene.environment, channel), **shapes, **lights}
     # Merging shapes (`optimize`) would lose their identities, which ids and media depend on.
     mi_scene = mi.load_dict(contents, optimize=False)
     make_literals_opaque(mi_scene)
@@ -92,8 +103,9 @@ def load(scene: Scene, glass_for_mitsuba: bool = False, for_cache: bool = False)
     opaque = _opaque_bodies(mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
     maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
-    table = surface_table(by_id, scene.picture.dispersion, maps)
-    emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room))
+    table = surface_table(by_id, scene.picture.dispersion, maps, channel)
+    stored = None if room_light is None else in_channel(room_light.reshape(-1, 3), channel)
+    emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel))
     return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque)
 
 

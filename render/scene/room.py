@@ -15,12 +15,13 @@ from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.metering import irradiance
 from ...procedural.surroundings.outside_view import bake_outside
 from ...procedural.surroundings.room_bodies import RoomBody, room_bodies, world_T_room
-from .._mitsuba import mi
+from .._mitsuba import dr, mi
 from .bodies import Body, opaque_bsdf
 from .emitters import Emitters
 from .lighting import make_literals_opaque
 from .room_emitter import RoomEmitter, room_emitter
 from .room_light_map import first_corners, lit_room
+from .spectrum import in_channel
 from .surfaces import ROOM_OBJECT, Surface, registry_id
 
 # Rays end at the room, so its surfaces have a reflectance alone; its colour is that of each surface's own tile.
@@ -35,13 +36,19 @@ class RoomSurface:
     body: Body
 
 
-def room_surfaces_of(scene: Scene) -> list[RoomSurface]:
-    """Return the surfaces of a scene's room; none where it is a map at infinity, or in other than RGB variants."""
+def room_surfaces_of(scene: Scene, has_light: bool = False, channel: int | None = None) -> list[RoomSurface]:
+    """Return the surfaces of a scene's room; none where it is a map at infinity.
+
+    None either in other than RGB variants, but for those of one channel where the scene's `lit_emitter` is given the
+    light of the room's surfaces.
+    """
     room = scene.environment
-    if not isinstance(room, RoomEnvironment) or room.at_infinity or not mi.is_rgb or mi.is_polarized:
+    if not isinstance(room, RoomEnvironment) or room.at_infinity or mi.is_spectral:
+        return []
+    if not has_light and (not mi.is_rgb or mi.is_polarized):
         return []
     pose = world_T_room(room)
-    return [_surface(described, pose) for described in room_bodies(room)]
+    return [_surface(described, pose, channel) for described in room_bodies(room)]
 
 
 def lamp_surface(in_room: bool) -> Surface:
@@ -51,13 +58,19 @@ def lamp_surface(in_room: bool) -> Surface:
     return Surface(0, ROOM_OBJECT, True, AIR, AIR, 0.0, label=ROOM_IDS["lamp"])
 
 
-def _surface(described: RoomBody, pose: np.ndarray) -> RoomSurface:
+def _surface(described: RoomBody, pose: np.ndarray, channel: int | None) -> RoomSurface:
     surface = Surface(0, ROOM_OBJECT, True, AIR, AIR, 0.0, label=ROOM_IDS[described.part])
-    bsdf = mi.load_dict(opaque_bsdf(_MATT, np.array(described.pixels)))
+    bsdf = mi.load_dict(opaque_bsdf(_MATT, in_channel(np.array(described.pixels), channel)))
     return RoomSurface(described, Body(described.mesh, pose, bsdf, surface))
 
 
-def lit_emitter(scene: Scene, mi_scene: mi.Scene, surfaces: list[RoomSurface]) -> RoomEmitter | None:
+def lit_emitter(
+    scene: Scene,
+    mi_scene: mi.Scene,
+    surfaces: list[RoomSurface],
+    stored: np.ndarray | None = None,
+    channel: int | None = None,
+) -> RoomEmitter | None:
     """Return what the room sends out; None without a room in its place.
 
     Parameters
@@ -68,6 +81,10 @@ def lit_emitter(scene: Scene, mi_scene: mi.Scene, surfaces: list[RoomSurface]) -
         The loaded scene, whose shapes are ``body0`` (the table) and so on, the room's last.
     surfaces : list of RoomSurface
         The room's, in the order of the shapes.
+    stored : (n, 3) float32, optional
+        Irradiance of the corners of all faces, as it was gathered before.
+    channel : int, optional
+        One of red, green and blue (`spectrum.in_channel`).
     """
     if not surfaces:
         return None
@@ -79,9 +96,13 @@ def lit_emitter(scene: Scene, mi_scene: mi.Scene, surfaces: list[RoomSurface]) -
     corners = {
         row: first_corners(s.described) * scene.environment.strength for row, s in zip(rows, surfaces, strict=True)
     }
-    outside = bake_outside(scene.environment) * np.float32(scene.environment.strength)
+    outside = in_channel(bake_outside(scene.environment), channel) * np.float32(scene.environment.strength)
     alone = mi.load_dict({"type": "scene", **{name: shapes[name] for name in names}}, optimize=False)
     estimate = room_emitter(scene.environment, mi_scene, alone, corners, outside)
+    if stored is not None:
+        kept = mi.Float(stored.astype(np.float32).ravel())
+        dr.make_opaque(kept)
+        return replace(estimate, irradiance=kept)
     lamps = {name: shape for name, shape in shapes.items() if name.startswith("light")}
     parts = {name: shapes[name] for name in ("body0", *names)} | lamps
     bake = mi.load_dict({"type": "scene", "environment": mi_scene.environment(), **parts}, optimize=False)

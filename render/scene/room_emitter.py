@@ -15,6 +15,7 @@ import numpy as np
 
 from ...procedural.description.surroundings import RoomEnvironment
 from .._mitsuba import dr, mi
+from .spectrum import unpolarised
 from .surfaces import registry_id
 
 #: Smallest cosine and distance that are divided by [1], [m].
@@ -98,12 +99,15 @@ def is_of_room(room: RoomEmitter, si: mi.SurfaceInteraction3f, active: mi.Bool) 
 
 def room_radiance(
     room: RoomEmitter, pi: mi.PreliminaryIntersection3f, si: mi.SurfaceInteraction3f, d: mi.Vector3f, active: mi.Bool
-) -> mi.Color3f:
+) -> mi.Spectrum:
     """Return what the room sends against rays of direction `d` that met its surfaces, or nothing; else 0."""
     met = is_of_room(room, si, active)
     E = corner_irradiance(room, registry_id(si.shape), pi, met)
-    albedo = mi.Color3f(si.bsdf().eval_diffuse_reflectance(si, met))
-    return dr.select(met, albedo * E * dr.inv_pi, dr.select(active & ~si.is_valid(), outside_along(room, d), 0.0))
+    reflectance = unpolarised(si.bsdf().eval_diffuse_reflectance(si, met))
+    albedo = mi.Color3f(reflectance if mi.is_rgb else reflectance[0])
+    light = dr.select(met, albedo * E * dr.inv_pi, dr.select(active & ~si.is_valid(), outside_along(room, d), 0.0))
+    # In variants of one channel all three are the same.
+    return light if mi.is_rgb else mi.Spectrum(mi.UnpolarizedSpectrum(light.x))
 
 
 def corner_irradiance(
@@ -170,7 +174,7 @@ def shell_point(room: RoomEmitter, d: mi.Vector3f) -> tuple[mi.Point3f, mi.Norma
     return mi.Point3f(r * d), mi.Normal3f(dr.normalize(room.to_world(normal))), dr.square(r) / cos
 
 
-def radiance_towards(room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Color3f, mi.Float]:
+def radiance_towards(room: RoomEmitter, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Spectrum, mi.Float]:
     """Return what the room alone sends to a point against a direction, and how far away that is [m]; +inf outside."""
     ray = mi.Ray3f(p, d)
     pi = room.surfaces.ray_intersect_preliminary(ray, False, True)

@@ -14,11 +14,12 @@ import numpy as np
 from ...procedural.description.material import Emission
 from ...procedural.materials.textures import bake
 from .._mitsuba import dr, mi
+from .spectrum import in_channel
 
 
-def surface_emitter(emission: Emission) -> mi.Emitter:
+def surface_emitter(emission: Emission, channel: int | None = None) -> mi.Emitter:
     """Return the emitter of a mesh whose material has an emission."""
-    bitmap = mi.Bitmap(np.array(bake(emission.colour), np.float32, order="C"))
+    bitmap = mi.Bitmap(np.array(in_channel(bake(emission.colour), channel), np.float32, order="C"))
     tint = mi.load_dict({"type": "bitmap", "bitmap": bitmap, "raw": False, "filter_type": "bilinear"})
     return _emitter_class(mi.variant())(tint, emission.radiance)
 

@@ -25,7 +25,18 @@ def check_variant(dispersion: bool) -> None:
         raise InputError("picture.dispersion", "a spectral variant, such as llvm_ad_spectral", mi.variant())
 
 
-def media_columns(media: Sequence[Medium], dispersion: bool) -> tuple[np.ndarray, np.ndarray]:
+def in_channel(colours: np.ndarray, channel: int | None) -> np.ndarray:
+    """Return linear Rec.709 colours (..., 3) with one of their channels in all three; unchanged where it is None.
+
+    Variants of one channel take the luminance of colours, and the luminance of a product (of light and reflectance) is
+    not the product of luminances. Three pictures of one channel each are the picture in colours.
+    """
+    return colours if channel is None else np.repeat(colours[..., channel : channel + 1], 3, axis=-1)
+
+
+def media_columns(
+    media: Sequence[Medium], dispersion: bool, channel: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return index (media, samples) and absorption (media, samples) [1/m], sampled for the active variant."""
     if mi.is_spectral:
         nm = FIRST_NM + STEP_NM * np.arange(GRID)
@@ -33,7 +44,7 @@ def media_columns(media: Sequence[Medium], dispersion: bool) -> tuple[np.ndarray
         # the eye is almost zero: the value at the end of the validity is held.
         index = [eta(m, nm, outside="hold") if dispersion else np.full(GRID, m.eta) for m in media]
         return np.array(index), np.array([absorption(m, nm, outside="hold") for m in media])
-    sigma_a = np.array([m.sigma_a for m in media])
+    sigma_a = in_channel(np.array([m.sigma_a for m in media]), channel)
     return np.array([[m.eta] for m in media]), sigma_a if mi.is_rgb else luminance(sigma_a)[:, None]
 
 

@@ -93,7 +93,10 @@ class SurfaceTable:
 
 
 def surface_table(
-    surfaces: dict[int, Surface], dispersion: bool, maps: dict[int, np.ndarray] | None = None
+    surfaces: dict[int, Surface],
+    dispersion: bool,
+    maps: dict[int, np.ndarray] | None = None,
+    channel: int | None = None,
 ) -> SurfaceTable:
     """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength.
 
@@ -106,7 +109,7 @@ def surface_table(
     blank = Surface(0, -1, True, AIR, AIR, 0.0)
     rows = [blank if row is None else row for row in rows]
 
-    index, absorption = media_columns(media, dispersion)
+    index, absorption = media_columns(media, dispersion, channel)
     counts = [row.candidates for row in rows]
 
     def column(kind: type, values: list | np.ndarray) -> Any:

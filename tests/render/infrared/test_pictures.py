@@ -175,3 +175,41 @@ def test_a_slab_brings_the_wall_behind_it_nearer_as_refraction_says(backend):
     exact = depth_through_a_slab(sensor, thick, n)
     error = sensor.imager.focal * sensor.baseline * (1.0 / found[1].Z[middle] - 1.0 / exact)[:, columns]
     assert abs(np.nanmedian(error)) < 0.08  # px of disparity, of 37
+
+
+@pytest.mark.slow
+def test_a_mirror_shows_the_pattern_as_far_behind_it_as_it_lies_in_front(backend):
+    """The image of the board in an upright mirror goes on where the board would: that is the depth that is reported."""
+    from glassware.render.renderer import Renderer
+
+    known = DEPTH_CAMERAS["d435"]
+    imager = known.imager.model_copy(update={"width": 240, "height": 120, "centre": None})
+    sensor = known.model_copy(update={"imager": imager, "samples": 32})
+    chrome = scenes.matte((0.9, 0.9, 0.9), "chrome").model_copy(update={"roughness": 0.02, "metallic": 1.0})
+    wall = scenes.block(bodies.box_mesh((2.0, 0.02, 0.3), "wall", (0.0, 0.1, 0.16)), chrome, id=2)
+    scene = above((160, 100), props=(wall,), sensor=sensor)
+    frame = Renderer(scene).frame(0)
+    assert frame.infrared is not None
+    found = measured(sensor, frame.infrared, scene.cameras[0], frame.geometry.Z, (0, 0, 0))
+    # The lower part of its face, away from its foot; further up the right camera sees the board past its upper edge.
+    Z = frame.geometry.Z
+    face = (Z > 0.45) & (Z < HEIGHT - 0.03) & (frame.geometry.id == 2)
+    assert face.sum() > 500
+    mirrored = found.metres[face]
+    assert np.isfinite(mirrored).sum() > 200
+    assert (np.abs(mirrored - Z[face]) < 0.01).mean() < 0.05  # the mirror itself is not seen
+    # Within the vendor's 0.08 px of disparity, z^2 0.08 / (f b).
+    assert np.nanmedian(mirrored) == pytest.approx(HEIGHT, abs=HEIGHT**2 * 0.08 / (imager.focal * sensor.baseline))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reflectance", [0.2, 0.6])
+def test_ambient_light_of_a_board_under_an_even_sky_is_its_reflectance_times_the_skys(backend, reflectance):
+    from glassware.render.renderer import Renderer
+
+    scene = above(sensor=device(power=0.0))
+    board = scenes.board((4.0, 4.0, 0.02), scenes.matte((reflectance,) * 3))
+    light = Renderer(scene.model_copy(update={"table": board})).infrared(0).ambient
+    for eye in light:
+        # Burley's diffuse lobe is not quite Lambert's.
+        assert eye.mean() == pytest.approx(0.05 * reflectance, rel=0.12)

@@ -1,0 +1,1 @@
+"""Polarisation cameras: mosaic, noise, and Stokes vectors from a mosaic."""
