@@ -3,9 +3,10 @@
 python bench/studies/depth_on_glass.py --scenes 4
 
 The scenes are those of `bench/depth_camera.py`. Each row has one change: surfaces that scatter a fraction of the
-projector's light diffusely (haze, dust), no mirror image of the projector in glass, ambient light without its infrared
-part. The first four columns are fractions of an object's pixels, in the median over objects, as in
-`dataset.depth_cameras.errors`.
+projector's light diffusely (haze, dust), no mirror image of the projector in glass, ambient light in all pixels instead
+of a quarter of them and not denoised, and more or less of it. The columns are those of
+`dataset.depth_cameras.errors`, in the median over objects, and the last two the part of the depths within 10 mm among
+those within 10 px of the silhouette, and among those further inside.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import tyro
 from rich.console import Console
@@ -29,11 +31,12 @@ from glassware.core.randomness import stream_seed
 from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
 from glassware.dataset.depth_cameras.measure import measured
 from glassware.procedural.description.depth_camera import DepthCamera
-from glassware.render.frame import EYES, Infrared
+from glassware.render.frame import EYES
 from glassware.render.infrared import pictures, trace_pattern
 from glassware.render.infrared.media import at_wavelength
 from glassware.render.infrared.pattern import pattern_map
 from glassware.render.infrared.projected_light import projected_light
+from glassware.render.pictures.picture import trace_picture
 from glassware.render.renderer import Renderer
 
 
@@ -45,17 +48,20 @@ class Change:
     haze: float = 0.0  #: part of the projector's light that a surface of glass scatters diffusely, at either side
     mirrored: bool = True  #: whether glass mirrors the projector
     ambient: float = 1.0  #: factor on ambient light
+    sharp: bool = False  #: whether each infrared pixel has ambient light of its own, undenoised
 
 
 CHANGES = (
     Change("as it is"),
-    Change("0.3 % haze", haze=0.003),
+    Change("sharp ambient light", sharp=True),
+    Change("twice as much of it", sharp=True, ambient=2.0),
+    Change("four times as much", sharp=True, ambient=4.0),
     Change("1 % haze", haze=0.01),
-    Change("3 % haze", haze=0.03),
     Change("10 % haze", haze=0.10),
     Change("no mirrored projector", mirrored=False),
-    Change("a quarter of the ambient light", ambient=0.25),
 )
+#: Width of the band along the silhouette, in pictures half as wide as the captures' [px]; samples of sharp light [1].
+BAND, AMBIENT_SPP = 10, 8
 
 
 @contextmanager
@@ -95,17 +101,30 @@ def dots(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, np.ndarra
     return left, right
 
 
-def changed_pictures(renderer: Renderer, known: Infrared, change: Change, device: DepthCamera) -> Infrared:
-    """Return the infrared pictures with a change."""
-    with optics(change):
-        found = dots(renderer, device)
-    return replace(known, dots=found, ambient=tuple(np.float32(change.ambient) * one for one in known.ambient))
+def sharp_ambient(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, np.ndarray]:
+    """Return ambient light of every infrared pixel, undenoised, in both pictures of the first view."""
+    scene = renderer.scene
+    picture = scene.picture.model_copy(update={"spp": AMBIENT_SPP, "adaptive": False})
+    loaded = replace(renderer.loaded, description=scene.model_copy(update={"picture": picture}))
+    pair = device.infrared_pair(scene.cameras[0])
+    left, right = (trace_picture(loaded, pair, eye, 7 + k).radiance.mean(axis=2) for k, eye in enumerate(EYES))
+    return left, right
+
+
+def by_band(report: np.ndarray, Z: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
+    """Return the part of an object's depths within 10 mm, near its silhouette and further inside."""
+    inside = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > BAND
+    right = np.abs(report - Z) < 0.01
+    known = mask & np.isfinite(report)
+    parts = [known & ~inside, known & inside]
+    near, far = (float(right[part].mean()) if part.any() else np.nan for part in parts)
+    return near, far
 
 
 def main() -> None:
     """Print the table."""
     run, console = tyro.cli(Run), Console()
-    found: dict[str, list[DepthErrors]] = {change.name: [] for change in CHANGES}
+    found: dict[str, list[tuple[float, ...]]] = {change.name: [] for change in CHANGES}
     for scene in drawn(settings(run), run):
         renderer = Renderer(scene)
         device, geometry, known = scene.depth_camera, renderer.geometry(0), renderer.infrared(0)
@@ -113,13 +132,19 @@ def main() -> None:
         Z = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
         masks = [geometry.id == body.id for body in scene.vessels]
         masks = [one for one in masks if one.sum() >= FEWEST * run.scale**2 and not touches_border(one)]
+        sharp = sharp_ambient(renderer, device)
         for change in CHANGES:
-            infrared = changed_pictures(renderer, known, change, device)
+            light = known.dots
+            if change.haze or not change.mirrored:
+                with optics(change):
+                    light = dots(renderer, device)
+            left, right = (np.float32(change.ambient) * one for one in (sharp if change.sharp else known.ambient))
             place = (scene.seed, scene.scene_id, 0)
-            report = measured(device, infrared, scene.cameras[0], geometry.Z, place).metres
-            found[change.name] += [depth_errors(report, Z, mask) for mask in masks]
+            changed = replace(known, dots=light, ambient=(left, right))
+            report = measured(device, changed, scene.cameras[0], geometry.Z, place).metres
+            found[change.name] += [(*depth_errors(report, Z, one), *by_band(report, Z, one)) for one in masks]
         console.print(f"scene {scene.scene_id}: {len(masks)} objects")
-    table = Table(*("change", *DepthErrors._fields, "objects"))
+    table = Table(*("change", *DepthErrors._fields, "right near", "right inside", "objects"))
     for name, errors in found.items():
         medians = np.nanmedian(np.array(errors, float), axis=0)
         table.add_row(name, *(f"{value:.2f}" for value in medians), str(len(errors)))
