@@ -6,7 +6,7 @@ The scenes are those of `bench/depth_camera.py`. Each row has one change: surfac
 projector's light diffusely (haze, dust), no mirror image of the projector in glass, ambient light in all pixels instead
 of a quarter of them and not denoised, and more or less of it. The columns are those of
 `dataset.depth_cameras.errors`, in the median over objects, and the last two the part of the depths within 10 mm among
-those within 10 px of the silhouette, and among those further inside.
+those in a band along the silhouette, and among those further inside.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 import tyro
 from rich.console import Console
@@ -25,7 +24,7 @@ from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from depth_camera import FEWEST, Run, drawn, settings, touches_border
+from depth_camera import BAND, FEWEST, Run, drawn, right_by_band, settings, touches_border
 
 from glassware.core.randomness import stream_seed
 from glassware.dataset.depth_cameras.errors import DepthErrors, depth_errors
@@ -60,8 +59,8 @@ CHANGES = (
     Change("10 % haze", haze=0.10),
     Change("no mirrored projector", mirrored=False),
 )
-#: Width of the band along the silhouette, in pictures half as wide as the captures' [px]; samples of sharp light [1].
-BAND, AMBIENT_SPP = 10, 8
+#: Samples of sharp ambient light [1].
+AMBIENT_SPP = 8
 
 
 @contextmanager
@@ -111,16 +110,6 @@ def sharp_ambient(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, 
     return left, right
 
 
-def by_band(report: np.ndarray, Z: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
-    """Return the part of an object's depths within 10 mm, near its silhouette and further inside."""
-    inside = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > BAND
-    right = np.abs(report - Z) < 0.01
-    known = mask & np.isfinite(report)
-    parts = [known & ~inside, known & inside]
-    near, far = (float(right[part].mean()) if part.any() else np.nan for part in parts)
-    return near, far
-
-
 def main() -> None:
     """Print the table."""
     run, console = tyro.cli(Run), Console()
@@ -142,7 +131,9 @@ def main() -> None:
             place = (scene.seed, scene.scene_id, 0)
             changed = replace(known, dots=light, ambient=(left, right))
             report = measured(device, changed, scene.cameras[0], geometry.Z, place).metres
-            found[change.name] += [(*depth_errors(report, Z, one), *by_band(report, Z, one)) for one in masks]
+            found[change.name] += [
+                (*depth_errors(report, Z, one), *right_by_band(report, Z, one, BAND * run.scale)) for one in masks
+            ]
         console.print(f"scene {scene.scene_id}: {len(masks)} objects")
     table = Table(*("change", *DepthErrors._fields, "right near", "right inside", "objects"))
     for name, errors in found.items():
