@@ -32,6 +32,10 @@ _FIGURES = (
 )
 
 
+#: Columns of real pictures.
+_REAL = (("", "mask_iou", 1.0, 2), ("", "centre_error", 1e3, 0), ("", "box_iou", 1.0, 2), ("", "depth_mae", 1e3, 0))
+
+
 def with_card(text: str, record: Mapping[str, Any] | None) -> str:
     """Return the page with the card of a record; as it is without one."""
     if record is None:
@@ -62,7 +66,7 @@ def card(record: Mapping[str, Any]) -> Iterator[str]:
     for heading, text in sorted(record["notes"].items()):
         yield f"| {heading} | {text} |"
     for words, report in record["reports"].items():
-        yield from _figures(words, report)
+        yield from _real(words, report) if "ways" in report else _figures(words, report)
 
 
 def _figures(words: str, report: Mapping[str, Any]) -> Iterator[str]:
@@ -81,6 +85,19 @@ def _figures(words: str, report: Mapping[str, Any]) -> Iterator[str]:
     yield "|---|---|"
     for name, (group, key), factor, digits, unit in _FIGURES:
         yield f"| {name} | {_cell(report[group].get(key), factor, digits)}{unit} |"
+
+
+def _real(words: str, report: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the table of a report of ``bench/real_pictures.py``."""
+    yield ""
+    yield f"On `{words}`, by `bench/real_pictures.py` (the object whose mask overlaps most with the true one):"
+    yield ""
+    yield "| shown | frame | objects found | mask IoU | centre off [mm] | box IoU | depth off [mm] |"
+    yield "|---|---|---|---|---|---|---|"
+    for way, frames in report["ways"].items():
+        for frame, scores in frames.items():
+            cells = [_cell(scores.get(key), factor, digits) for _, key, factor, digits in _REAL]
+            yield f"| {way} | {frame} | {scores['found']} | " + " | ".join(cells) + " |"
 
 
 def _cell(value: float | None, factor: float, digits: int) -> str:

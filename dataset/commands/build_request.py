@@ -33,6 +33,11 @@ class BuildDataset(Model):
         default="fast", description="Settings to start from: fast, keypose, standard, syn-todd or train"
     )
     config: UserPath | None = Field(default=None, description="YAML file of settings on top of the preset")
+    twin_of: UserPath | None = Field(
+        default=None,
+        description="With --twin: the data set of the same seed without it; files that are equal in both are stored "
+        "once, as hard links",
+    )
     write: Annotated[FileKinds, Words(*KINDS, ALL, NONE)] = Field(default=(), description=costs())
     yes: bool = Field(default=False, description="Build even where the disk is likely to fill up, without asking")
     workers: int = Field(default=1, ge=1, le=1024, description="Worker processes on this machine")

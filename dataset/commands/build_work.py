@@ -26,6 +26,7 @@ from ..builds.messages import Attempt, WorkerConfig, WorkerInfo
 from ..builds.output_folder import finalize_output, lock_output, prepare_output
 from ..builds.plan import Plan, plan_build
 from ..builds.scheduler import Executor, Result, run
+from ..builds.shared_files import check_original, share_equal_files
 from ..builds.space import Need, dataset_size, estimated, measured, space_error
 from ..format import layout
 from ..format.dataset_file import DatasetFile, digest_of, new_head, with_files
@@ -56,6 +57,8 @@ def build(request: BuildDataset, scenes: Sequence[int], console: Console, argume
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     root, start = request.out.absolute(), perf_counter()
+    if request.twin_of is not None:
+        check_original(request.twin_of, root, request.seed, request.settings.twin)
     with lock_output(root, say):
         if not request.overwrite:
             check_request(root, request.seed, request.settings.model_dump(mode="json"))
@@ -74,6 +77,9 @@ def build(request: BuildDataset, scenes: Sequence[int], console: Console, argume
             remove_leftovers(root / layout.SCENES)
         say("writing index, splits and gallery")
         views = finalize_output(root, splits_file(request.settings, files, request.seed, parse_scenes(head.scenes)))
+        if request.twin_of is not None:
+            count, size = share_equal_files(root, request.twin_of)
+            say(f"{counted(count, 'file')}, {sized(size)}, stored once with {request.twin_of}")
     say(_made(request, views, perf_counter() - start))
     _report_failures(request, result)
 

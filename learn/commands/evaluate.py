@@ -21,8 +21,10 @@ from .extra import check_extra
 _DESCRIPTION = """Measure how well a network finds glass: its predictions against the labels of a data set.
 
   glassware evaluate out-train/best.safetensors data --split val
+  glassware evaluate base data --split test
 
-CHECKPOINT is a file of weights that train wrote, DATA a data set with that split. Depth error, precision of boxes,
+CHECKPOINT is a file of weights that train wrote, or the name of weights that come with glassware, DATA a data set with
+that split. Depth error, precision of boxes,
 masks and poses are printed as tables and written to OUT/report.json, beside images of the samples with the greatest
 depth error (predictions above, ground truth below). The network does not change."""
 
@@ -33,7 +35,9 @@ _WIDTH = 160
 class Evaluate(Model):
     """Arguments of the command."""
 
-    checkpoint: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Checkpoint of a network")
+    checkpoint: tyro.conf.Positional[UserPath | None] = Field(
+        default=None, description="Checkpoint of a network, or weights by name"
+    )
     data: tyro.conf.Positional[UserPath | None] = Field(default=None, description="Folder of a data set")
     split: SplitName = Field(default="val", description="Scenes to evaluate on")
     out: UserPath = Field(default=Path("out-evaluate"), description="Output folder")

@@ -54,6 +54,7 @@ class Predict(Model):
     baseline: _Metres | None = Field(default=None, description="Distance of the two cameras of a pair [m]")
     focal: float | None = Field(default=None, gt=0.0, description="Focal length of both cameras of a pair [px]")
     fov: _Radians | None = Field(default=None, description="Horizontal field of view of both [rad]")
+    least_score: float = Field(default=0.3, ge=0.0, le=1.0, description="Least score of an object that is reported")
     sample: bool = Field(default=False, description="Take the stereo pair that comes with glassware")
     out: UserPath = Field(default=Path("out-predict"), description="Output folder")
     device: str = Field(default="auto", description="Torch's name of a device, such as cpu or cuda:0; or auto")
@@ -93,7 +94,15 @@ def _predict(arguments: Sequence[str]) -> None:
         images = sample_pair()
     device = select_device(request.device, request.threads)
     rig = RigOptions(request.camera, request.baseline, request.focal, request.fov)
-    found = predict(request.weights, images, request.out, device, request.trust_cameras, rig)
+    found = predict(
+        request.weights,
+        images,
+        request.out,
+        device,
+        trust_cameras=request.trust_cameras,
+        rig=rig,
+        least_score=request.least_score,
+    )
     console = Console()
 
     def say(line: str) -> None:

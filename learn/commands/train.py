@@ -36,7 +36,8 @@ class Train(TrainSettings):
     out: UserPath = Field(default=Path("out-train"), description="Output folder")
     resume: UserPath | None = Field(default=None, description="Checkpoint to resume from")
     init: UserPath | None = Field(
-        default=None, description="Checkpoint whose network and weights a new run begins with, such as on other data"
+        default=None,
+        description="Checkpoint, or weights by name (base), with whose network a new run begins, such as on other data",
     )
     config: UserPath | None = Field(default=None, description="YAML file of settings")
 

@@ -50,13 +50,11 @@ def drawn(picture: np.ndarray, found: Prediction) -> np.ndarray:
     # Far objects first, so that near ones are drawn over them.
     for row in np.argsort(-found.camera_T_object[:, 2, 3]):
         _draw_box(over, found, int(row), factor)
-    placed: list[tuple[int, int, int, int]] = []
     for row in range(len(found)):
-        _draw_label(over, _label(found, row), found.peak[row] * factor, row, placed)
-    if not len(found):
-        _write(over, "no objects found", (8, size[1] - 10), _font(over))
+        _draw_number(over, found, row, factor)
     depth, ends = _depth(found.depth, size)
-    return np.concatenate([over, depth, _scale(size, ends)], axis=1)
+    top = np.concatenate([over, depth, _scale(size, ends)], axis=1)
+    return np.concatenate([top, _legend(found, top.shape[1], _font(over))], axis=0)
 
 
 def _draw_mask(over: np.ndarray, mask: np.ndarray, row: int) -> None:
@@ -80,44 +78,60 @@ def _draw_box(over: np.ndarray, found: Prediction, row: int, factor: int) -> Non
 def _draw_line(
     over: np.ndarray, points: np.ndarray, found: Prediction, factor: int, colour: Sequence[int], wider: int = 0
 ) -> None:
-    if (points[:, 2] < _NEAREST).any():
-        return
-    slopes = points[:, :2] / points[:, 2:]
-    bent = slopes if found.distortion.absent else distorted(slopes, found.distortion)
-    pixels = (bent @ found.K[:2, :2].T + found.K[:2, 2] + 0.5) * factor - 0.5
-    if np.abs(pixels).max() < 1e5:  # OpenCV draws in 32-bit integers
-        ends = np.rint(pixels).astype(np.int32)
+    ends = _pixels(points, found, factor)
+    if ends is not None:
         cv2.polylines(over, [ends[:, None]], False, tuple(colour), _line(over) + wider, cv2.LINE_AA)
 
 
-def _label(found: Prediction, row: int) -> list[str]:
-    side = " x ".join(f"{1e3 * one:.0f}" for one in found.size[row])
+def _pixels(points: np.ndarray, found: Prediction, factor: int) -> np.ndarray | None:
+    """Return the pixels of points in the drawing, (n, 2) int; None where one is not in front of the camera."""
+    if (points[:, 2] < _NEAREST).any():
+        return None
+    slopes = points[:, :2] / points[:, 2:]
+    bent = slopes if found.distortion.absent else distorted(slopes, found.distortion)
+    pixels = (bent @ found.K[:2, :2].T + found.K[:2, 2] + 0.5) * factor - 0.5
+    # OpenCV draws in 32-bit integers.
+    return np.rint(pixels).astype(np.int32) if np.abs(pixels).max() < 1e5 else None
+
+
+def _draw_number(over: np.ndarray, found: Prediction, row: int, factor: int) -> None:
+    """Draw the number of an object above its box; in its mask where the box is not seen."""
+    ends = _pixels(found.corners[row], found, factor)
+    x, y = found.peak[row] * factor if ends is None else (ends[:, 0].mean(), ends[:, 1].min())
+    text, font = str(row + 1), _font(over)
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, font, 1)
+    left = int(np.clip(x - width / 2 - 4, 0, max(0, over.shape[1] - width - 8)))
+    top = int(np.clip(y - height - 9, 0, max(0, over.shape[0] - height - 8)))
+    cv2.rectangle(over, (left, top), (left + width + 8, top + height + 8), _PAPER, -1)
+    cv2.rectangle(over, (left, top), (left + width + 8, top + height + 8), _OBJECTS[row % len(_OBJECTS)], _line(over))
+    _write(over, text, (left + 4, top + height + 4), font)
+
+
+def _legend(found: Prediction, width: int, font: float) -> np.ndarray:
+    """Return a strip with a line for each object: number, kind, score, depth of its middle and sides of its box."""
+    lines = [_label(found, row) for row in range(len(found))] or ["no objects found"]
+    (longest, height), _ = max(
+        (cv2.getTextSize(line, cv2.FONT_HERSHEY_SIMPLEX, font, 1) for line in lines), key=lambda one: one[0][0]
+    )
+    step, cell = 2 * height + 2, longest + 6 * height
+    columns = max(1, min(len(lines), width // cell))
+    rows = -(-len(lines) // columns)
+    strip = np.full((rows * step + height, width, 3), _PAPER, np.uint8)
+    for number, line in enumerate(lines):
+        x, y = number // rows * cell + height, number % rows * step + step
+        if len(found):
+            cv2.rectangle(strip, (x, y - height), (x + height, y), _OBJECTS[number % len(_OBJECTS)], -1)
+        _write(strip, line, (x + 2 * height, y), font)
+    return strip
+
+
+def _label(found: Prediction, row: int) -> str:
+    sides = " x ".join(f"{1e3 * one:.0f}" for one in found.size[row])
     kind = "transparent" if found.transparent[row] else "opaque"
-    return [f"{kind} {found.score[row]:.2f}", f"{found.camera_T_object[row, 2, 3]:.2f} m", f"{side} mm"]
-
-
-def _draw_label(
-    over: np.ndarray, lines: list[str], at: np.ndarray, row: int, placed: list[tuple[int, int, int, int]]
-) -> None:
-    font = _font(over)
-    sizes = [cv2.getTextSize(line, cv2.FONT_HERSHEY_SIMPLEX, font, 1)[0] for line in lines]
-    step = max(height for _, height in sizes) + 5
-    width, height = max(one for one, _ in sizes) + 8, step * len(lines) + 5
-    x = int(np.clip(at[0] + 10, 0, max(0, over.shape[1] - width)))
-    y = int(np.clip(at[1] - height / 2, 0, max(0, over.shape[0] - height)))
-    for left, top, right, bottom in sorted(placed, key=lambda one: one[1]):  # below those that are there
-        if x < right and left < x + width and y < bottom and top < y + height:
-            y = min(bottom, max(0, over.shape[0] - height))
-    placed.append((x, y, x + width, y + height))
-    box = over[y : y + height, x : x + width]
-    box[:] = (0.35 * box + 0.65 * np.array(_PAPER)).astype(np.uint8)
-    cv2.rectangle(over, (x, y), (x + width - 1, y + height - 1), _OBJECTS[row % len(_OBJECTS)], 1)
-    for number, line in enumerate(lines, start=1):
-        _write(over, line, (x + 4, y + number * step - 2), font)
+    return f"{row + 1}  {kind} {found.score[row]:.2f}, at {found.camera_T_object[row, 2, 3]:.2f} m, {sides} mm"
 
 
 def _write(over: np.ndarray, text: str, at: tuple[int, int], font: float) -> None:
-    cv2.putText(over, text, at, cv2.FONT_HERSHEY_SIMPLEX, font, _PAPER, 3, cv2.LINE_AA)
     cv2.putText(over, text, at, cv2.FONT_HERSHEY_SIMPLEX, font, _INK, 1, cv2.LINE_AA)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...annotate.heatmap import HEAT_THRESHOLD
 from ...annotate.masks import encode_mask
 from ...core.atomic_io import write_atomically
 from ...core.errors import InputError
@@ -26,7 +27,7 @@ SAMPLE = Path(__file__).resolve().parents[1] / "sample"
 
 def sample_pair() -> tuple[Path, Path]:
     """Return the pictures of the stereo pair that comes with glassware, left and right."""
-    return SAMPLE / "left.png", SAMPLE / "right.png"
+    return SAMPLE / "left.jpg", SAMPLE / "right.jpg"
 
 
 def predict(
@@ -34,8 +35,10 @@ def predict(
     images: Sequence[Path],
     out: Path,
     device: str = "cpu",
+    *,
     trust_cameras: bool = False,
     rig: RigOptions | None = None,
+    least_score: float = HEAT_THRESHOLD,
 ) -> Prediction:
     """Find objects and depth in the first of several pictures of one scene, and write them.
 
@@ -58,6 +61,8 @@ def predict(
         Whether to take suspicious cameras too (`camera_checks`, `picture_checks`).
     rig : RigOptions, optional
         The stereo camera of the pair.
+    least_score : float
+        Objects with a lower score are left out; heat maps are read from `annotate.heatmap.HEAT_THRESHOLD` upwards.
 
     Raises
     ------
@@ -73,7 +78,7 @@ def predict(
         own = with_rig([read_picture(path) for path in images], rig)
     else:
         own = [read_own_picture(path) for path in images]
-    found = predictor.predict(own, images, trust_cameras)
+    found = predictor.predict(own, images, trust_cameras, least_score)
     _write(found, own[0].picture, images, out)
     return found
 

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from ...annotate.boxes import CORNER_SIGNS
+from ...annotate.heatmap import HEAT_THRESHOLD
 from ...core.errors import InputError
 from ...core.user_text import counted
 from ...dataset.cameras.model import Distortion
@@ -123,7 +124,11 @@ class Predictor:
         return self.predict(own, names)
 
     def predict(
-        self, pictures: Sequence[OwnPicture], names: Sequence[Path | str], trust_cameras: bool = False
+        self,
+        pictures: Sequence[OwnPicture],
+        names: Sequence[Path | str],
+        trust_cameras: bool = False,
+        least_score: float = HEAT_THRESHOLD,
     ) -> Prediction:
         """Return what is found in pictures with their cameras.
 
@@ -135,6 +140,8 @@ class Predictor:
             What errors call them.
         trust_cameras : bool
             Whether to take suspicious cameras, and pictures that do not fit them (`camera_checks`, `picture_checks`).
+        least_score : float
+            Objects with a lower score are left out.
         """
         if len(pictures) < 2:
             raise InputError("pictures", "two or more views of one scene", len(pictures))
@@ -154,6 +161,7 @@ class Predictor:
         parts = windows((height, width), views[0].K, self.settings.views.size, self.focal, self.settings.views.fit)
         found = [self._found([cut(view, window) for view in views], names[0]) for window in parts]
         whole = merged((height, width), [(window, part) for window, (part, _) in zip(parts, found, strict=True)])
+        whole = whole.chosen(np.flatnonzero(whole.score >= least_score))
         return _in_source(whole, seen[0], sum(left_out for _, left_out in found))
 
     def _found(self, views: Sequence[CameraView], name: Path | str) -> tuple[Found, int]:

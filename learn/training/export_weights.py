@@ -113,7 +113,7 @@ def _report(path: Path) -> dict[str, Any]:
     data = found.get("data")
     if isinstance(data, dict):
         found["data"] = {key: value for key, value in data.items() if key != "path"}
-    return {key: value for key, value in found.items() if key != "checkpoint"}
+    return {key: value for key, value in found.items() if key not in ("checkpoint", "weights")}
 
 
 def _notes(path: Path) -> dict[str, str]:

@@ -153,14 +153,15 @@ def test_a_drawing_shows_masks_boxes_and_depth_where_they_are():
     picture = np.full((96, 128, 3), 128, np.uint8)
     found = two()
     shown = drawn(picture, found)
-    assert shown.shape[0] == 5 * 96
-    over, depth = shown[:, : 5 * 128], shown[:, 5 * 128 : 10 * 128]
+    over, depth = shown[: 5 * 96, : 5 * 128], shown[: 5 * 96, 5 * 128 : 10 * 128]
     assert (over[5 * 5, 5 * 5] == 128).all()  # nothing there
     tinted = over[5 * 58 + 2, 5 * 31 + 2].astype(int)  # in the first mask: red is above the rest
     assert tinted[0] > tinted[1] + 10
     assert depth[100, 5].astype(int)[0] > depth[100, 5].astype(int)[2]  # near is red
-    empty = drawn(picture, two(0))
-    assert not np.array_equal(empty[:, : 5 * 128], np.full((480, 640, 3), 128))  # it says that there is none
+    empty, strips = drawn(picture, two(0)), shown[5 * 96 :]
+    np.testing.assert_array_equal(empty[: 5 * 96, : 5 * 128], np.full((480, 640, 3), 128))
+    assert empty[5 * 96 :].max() > 200  # it says that there is none
+    assert strips.shape != empty[5 * 96 :].shape or not np.array_equal(strips, empty[5 * 96 :])
 
 
 def test_records_have_the_class_the_box_and_the_mask_of_each_object():
