@@ -3,8 +3,7 @@
 python bench/studies/depth_on_glass.py --scenes 4
 
 The scenes are those of `bench/depth_camera.py`. Each row has one change: surfaces that scatter a fraction of the
-projector's light diffusely (haze, dust), no mirror image of the projector in glass, ambient light in all pixels instead
-of a quarter of them and not denoised, and more or less of it. The columns are those of
+projector's light diffusely (haze, dust), and no mirror image of the projector in glass. The columns are those of
 `dataset.depth_cameras.errors`, in the median over objects, and the last two the part of the depths within 10 mm among
 those in a band along the silhouette, and among those further inside.
 """
@@ -35,7 +34,6 @@ from glassware.render.infrared import pictures, trace_pattern
 from glassware.render.infrared.media import at_wavelength
 from glassware.render.infrared.pattern import pattern_map
 from glassware.render.infrared.projected_light import projected_light
-from glassware.render.pictures.picture import trace_picture
 from glassware.render.renderer import Renderer
 
 
@@ -46,21 +44,14 @@ class Change:
     name: str
     haze: float = 0.0  #: part of the projector's light that a surface of glass scatters diffusely, at either side
     mirrored: bool = True  #: whether glass mirrors the projector
-    ambient: float = 1.0  #: factor on ambient light
-    sharp: bool = False  #: whether each infrared pixel has ambient light of its own, undenoised
 
 
 CHANGES = (
     Change("as it is"),
-    Change("sharp ambient light", sharp=True),
-    Change("twice as much of it", sharp=True, ambient=2.0),
-    Change("four times as much", sharp=True, ambient=4.0),
     Change("1 % haze", haze=0.01),
     Change("10 % haze", haze=0.10),
     Change("no mirrored projector", mirrored=False),
 )
-#: Samples of sharp ambient light [1].
-AMBIENT_SPP = 8
 
 
 @contextmanager
@@ -100,19 +91,9 @@ def dots(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, np.ndarra
     return left, right
 
 
-def sharp_ambient(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, np.ndarray]:
-    """Return ambient light of every infrared pixel, undenoised, in both pictures of the first view."""
-    scene = renderer.scene
-    picture = scene.picture.model_copy(update={"spp": AMBIENT_SPP, "adaptive": False})
-    loaded = replace(renderer.loaded, description=scene.model_copy(update={"picture": picture}))
-    pair = device.infrared_pair(scene.cameras[0])
-    left, right = (trace_picture(loaded, pair, eye, 7 + k).radiance.mean(axis=2) for k, eye in enumerate(EYES))
-    return left, right
-
-
 def main() -> None:
     """Print the table."""
-    run, console = tyro.cli(Run), Console()
+    run, console = tyro.cli(Run), Console(width=120)
     found: dict[str, list[tuple[float, ...]]] = {change.name: [] for change in CHANGES}
     for scene in drawn(settings(run), run):
         renderer = Renderer(scene)
@@ -121,15 +102,13 @@ def main() -> None:
         Z = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
         masks = [geometry.id == body.id for body in scene.vessels]
         masks = [one for one in masks if one.sum() >= FEWEST * run.scale**2 and not touches_border(one)]
-        sharp = sharp_ambient(renderer, device)
         for change in CHANGES:
             light = known.dots
             if change.haze or not change.mirrored:
                 with optics(change):
                     light = dots(renderer, device)
-            left, right = (np.float32(change.ambient) * one for one in (sharp if change.sharp else known.ambient))
             place = (scene.seed, scene.scene_id, 0)
-            changed = replace(known, dots=light, ambient=(left, right))
+            changed = replace(known, dots=light)
             report = measured(device, changed, scene.cameras[0], geometry.Z, place).metres
             found[change.name] += [
                 (*depth_errors(report, Z, one), *right_by_band(report, Z, one, BAND * run.scale)) for one in masks
