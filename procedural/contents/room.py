@@ -8,6 +8,7 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from ...core.mesh import Mesh
 from ..cavities.space import Space, space_of
 from ..description.bodies import MeshVessel, Vessel
 from ..profiles.clearance import clearance, floor_under
@@ -167,15 +168,22 @@ class MeshRoom:
 
     Parameters
     ----------
-    space : Space
-        The cavity.
+    solid : Mesh
+        The glass, with one cavity.
     direction : float, optional
         Of the x axis of the frame that points are in, which then is on the cavity's axis [rad]; without it they are in
         the vessel's frame.
     """
 
-    space: Space
+    solid: Mesh
     direction: float | None = None
+
+    @property
+    def space(self) -> Space:
+        """The cavity, which is looked for only where something is to be put into it."""
+        found = space_of(self.solid)
+        assert found is not None
+        return found
 
     @property
     def axis(self) -> np.ndarray:
@@ -284,5 +292,4 @@ def room_of(vessel: Vessel | MeshVessel) -> Room | None:
     """Return the inside of a vessel; None where it has no cavity, or several of them."""
     if isinstance(vessel, Vessel):
         return RevolvedRoom(np.array(vessel.outer), np.array(vessel.inner))
-    space = space_of(vessel.solid) if len(vessel.cavities) == 1 else None
-    return None if space is None else MeshRoom(space)
+    return MeshRoom(vessel.solid) if len(vessel.cavities) == 1 else None
