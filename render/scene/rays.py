@@ -99,9 +99,9 @@ def without_crack(
 def straight_on(si: mi.SurfaceInteraction3f, ray: mi.Ray3f, offset: mi.Float) -> mi.Ray3f:
     """Return the ray that goes straight on behind a surface, started `offset` [m] off it.
 
-    On sliver triangles barycentric coordinates are ill-conditioned: the point that they give is in the triangle's plane,
-    but up to 0.1 mm beside the ray (1.8 m x 3 mm, below a table), and a ray from there would meet everything behind it
-    beside its place. So it starts from its own point there, twice as far off the plane as that point may be.
+    On sliver triangles barycentric coordinates are ill-conditioned: the point that they give is in the triangle's
+    plane, but up to 0.1 mm beside the ray (1.4 m x 3 mm, below a table), and a ray from there would meet everything
+    behind it beside its place. So it starts from its own point there, twice as far off the plane as that may be.
     """
     point = ray(si.t)
     apart = si.p - point
