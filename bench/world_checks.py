@@ -181,12 +181,11 @@ def _wall_of_mesh(vessel: MeshVessel) -> float:
     # The dry inside above the level is part of the outside; it is farther than the wall from what is well below.
     wet = wet[wet[..., 2].max(1) < full.liquid.level - 2.0 * vessel.wall - 1e-3]
     space = _sealed(meshes["outside"], vessel) if vessel.category == "double-walled glass" else np.zeros(len(dry), bool)
-    corners = np.concatenate([wet, dry])
-    inner = np.concatenate([np.ones(len(wet), bool), space])
-    if space.any():  # its outer wall is the thinner one; the rim closes the space
-        inner &= corners[..., 2].max(1) < full.liquid.level - 2.0 * vessel.wall - 1e-3
-    outer = np.concatenate([np.zeros(len(wet), bool), ~space])
-    return float(np.quantile(thicknesses(corners, inner, outer), _THINNEST))
+    corners, inside_faces = np.concatenate([wet, dry]), np.arange(len(wet) + len(dry)) < len(wet)
+    if space.any():  # each of the two walls is between the space and something else
+        sealed = np.concatenate([np.zeros(len(wet), bool), space])
+        return float(np.quantile(thicknesses(corners, sealed, ~sealed), _THINNEST))
+    return float(np.quantile(thicknesses(corners, inside_faces, ~inside_faces), _THINNEST))
 
 
 def _sealed(outside: Mesh, vessel: MeshVessel) -> np.ndarray:

@@ -177,11 +177,13 @@ def shade(
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
+    direct: mi.Bool,
 ) -> Bounce:
     """Return the radiance of opaque surfaces towards the eye, and a glossy bounce by BSDF sampling.
 
     Russian roulette decides about the bounce. Bounces towards bright emitters survive more often: a window reflected in
-    a polished table is most of its noise.
+    a polished table is most of its noise. Whether the eye sees the surface `direct` decides about the number of
+    candidates (`candidates_of`).
     """
     table, row, eye = shader.table, registry_id(si.shape), -ray.d
     instance = dr.gather(mi.UInt32, table.instance, row)
@@ -191,9 +193,9 @@ def shade(
     index, weight = interpolation_weights(shader.lookup, si, barycentric, eye, on_table)
     radiance = diffuse(material, point.wi, eye, moments_at(shader.moments, index, weight, point))
     level = dr.max(radiance)
-    count = candidates_of(table.candidates, row)
-    direct, u_emitter = _glossy_emitter(shader.loaded, point, offset, u, _FAINT * level, count)
-    radiance += direct
+    count = candidates_of(table.candidates, row, direct)
+    found, u_emitter = _glossy_emitter(shader.loaded, point, offset, u, _FAINT * level, count)
+    radiance += found
 
     wo = sample_glossy(material, point.wi, u.u_bsdf)
     value, pdf = eval_glossy(material, point.wi, wo)

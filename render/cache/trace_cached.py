@@ -253,7 +253,9 @@ def _shaded(tracing: CachedTracing, state: PathState, pi: mi.PreliminaryIntersec
     shaded = outside & si.is_valid() & ~ends_paths(tracing.loaded.emitters, si, outside)
     if dr.hint(shaded, exclude=[scene, sampler, tracing]):
         before = depth - 1  # the surface's own depth: the loop has counted it
-        bounce, fraction = _opaque_bounce(tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before))
+        bounce, fraction = _opaque_bounce(
+            tracing, si, pi.prim_uv, ray, offset, path_dimensions(sampler, before), before == 0
+        )
         L += beta * bounce.radiance
         if any_traced:
             glossy, through_glass = fraction, mi.Bool(False)
@@ -298,16 +300,17 @@ def _opaque_bounce(
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
+    direct: mi.Bool,
 ) -> tuple[Bounce, mi.Color3f]:
     """Shade opaque surfaces from the cache, and those that are path traced by emitter and BSDF sampling.
 
     The second value is `PathState.glossy`.
     """
     shader = tracing.shader
-    cached = shade(shader, si, barycentric, ray, offset, u)
+    cached = shade(shader, si, barycentric, ray, offset, u, direct)
     if shader.traced is None:  # the usual case has a kernel without the second kind
         return cached, mi.Color3f(1.0)
-    return _traced_bounce(tracing.loaded, si, barycentric, ray, offset, u, cached, shader.traced)
+    return _traced_bounce(tracing.loaded, si, barycentric, ray, offset, u, direct, cached, shader.traced)
 
 
 @syntax
@@ -318,6 +321,7 @@ def _traced_bounce(
     ray: mi.Ray3f,
     offset: mi.Float,
     u: PathDimensions,
+    direct: mi.Bool,
     cached: Bounce,
     surfaces: TracedSurfaces,
 ) -> tuple[Bounce, mi.Color3f]:
@@ -325,7 +329,7 @@ def _traced_bounce(
     bounce, glossy = cached, mi.Color3f(1.0)
     traced = dr.gather(mi.Bool, surfaces.rows, registry_id(si.shape))
     if dr.hint(traced, exclude=[loaded, surfaces]):
-        bounce = opaque_event(loaded.emitters, si, ray, offset, u, loaded.surfaces)
+        bounce = opaque_event(loaded.emitters, si, ray, offset, u, loaded.surfaces, direct)
         stored, glossy = surfaces.caustics.shade(si, barycentric, ray, bounce)
         bounce.radiance = bounce.radiance + stored
     return bounce, glossy

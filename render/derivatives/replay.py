@@ -165,7 +165,7 @@ def replay(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, picture: P
         direction, weight, pdf, delta = mi.Vector3f(0.0), mi.Color3f(0.0), mi.Float(1.0), mi.Bool(True)
 
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, tape]):
-            bounce = opaque_event(emitters, si, ray, offset, u, table)
+            bounce = opaque_event(emitters, si, ray, offset, u, table, depth == 0)
             direction, weight, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
             L += beta * bounce.radiance
             add_sampled_emitter(tape, scene.sample_emitter(bounce.u_emitter.x)[0], beta * bounce.radiance)

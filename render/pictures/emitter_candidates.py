@@ -1,7 +1,7 @@
 """Emitter sampling with several candidates: resampled importance sampling (RIS) of what a surface reflects.
 
 A glossy lobe mirrors few of the directions in which a scene is bright, and one sample of emitter sampling seldom meets
-both: a lamp in a brushed table is then found by probability. So several samples are drawn, the surface's reflection is
+both: a lamp in a brushed table is noise then. So several samples are drawn, the surface's reflection is
 evaluated for each, and a shadow ray is traced to one, chosen by how much it would reflect without shadows (Talbot,
 Cline, Egbert 2005, "Importance Resampling for Global Illumination"). With n candidates of density p, next to BSDF
 sampling of density q, the balance heuristic (Veach 1997, eq. 9.8) gives a candidate the weight n p / (n p + q), and the
@@ -35,9 +35,13 @@ class Candidate:
     left: mi.Float  #: a number that is uniform again, in [0, 1)
 
 
-def candidates_of(column: mi.UInt32 | None, row: mi.UInt32) -> mi.UInt32 | None:
-    """Return the number of candidates of surfaces by registry id; None where all have one (`SurfaceTable`)."""
-    return None if column is None else dr.gather(mi.UInt32, column, row)
+def candidates_of(column: mi.UInt32 | None, row: mi.UInt32, direct: mi.Bool) -> mi.UInt32 | None:
+    """Return the number of candidates of surfaces by registry id; None where all have one (`SurfaceTable`).
+
+    Surfaces that the eye does not see directly have one: glass, through which most others are seen, gets sixteen times
+    the samples already.
+    """
+    return None if column is None else dr.select(direct, dr.gather(mi.UInt32, column, row), 1)
 
 
 def per_candidate(pdf: mi.Float, count: mi.UInt32 | None) -> mi.Float:

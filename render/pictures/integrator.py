@@ -149,7 +149,7 @@ def trace(
         active, u = hit & ~ends_paths(emitters, si, hit), path_dimensions(sampler, depth)
         direction, factor, pdf, delta = mi.Vector3f(0.0), mi.Spectrum(0.0), mi.Float(1.0), mi.Bool(True)
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
-            bounce = opaque_event(emitters, si, ray, offset, u, table)
+            bounce = opaque_event(emitters, si, ray, offset, u, table, depth == 0)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
             medium = medium_after_bounce(surface.before, si, direction)
             L += beta * bounce.radiance
@@ -265,8 +265,12 @@ def opaque_event(
     offset: mi.Float,
     u: PathDimensions,
     table: SurfaceTable,
+    direct: mi.Bool,
 ) -> Bounce:
-    """Sample an emitter (next-event estimation) and the next direction at an opaque surface."""
+    """Sample an emitter (next-event estimation) and the next direction at an opaque surface.
+
+    Whether the eye sees it `direct` decides about the number of candidates (`candidates_of`).
+    """
     bsdf, row, si = si.bsdf(ray), registry_id(si.shape), two_sided(si, ray)
     values = None if table.maps is None else values_at(table.maps, si, row)
     if values is not None:
@@ -279,7 +283,7 @@ def opaque_event(
         above = mi.Bool(True) if values is None else above_surface(values, si, -ray.d, ds.d)
         return dr.select(above & (ds.pdf > 0.0), dr.max(found), 0.0)
 
-    count = candidates_of(table.candidates, row)
+    count = candidates_of(table.candidates, row, direct)
     chosen = chosen_candidate(u.u_emitter, u.u_rr, count, reflected)
     ds, arriving = sample_emitter(emitters, si, chosen.u)
     value, pdf, sampled, weight = bsdf.eval_pdf_sample(mi.BSDFContext(), si, si.to_local(ds.d), u.u_lobe, u.u_bsdf)

@@ -150,8 +150,8 @@ def test_several_candidates_take_the_noise_of_lamps_in_rough_metal(lamps, monkey
     tracers = [_stored(kernel) if stored else PATH_TRACER for kernel in (lamps, one)]
     off, gain = _compared(lamps, one, tracers)
     assert (off < STANDARD_ERRORS).all()
-    # One sample in ten meets the lamp; sixteen that are spread over a lattice meet it always: here 204 times less.
-    assert gain > 30.0
+    # One sample in five is of the lamp that is mirrored; of eight on a lattice one or two always are: 37 times less.
+    assert gain > 15.0
 
 
 @pytest.mark.slow
@@ -164,5 +164,5 @@ def test_several_candidates_take_the_noise_of_a_bright_window_of_a_map(backend, 
     many, one = load(scene, for_cache=True), _alone(monkeypatch, scene, for_cache=True)
     off, gain = _compared(many, one, [_stored(kernel) if stored else PATH_TRACER for kernel in (many, one)])
     assert (off < STANDARD_ERRORS).all()
-    # 52 times less here.
-    assert gain > 10.0
+    # 17 times less here.
+    assert gain > 8.0
