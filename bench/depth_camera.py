@@ -38,6 +38,8 @@ from glassware.render.renderer import Renderer
 FEWEST = 4000
 #: Of the captures' colour camera [px], and its width.
 FOCAL, WIDTH, HEIGHT = 921.0, 1280, 720
+#: Width of the band along silhouettes, of the captures [px].
+BAND = 20
 #: Depth up to which the background is compared [m]: the captures' reaches to 1.05 m.
 FARTHEST = 1.05
 #: Clear plastics and glass, as the captured objects are made of.
@@ -60,6 +62,7 @@ class Figures:
     """Numbers of objects, and of what is off the glass."""
 
     objects: list[DepthErrors] = field(default_factory=list)
+    bands: list[tuple[float, float]] = field(default_factory=list)  #: `right_by_band` of each object
     background_missing: list[float] = field(default_factory=list)
     background_error: list[float] = field(default_factory=list)  #: [m]
 
@@ -71,10 +74,20 @@ class Figures:
         In the captures the opaque twin is the second report: what both have wrong does not show.
         """
         self.objects += [depth_errors(reported, Z, mask) for mask in masks]
+        band = BAND * Z.shape[1] / WIDTH
+        self.bands += [right_by_band(reported, Z, mask, band) for mask in masks]
         away = cv2.dilate(glass.astype(np.uint8), np.ones((21, 21), np.uint8)) == 0
         known = away & (again < FARTHEST)
         self.background_missing.append(float(np.isnan(reported[known]).mean()))
         self.background_error.append(float(np.nanmedian(np.abs(reported - again)[known])))
+
+
+def right_by_band(reported: np.ndarray, Z: np.ndarray, mask: np.ndarray, band: float) -> tuple[float, float]:
+    """Return the part of an object's depths within 10 mm: in a band [px] along its silhouette, and further inside."""
+    inside = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5) > band
+    known, right = mask & np.isfinite(reported - Z), np.abs(reported - Z) < 0.01
+    near, far = (float(right[part].mean()) if part.any() else np.nan for part in (known & ~inside, known & inside))
+    return near, far
 
 
 def captured(folder: Path) -> Figures:
@@ -187,6 +200,8 @@ def main(run: Run) -> None:
             name: lambda one, k=k: spread([item[k] for item in one.objects])
             for k, name in enumerate(DepthErrors._fields)
         },
+        "right near the silhouette": lambda one: spread([item[0] for item in one.bands]),
+        "right further inside": lambda one: spread([item[1] for item in one.bands]),
         "background missing": lambda one: spread(one.background_missing),
         "background error [mm]": lambda one: spread([1e3 * value for value in one.background_error]),
     }

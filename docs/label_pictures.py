@@ -1,6 +1,6 @@
 """Draw the pictures of docs/labels.md from a data set that has all files.
 
-.venv/bin/render-scene --seed 7 --width 640 --height 480 --views 2 --out labels-data --write all
+.venv/bin/render-scene --seed 7 --width 640 --height 480 --views 3 --out labels-data --write all
 .venv/bin/python docs/label_pictures.py labels-data
 """
 

@@ -22,8 +22,9 @@ _DARK = 12.0
 _WHITE = 250.0
 #: It is blank where its values differ by less than this (standard deviation of a sensor's noise in good light).
 _BLANK = 1.5
-#: Width from which pictures are matched [px]; smaller ones are enlarged, so that features have room.
-_WIDTH = 640
+#: Width to which smaller pictures are enlarged, so that features have room, and that below which nothing is matched: a
+#: pixel is more than what is asked for there [px].
+_WIDTH, _LEAST_WIDTH = 640, 96
 #: Contrast of features that are taken, a quarter of OpenCV's default: tables and walls have little.
 _CONTRAST = 0.01
 #: Ratio of the best to the second-best match (Lowe, figure 11).
@@ -85,10 +86,12 @@ def check_pair(views: Sequence[CameraView], paths: Sequence[Path | str]) -> None
     eye = Path(paths[0]).name
     if first.picture.shape == second.picture.shape and np.array_equal(first.picture, second.picture):
         raise InputError(paths[1], f"the picture of another camera than {eye}", "the same picture: one eye twice")
+    width = first.picture.shape[1]
+    if width < _LEAST_WIDTH:
+        return
     found = matched(first, second)
     if len(found.shift) < _LEAST_MATCHES:
         return
-    width = first.picture.shape[1]
     sided = found.shift[(np.abs(found.shift) > _SHIFTED) & (np.abs(found.beside) < _BESIDE)]
     behind = int((sided < 0.0).sum())
     if len(sided) >= _LEAST_MATCHES and behind > _BEHIND * len(sided):

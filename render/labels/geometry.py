@@ -14,7 +14,7 @@ from ...procedural.description.surroundings import ROOM_IDS
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight, Transmission
 from ..scene.loaded_scene import LoadedScene
-from ..scene.rays import clearance, leave, pinhole, pixel_rays, without_crack
+from ..scene.rays import pinhole, pixel_rays, straight_on, without_crack
 from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
 from .layers import (
     LayerRecorder,
@@ -214,7 +214,7 @@ def straight_hits(
         reached |= dr.select(unblocked | (blocker == item), bit, mi.UInt64(0))
         blocker = dr.select(stops, item, blocker)
 
-        ray = leave(si, ray.d, clearance(si, ray, offset))
+        ray = straight_on(si, ray, offset)
         surfaces += 1
         # Behind a wall of the room there is nothing.
         active &= (surfaces < MAX_SURFACES) & ~((instance >= first_shell) & (instance <= last_shell))

@@ -119,3 +119,28 @@ def test_straight_rays_meet_a_convex_body_twice_whatever_its_triangles(backend, 
     board = np.array(seen.background_id) == TABLE_ID  # rays go on through it, and meet both its sides
     met = np.array(seen.count).astype(int) - 2 * board
     assert met.max() == 2, f"{(met > 2).sum()} rays meet more, up to {met.max()}"
+
+
+def test_what_lies_behind_long_slivers_is_where_it_is(backend, optical_bench):
+    """The point that a sliver's barycentric coordinates give is up to 0.1 mm beside the ray, which does not move."""
+    # A plate with round corners, whose faces are fans from one point: slivers of 1.4 m x 3 mm at the far corners.
+    turn = np.linspace(0.0, 0.5 * np.pi, 51)
+    corners = [(0.6, 0.5, 0.0), (-0.6, 0.5, 0.5), (-0.6, -0.5, 1.0), (0.6, -0.5, 1.5)]
+    arcs = [(x, y, turn + at * np.pi) for x, y, at in corners]
+    ring = np.concatenate([np.stack([x + 0.1 * np.cos(a), y + 0.1 * np.sin(a)], axis=1) for x, y, a in arcs])
+    count = len(ring)
+    i, k = np.arange(count), np.arange(1, count - 1)
+    fan, after = np.stack([0 * k, k, k + 1], axis=1), (i + 1) % count
+    sides = [np.stack([i + count, after + count, after], axis=1), np.stack([i + count, after, i], axis=1)]
+    points = np.concatenate([np.insert(ring, 2, z, axis=1) for z in (0.34, 0.30)])
+    sheet = Mesh("sheet", points, np.concatenate([fan, fan[:, ::-1] + count, *sides]))
+    kernel = load(optical_bench.scene(sheet, optical_bench.medium(1.0)))
+    rng, count = np.random.default_rng(2), 100_000
+    origin = rng.uniform([-0.9, -0.9, 0.7], [0.9, 0.9, 0.9], (count, 3))
+    target = rng.uniform([-0.4, -0.4, 0.0], [0.4, 0.4, 0.0], (count, 3))
+    seen = straight_hits(kernel, optical_bench.rays(origin, target - origin))
+    behind = (np.array(seen.count) == 4) & (np.array(seen.background_id) == TABLE_ID)
+    assert behind.sum() > 1000
+    away = np.array(seen.background)[behind] - np.linalg.norm(target - origin, axis=1)[behind]
+    # Each of the two surfaces moves the ray by its offset, some micrometres beside a board of 4 m; it was 220.
+    assert np.abs(away).max() < 1e-5
