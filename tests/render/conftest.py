@@ -101,7 +101,12 @@ def clear() -> Callable[[Scene], Scene]:
     def medium(item):
         return item.model_copy(update={"sigma_a": (0.0, 0.0, 0.0), "absorbers": ()})
 
-    def body(item):
-        return item.with_media(medium(item.glass), None if item.liquid is None else medium(item.liquid.medium))
+    def cleared(scene):
+        for item in scene.vessels:
+            scene = scene.with_glass(item.name, medium(item.glass))
+            if item.liquid is not None:
+                # What stands in the liquid gets it as well.
+                scene = scene.with_liquid(item.name, medium(item.liquid.medium))
+        return scene
 
-    return lambda scene: scene.model_copy(update={"vessels": tuple(body(item) for item in scene.vessels)})
+    return cleared

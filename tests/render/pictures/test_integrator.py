@@ -26,10 +26,10 @@ LIFTED = 0.01
 def lifted(backend, drawn, clear):
     """Smooth clear glasses, filled and floating, and a prop."""
 
-    def raised(vessel):
-        pose = vessel.world_T_object.copy()
+    def raised(body):
+        pose = body.world_T_object.copy()
         pose[2, 3] += LIFTED
-        return vessel.model_copy(update={"world_T_object": pose})
+        return body.model_copy(update={"world_T_object": pose})
 
     scene = clear(drawn(31, vessel_count=(3, 3), prop_count=(1, 1), cameras={"views": 15, "width": 48, "height": 32}))
     # Thicker walls than these 0.1 mm do not care for the offset either.
@@ -37,6 +37,8 @@ def lifted(backend, drawn, clear):
         scene.model_copy(
             update={
                 "vessels": tuple(raised(item) for item in scene.vessels),
+                # A straw and a print go with the vessel that they stand in and belong to.
+                "props": tuple(raised(item) if item.within or item.part_of else item for item in scene.props),
                 "picture": Picture(spp=SPP, max_depth=64, rr_depth=64),
                 "cameras": scene.cameras[-1:],
             }
