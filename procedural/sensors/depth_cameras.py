@@ -8,11 +8,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from ...core.assets import asset
-from ...core.errors import InputError
-from ...core.setting_errors import setting_error, shortened, suggest
-from ...core.yaml_file import yaml_settings
+from ...core.setting_errors import setting_error
 from ..description.depth_camera import DepthCamera, InfraredImager, Matching, PatternProjector
 from ..description.time_of_flight import DepthDevice, TimeOfFlightCamera
+from .devices import LIKE, NONE, device_fields, is_device_file, named_device
 from .pattern_picture import pattern_picture
 from .time_of_flight import TIME_OF_FLIGHT_CAMERAS
 
@@ -103,9 +102,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
         samples=8,
     ),
 }
-#: The name of no depth camera, and what a YAML file may name to begin with a device's figures.
-NONE, _LIKE = "none", "like"
-_FILES = (".yaml", ".yml")
+_DEVICES: dict[str, DepthDevice] = {**DEPTH_CAMERAS, **TIME_OF_FLIGHT_CAMERAS}
 
 
 def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthDevice | None:
@@ -127,12 +124,11 @@ def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthDevice 
     text = str(name)
     if text == NONE:
         return None
-    if not text.endswith(_FILES):
-        return _known(text, where, f"{NONE}, or a YAML file")
-    given = yaml_settings(text, where)
+    if not is_device_file(text):
+        return named_device(_DEVICES, text, where, f"{NONE}, or a YAML file")
+    given, like = device_fields(text, where)
     _take_picture(given, Path(text).parent)
-    like = given.pop(_LIKE, None)
-    below = {} if like is None else _known(str(like), f"{text}: {_LIKE}", "").model_dump()
+    below = {} if like is None else named_device(_DEVICES, like, f"{text}: {LIKE}").model_dump()
     kind = TimeOfFlightCamera if "tof" in (below.get("kind"), given.get("kind")) else DepthCamera
     try:
         return kind.model_validate(_merged(below | {"name": "own", "source": ""}, given))
@@ -147,14 +143,6 @@ def _take_picture(given: dict, folder: Path) -> None:
         path = folder / projector["picture"]
         pattern_picture(path)
         projector["picture"] = asset(path)
-
-
-def _known(name: str, where: str, other: str) -> DepthDevice:
-    known: dict[str, DepthDevice] = {**DEPTH_CAMERAS, **TIME_OF_FLIGHT_CAMERAS}
-    if name not in known:
-        names = ", ".join([*known, *([other] if other else [])])
-        raise InputError(where, f"one of {names}{suggest(name.lower(), list(known))}", shortened(name))
-    return known[name]
 
 
 def _merged(below: dict, above: dict) -> dict:

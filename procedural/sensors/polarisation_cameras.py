@@ -6,10 +6,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from ...core.errors import InputError
-from ...core.setting_errors import setting_error, shortened, suggest
-from ...core.yaml_file import yaml_settings
+from ...core.setting_errors import setting_error
 from ..description.polarisation_camera import PolarisationCamera
+from .devices import LIKE, NONE, device_fields, is_device_file, named_device
 
 _SOURCE = (
     "axes of the filters: Sony's cell as cameras with it document it (90, 45; 135, 0 degrees from its first row on); "
@@ -35,9 +34,6 @@ POLARISATION_CAMERAS: dict[str, PolarisationCamera] = {
         update={"name": "imx250myr", "source": "Sony IMX250MYR, in colour: " + _SOURCE, "colour": True}
     ),
 }
-#: The name of no polarisation camera, and what a YAML file may name to begin with a device's figures.
-NONE, _LIKE = "none", "like"
-_FILES = (".yaml", ".yml")
 
 
 def polarisation_camera(name: str | Path, where: str = "sensors.polarisation") -> PolarisationCamera | None:
@@ -59,20 +55,11 @@ def polarisation_camera(name: str | Path, where: str = "sensors.polarisation") -
     text = str(name)
     if text == NONE:
         return None
-    if not text.endswith(_FILES):
-        return _known(text, where, f"{NONE}, or a YAML file")
-    given = yaml_settings(text, where)
-    like = given.pop(_LIKE, None)
-    below = {} if like is None else _known(str(like), f"{text}: {_LIKE}", "").model_dump()
+    if not is_device_file(text):
+        return named_device(POLARISATION_CAMERAS, text, where, f"{NONE}, or a YAML file")
+    given, like = device_fields(text, where)
+    below = {} if like is None else named_device(POLARISATION_CAMERAS, like, f"{text}: {LIKE}").model_dump()
     try:
         return PolarisationCamera.model_validate(below | {"name": "own", "source": ""} | given)
     except ValidationError as error:
         raise setting_error(text, error, PolarisationCamera) from error
-
-
-def _known(name: str, where: str, other: str) -> PolarisationCamera:
-    if name not in POLARISATION_CAMERAS:
-        names = ", ".join([*POLARISATION_CAMERAS, *([other] if other else [])])
-        expected = f"one of {names}{suggest(name.lower(), list(POLARISATION_CAMERAS))}"
-        raise InputError(where, expected, shortened(name))
-    return POLARISATION_CAMERAS[name]
