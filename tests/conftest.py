@@ -129,6 +129,12 @@ def planes() -> ModuleType:
     return _module("infrared_planes")
 
 
+@pytest.fixture(scope="session")
+def makers() -> ModuleType:
+    """The module `tests/source_makers.py`: small folders in other projects' layouts."""
+    return _module("source_makers")
+
+
 def _module(stem: str) -> ModuleType:
     """Import a module beside this file by its path, as all test files are."""
     name = f"glassware_tests_{stem}"

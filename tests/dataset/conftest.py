@@ -1,11 +1,9 @@
 from __future__ import annotations
 
-import importlib.util
 import json
 import shutil
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from types import ModuleType
 from typing import NamedTuple
 
 import cv2
@@ -120,15 +118,3 @@ def add_sensor_depth() -> Callable[[Path], Path]:
         return root
 
     return add
-
-
-@pytest.fixture(scope="session")
-def makers() -> ModuleType:
-    """The module `tests/source_makers.py`: small folders in other projects' layouts."""
-    path = Path(__file__).resolve().parents[1] / "source_makers.py"
-    spec = importlib.util.spec_from_file_location("source_makers", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -20,18 +18,6 @@ from glassware.learn.targets.encoding import encoding_of
 from glassware.learn.training.losses import LossWeights, losses, total_loss
 
 STEREO = ViewSettings(rule="stereo", size=(64, 96))
-
-
-@pytest.fixture(scope="module")
-def makers() -> ModuleType:
-    """The module `tests/source_makers.py`: small folders in other projects' layouts."""
-    path = Path(__file__).resolve().parents[2] / "source_makers.py"
-    spec = importlib.util.spec_from_file_location("source_makers", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def samples(makers, root: Path, write: str, views: ViewSettings = STEREO, *options: str, **more) -> SampleDataset:
