@@ -28,9 +28,11 @@ def stated(optical_bench):
 
     def draw(category, seed):
         settings = VesselSettings(categories=(category,), fill_probability=0.0)
-        of_family = draw_shaped_vessel if category in SHAPED else draw_vessel
-        drawn = of_family(stream(seed, 0, "vessel"), settings, id=2, name="vessel", glass=GLASS)
-        vessel = drawn[0] if category in SHAPED else drawn
+        rng = stream(seed, 0, "vessel")
+        if category in SHAPED:
+            vessel = draw_shaped_vessel(rng, settings, id=2, name="vessel", glass=GLASS)[0]
+        else:
+            vessel = draw_vessel(rng, settings, id=2, name="vessel", glass=GLASS)
         scene = optical_bench.surrounded((vessel,), (optical_bench.camera((0.0, 0.0, 1.0)),))
         return vessel, objects_file(scene, scene_keypoints(scene)).objects[0]
 
