@@ -75,7 +75,16 @@ def test_tables_of_depth_begin_with_what_needs_no_network(plan):
     by_title = {row[0].ours: [cell.ours for cell in row[1:]] for row in table.rows[:3]}
     assert by_title["no network: the true median of each picture"][:4] == ["0.060", "0.050", "0.080", "-"]
     assert by_title["no network: semi-global matching of both eyes"][0] == NOT_RUN
-    assert not any("no network" in row[0].ours for row in experiment_table(experiment("keypose"), plan, results).rows)
+
+
+def test_the_table_of_keypoints_begins_with_one_answer_for_all_windows(plan):
+    constant = {"constant": {"auc": 0.4, "near": 0.1, "mae": 0.0615}}
+    report = {
+        "locations": {"truth": TOLD | constant, "jitter": TOLD | {"constant": constant["constant"] | {"auc": 0.2}}}
+    }
+    first, *others = experiment_table(experiment("keypose"), plan, {"keypose": Result((report,), facts=FACTS)}).rows
+    assert [cell.ours for cell in first[1:8]] == ["40.0", "10.0", "61.5", "20.0", NOT_RUN, "-", "-"]
+    assert not any("no network" in row[0].ours for row in others)
 
 
 def test_tables_are_written_in_markdown_and_latex(table):
