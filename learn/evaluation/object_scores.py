@@ -30,6 +30,7 @@ from ..targets.keypoints import keypoint_distances, object_keypoints
 from ..training.checkpoint import load_network
 from ..training.methods import outputs_of, samples_of
 from ..training.settings import TrainSettings
+from .keypoint_floor import Windows, constant_keypoints
 from .report import nan_to_none, object_metrics
 from .score import ObjectScore, axis_distances, check_finite, eval_mode
 
@@ -137,6 +138,7 @@ def _measured(
 ) -> dict[str, Any]:
     device = next(network.parameters()).device
     scores: list[ObjectScore] = []
+    windows: list[Windows] = []
     count = len(samples)
     order = [
         [(index, _DRAW) for index in range(first, min(first + _BATCH, count))] for first in range(0, count, _BATCH)
@@ -146,6 +148,8 @@ def _measured(
             check_stop()
             outputs = outputs_of(network, batch.to(device), settings)
             scores += _scored(batch, {name: value.float().cpu() for name, value in outputs.items()}, settings)
+            if "keypoints" in batch.targets:
+                windows.append(Windows(batch.targets, batch.K))
             if len(scores) % _PROGRESS_STEP == 0 or len(scores) == count:
                 say(f"object {len(scores)}/{count}")
     dropped = [_failed(samples.base.labels(case.view), case, settings) for case in samples.dropped]
@@ -156,6 +160,7 @@ def _measured(
     return {
         **object_metrics([*scores, *dropped, *missed, *unknown]),
         "kept": object_metrics([score for score in scores if score.pose is not None])["keypoints"],
+        "constant": constant_keypoints(windows) if windows else None,
         "dropped": len(dropped),
         "missed": len(missed),
         "lost": lost,

@@ -93,8 +93,13 @@ def keypoint_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
     """
     distances = [distance for item in objects for distance in item.keypoints or ()]
     missed = sum(item.keypoint_count for item in objects if item.keypoints is None)
+    return distance_metrics(distances, missed, len(objects))
+
+
+def distance_metrics(distances: Sequence[float], missed: int, objects: int) -> dict[str, Any]:
+    """Return `keypoint_metrics` from the distances of all keypoints [m] and the number of those that were missed."""
     return {
-        "objects": len(objects),
+        "objects": objects,
         "auc": area_under_curve(distances, missed),
         "near": fraction_near(distances, missed),
         "mae": _mean(distances),

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .experiments import FLOOR_PATH, FLOORS, Column, Experiment, Row
+from .experiments import Column, Experiment, Row
 from .runs import PAPER_SAMPLES, Plan, Result
 
 NOT_RUN = "not run"
@@ -74,29 +74,19 @@ def _row(what: Experiment, row: Row, result: Result) -> tuple[Cell, ...]:
 
 
 def _floor_rows(what: Experiment, results: Mapping[str, Result]) -> tuple[tuple[Cell, ...], ...]:
-    """Return what needs no network, from the first report that has it; none for tables without depth."""
-    if all(column.floor is None for column in what.columns):
-        return ()
+    """Return what needs no network, from the first report that has it."""
     reports = [report for result in results.values() for report in result.reports]
-    rows = []
-    for name, title in FLOORS.items():
-        known = [found for report in reports if (found := _floor(report, name)) is not None]
-        cells = [_floor_cell(column, known[0] if known else None) for column in what.columns]
-        rows.append((Cell(title), *cells, *(Cell("-") for _ in FACTS)))
-    return tuple(rows)
+    return tuple(
+        (Cell(title), *(_floor_cell(column, name, reports) for column in what.columns), *(Cell("-") for _ in FACTS))
+        for name, title in what.floors.items()
+    )
 
 
-def _floor(report: Mapping[str, Any], name: str) -> Mapping[str, float] | None:
-    found: Any = report
-    for key in (*FLOOR_PATH, name):
-        found = found.get(key) if isinstance(found, Mapping) else None
-    return found
-
-
-def _floor_cell(column: Column, found: Mapping[str, float] | None) -> Cell:
+def _floor_cell(column: Column, name: str, reports: Sequence[Mapping[str, Any]]) -> Cell:
     if column.floor is None:
         return Cell("-")
-    return Cell(NOT_RUN if found is None else f"{found[column.floor]:.{column.digits}f}")
+    known = [value for report in reports if (value := column.floor(report, name)) is not None]
+    return Cell(f"{known[0]:.{column.digits}f}" if known else NOT_RUN)
 
 
 def _ours(column: Column, result: Result) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -17,13 +17,14 @@ _KEYPOSE = {"learning_rate": 1e-3 / 6e-4, "clip": 5.0, "weight_decay": 1e-5}
 _DENSEFUSION = {"learning_rate": 1e-4 / 6e-4, "weight_decay": 0.0}
 #: The row whose network says where objects are, and completes depth.
 DETECTOR = "mvtrans-stereo"
-#: What needs no network, by its name in reports (`evaluation.floors`), and the pixels and size of the table's depths.
-FLOORS = {
+#: What needs no network, by its name in reports: of depth (`evaluation.floors`), and of keypoints
+#: (`evaluation.object_scores`).
+_DEPTH_FLOORS = {
     "constant": "no network: one constant depth",
     "picture_median": "no network: the true median of each picture",
     "semi_global": "no network: semi-global matching of both eyes",
 }
-FLOOR_PATH = ("floors", "cleargrasp", "objects")
+_KEYPOINT_FLOORS = {"constant": "no network: the same keypoints in every window"}
 _STEREO = {"views": {"rule": "stereo", "count": 2}}
 
 
@@ -47,7 +48,8 @@ class Column:
     title: str
     read: Callable[[Mapping[str, Any]], float | None]  #: from a report
     digits: int
-    floor: str | None = None  #: name of the figure in the reports' floors; None: needs a network
+    #: the figure of a floor, by its name, from a report; None: needs a network
+    floor: Callable[[Mapping[str, Any], str], float | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -59,17 +61,19 @@ class Experiment:
     rows: tuple[Row, ...]
     columns: tuple[Column, ...]
     paper: Mapping[str, Mapping[str, float]]  #: by row and column, in the units of the columns
+    floors: Mapping[str, str]  #: titles of what needs no network, by name in reports
 
 
 def experiment(name: ExperimentName) -> Experiment:
     """Return an experiment by its name."""
     if name == "keypose":
         title = "3D keypoints of transparent objects (the paper's table I)"
-        return Experiment(name, title, _keypose_rows(), _KEYPOSE_COLUMNS, published.KEYPOSE)
+        return Experiment(name, title, _keypose_rows(), _KEYPOSE_COLUMNS, published.KEYPOSE, _KEYPOINT_FLOORS)
     if name == "syn-todd":
         title = "Depth, boxes and masks of synthetic scenes (the paper's table II)"
-        return Experiment(name, title, (_simnet(), *_mvtrans()), _SCENE_COLUMNS, published.SYN_TODD)
-    return Experiment(name, "What each part of MVTrans is for", _ablation_rows(), _SCENE_COLUMNS, {})
+        rows = (_simnet(), *_mvtrans())
+        return Experiment(name, title, rows, _SCENE_COLUMNS, published.SYN_TODD, _DEPTH_FLOORS)
+    return Experiment(name, "What each part of MVTrans is for", _ablation_rows(), _SCENE_COLUMNS, {}, _DEPTH_FLOORS)
 
 
 def row_settings(row: Row, common: TrainSettings) -> TrainSettings:
@@ -83,6 +87,23 @@ def row_settings(row: Row, common: TrainSettings) -> TrainSettings:
         scaled = name == "learning_rate"
         data["optimiser"][name] = data["optimiser"][name] * value if scaled else value
     return TrainSettings.model_validate(data)
+
+
+def equal_rows(rows: Sequence[Row], common: TrainSettings) -> dict[str, str]:
+    """Return the rows that have the settings of an earlier one, by name, with its name: one run serves both.
+
+    A switch that the common settings have already makes such a row.
+    """
+    first: list[tuple[TrainSettings, str]] = []
+    found: dict[str, str] = {}
+    for row in rows:
+        settings = row_settings(row, common)
+        earlier = [name for known, name in first if known == settings]
+        if earlier and not row.needs_detector:
+            found[row.name] = earlier[0]
+        else:
+            first.append((settings, row.name))
+    return found
 
 
 def _mvtrans() -> tuple[Row, ...]:
@@ -176,20 +197,35 @@ def _of(*path: str, factor: float = 1.0) -> Callable[[Mapping[str, Any]], float 
     return _scaled(factor, lambda report: _value(report, *path))
 
 
+def _keypoint_column(name: str, title: str, figure: str, factor: float, location: str = "truth") -> Column:
+    def floor(report: Mapping[str, Any], of: str) -> float | None:
+        return _of("locations", location, of, figure, factor=factor)(report)
+
+    return Column(name, title, _scaled(factor, _of_keypoints(figure, location)), 1, floor)
+
+
+def _depth_column(name: str, title: str) -> Column:
+    def floor(report: Mapping[str, Any], of: str) -> float | None:
+        return _value(report, "floors", *_PIXELS, of, name)
+
+    return Column(name, title, _of("depth", *_PIXELS, name), 3, floor)
+
+
+#: Size and pixels of the table's depths.
+_PIXELS = ("cleargrasp", "objects")
 _KEYPOSE_COLUMNS = (
-    Column("auc", "AUC [%]", _scaled(100.0, _of_keypoints("auc")), 1),
-    Column("near", "<2 cm [%]", _scaled(100.0, _of_keypoints("near")), 1),
-    Column("mae", "MAE [mm]", _scaled(1000.0, _of_keypoints("mae")), 1),
-    Column("auc_jitter", "AUC, places off by 20 px [%]", _scaled(100.0, _of_keypoints("auc", "jitter")), 1),
-    Column("auc_detector", "AUC, places detected [%]", _scaled(100.0, _of_keypoints("auc", "detector")), 1),
+    _keypoint_column("auc", "AUC [%]", "auc", 100.0),
+    _keypoint_column("near", "<2 cm [%]", "near", 100.0),
+    _keypoint_column("mae", "MAE [mm]", "mae", 1000.0),
+    _keypoint_column("auc_jitter", "AUC, places off by 20 px [%]", "auc", 100.0, "jitter"),
+    _keypoint_column("auc_detector", "AUC, places detected [%]", "auc", 100.0, "detector"),
     Column("ap25", "3D mAP [%]", _of("boxes", "ap25", factor=100.0), 1),
     Column("iou_found", "3D IoU [%]", _of("boxes", "iou_found", factor=100.0), 1),
 )
-_DEPTH = ("depth", "cleargrasp", "objects")
 _SCENE_COLUMNS = (
-    Column("rmse", "RMSE [m]", _of(*_DEPTH, "rmse"), 3, "rmse"),
-    Column("mae", "MAE [m]", _of(*_DEPTH, "mae"), 3, "mae"),
-    Column("rel", "REL", _of(*_DEPTH, "rel"), 3, "rel"),
+    _depth_column("rmse", "RMSE [m]"),
+    _depth_column("mae", "MAE [m]"),
+    _depth_column("rel", "REL"),
     Column("ap25", "3D mAP [%]", _of("boxes", "ap25", factor=100.0), 2),
     Column("iou_found", "3D IoU [%]", _of("boxes", "iou_found", factor=100.0), 2),
     Column("ap50", "mAP [%]", _of("masks", "ap50", factor=100.0), 2),

@@ -67,6 +67,8 @@ def test_keypose_trains_and_is_evaluated_by_the_commands(rendered, tmp_path, cap
     truth, jitter = (report["locations"][name] for name in ("truth", "jitter"))
     assert truth["keypoints"]["objects"] == jitter["keypoints"]["objects"] > 0
     assert truth["keypoints"] != jitter["keypoints"]
+    assert truth["constant"]["objects"] == truth["keypoints"]["objects"]
+    assert truth["constant"]["mae"] < jitter["constant"]["mae"]
     assert truth["dropped"] == truth["missed"] == truth["lost"] == 0
     view = rendered / "scenes" / "000001" / "003"
     pictures = [str(view / "left.png"), str(view / "right.png")]

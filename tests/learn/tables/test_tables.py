@@ -13,7 +13,7 @@ import yaml
 from glassware.dataset.commands.glassware import main
 from glassware.learn.tables.cells import NOT_RUN, experiment_table, latex, markdown
 from glassware.learn.tables.comparison import comparison_table
-from glassware.learn.tables.experiments import EXPERIMENTS, experiment, row_settings
+from glassware.learn.tables.experiments import EXPERIMENTS, equal_rows, experiment, row_settings
 from glassware.learn.tables.plots import bar_plot, experiment_plots, line_plot
 from glassware.learn.tables.runs import Plan, Result, seeded_settings
 from glassware.learn.training.settings import TrainSettings
@@ -75,7 +75,16 @@ def test_tables_of_depth_begin_with_what_needs_no_network(plan):
     by_title = {row[0].ours: [cell.ours for cell in row[1:]] for row in table.rows[:3]}
     assert by_title["no network: the true median of each picture"][:4] == ["0.060", "0.050", "0.080", "-"]
     assert by_title["no network: semi-global matching of both eyes"][0] == NOT_RUN
-    assert not any("no network" in row[0].ours for row in experiment_table(experiment("keypose"), plan, results).rows)
+
+
+def test_the_table_of_keypoints_begins_with_one_answer_for_all_windows(plan):
+    constant = {"constant": {"auc": 0.4, "near": 0.1, "mae": 0.0615}}
+    report = {
+        "locations": {"truth": TOLD | constant, "jitter": TOLD | {"constant": constant["constant"] | {"auc": 0.2}}}
+    }
+    first, *others = experiment_table(experiment("keypose"), plan, {"keypose": Result((report,), facts=FACTS)}).rows
+    assert [cell.ours for cell in first[1:8]] == ["40.0", "10.0", "61.5", "20.0", NOT_RUN, "-", "-"]
+    assert not any("no network" in row[0].ours for row in others)
 
 
 def test_tables_are_written_in_markdown_and_latex(table):
@@ -98,6 +107,13 @@ def test_the_papers_figures_are_where_the_paper_has_them():
         columns = {column.name for column in what.columns}
         assert set(what.paper) <= names
         assert all(set(values) <= columns for values in what.paper.values())
+
+
+def test_a_switch_that_all_rows_have_already_needs_no_run_of_its_own():
+    rows = experiment("ablation").rows
+    assert equal_rows(rows, TrainSettings()) == {"concat": "base", "linear": "base"}
+    common = TrainSettings.model_validate({"network": {"matching": "group", "spacing": "inverse"}})
+    assert equal_rows(rows, common) == {"group": "base", "inverse": "base"}
 
 
 def test_every_row_has_settings_and_sees_equally_many_samples(plan):
