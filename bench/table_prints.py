@@ -23,6 +23,7 @@ from glassware.procedural.primitives import scenes
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.table import TableSettings, draw_table
 from glassware.procedural.tables.printed_top import printed_top
+from glassware.render.backend.variant import activate
 
 #: Columns of the table of times.
 PARTS = ("drawing [s]", "their surfaces [s]", "the top's picture [s]", "all [s]", "texels [10^6]", "memory [MB]")
@@ -50,7 +51,8 @@ def main() -> None:
 def measured(count: int) -> list[list[float]]:
     """Return the figures of tables with prints, a row for each."""
     settings = validated(SceneSettings, preset("train"), "preset").table
-    # Kernels of the first tables are compiled once in a process.
+    activate()
+    # Whatever is loaded or compiled once in a process.
     _costs(settings, 0)
     rows, scene = [], 0
     while len(rows) < count:

@@ -66,13 +66,12 @@ def printed_top(table: Table) -> PrintedTop:
     texel = np.array(period) / counts
     first = np.floor(low / texel).astype(int) - 1
     last = np.ceil(high / texel).astype(int) + 1
-    columns, rows = (np.arange(first[k], last[k]) % counts[k] for k in range(2))
-    colour, maps = (_resized(layer, counts)[np.ix_(rows, columns)] for layer in (colour, maps))
+    colour, maps = (_repeated(_resized(layer, counts), first, last) for layer in (colour, maps))
     corner = first * texel
     for item in table.prints:
         _lay(colour, maps, item, texel, corner)
-    uv = (mesh.uv - corner) / (texel * (len(columns), len(rows)))
-    uv[below] = 0.5 / len(columns), 0.5 / len(rows)
+    uv = (mesh.uv - corner) / (texel * (last - first))
+    uv[below] = 0.5 / (last - first)
     return PrintedTop(
         replace(mesh, uv=uv.astype(mesh.uv.dtype)),
         colour,
@@ -98,6 +97,19 @@ def _resized(layer: np.ndarray, counts: list[int]) -> np.ndarray:
         way = cv2.INTER_AREA if counts[axis] < size[axis] else cv2.INTER_LINEAR
         size[axis] = counts[axis]
         layer = cv2.resize(layer, size, interpolation=way).reshape(size[1], size[0], layer.shape[2])
+    return layer
+
+
+def _repeated(layer: np.ndarray, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """Return a copy of the columns and rows from `first` up to `last` of a picture that repeats in both directions."""
+    for axis, (start, end) in zip((1, 0), zip(first, last, strict=True), strict=True):
+        count, pieces, place = layer.shape[axis], [], int(start)
+        while place < end:
+            low = place % count
+            high = min(count, low + int(end) - place)
+            pieces.append(layer[low:high] if axis == 0 else layer[:, low:high])
+            place += high - low
+        layer = np.concatenate(pieces, axis)
     return layer
 
 

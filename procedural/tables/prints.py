@@ -99,7 +99,7 @@ def draw_prints(
     outline : (k, 2) float
         Convex outline of the flat top, counter-clockwise [m].
     wear : float
-        0 new, 1 worn.
+        0 new, 1 worn; of what is no paper.
 
     Raises
     ------
@@ -184,26 +184,30 @@ def _paper(rng: np.random.Generator) -> Reflectance:
 
 
 def _sheet(rng: np.random.Generator, wear: float) -> _Look:
+    del wear  # what is of paper shows no scratches, and is thrown away before it is worn
     inks = [INKS[index] for index in rng.permutation(len(INKS))[:2]]
     colours = (_paper(rng), *inks, BLACK_INK)
-    return _look(rng, "printed paper", "printed sheet", colours, _of_sizes(rng, SHEETS), PAPER, 0.5 * wear)
+    return _look(rng, "printed paper", "printed sheet", colours, _of_sizes(rng, SHEETS), PAPER, 0.0)
 
 
 def _newspaper(rng: np.random.Generator, wear: float) -> _Look:
+    del wear
     paper = dielectric(np.array((0.52, 0.49, 0.43)) * rng.uniform(0.85, 1.1))
     inks = [INKS[index] for index in rng.permutation(len(INKS))[:2]]
     size = NEWSPAPERS[int(rng.integers(len(NEWSPAPERS)))]
-    return _look(rng, "newsprint", "newspaper", (paper, *inks, BLACK_INK), size, (0.8, 1.0), 0.5 * wear)
+    return _look(rng, "newsprint", "newspaper", (paper, *inks, BLACK_INK), size, (0.8, 1.0), 0.0)
 
 
 def _card(rng: np.random.Generator, wear: float) -> _Look:
-    return _look(rng, "coated paper", "card", print_colours(rng), _of_sizes(rng, CARDS), COATED, 0.5 * wear)
+    del wear
+    return _look(rng, "coated paper", "card", print_colours(rng), _of_sizes(rng, CARDS), COATED, 0.0)
 
 
 def _board(rng: np.random.Generator, wear: float) -> _Look:
+    del wear
     name, roughness = ("laminated paper", VINYL) if rng.random() < 0.4 else ("printed paper", PAPER)
     colours = (_paper(rng), BLACK_INK)
-    return _look(rng, name, "marker board", colours, _of_sizes(rng, BOARDS), roughness, 0.5 * wear)
+    return _look(rng, name, "marker board", colours, _of_sizes(rng, BOARDS), roughness, 0.0)
 
 
 def _markers(rng: np.random.Generator) -> list[Draw]:
@@ -213,7 +217,8 @@ def _markers(rng: np.random.Generator) -> list[Draw]:
     colours, count = (_paper(rng), BLACK_INK), int(rng.integers(GROUP[0], GROUP[1] + 1))
 
     def look(rng: np.random.Generator, wear: float) -> _Look:
-        return _look(rng, "printed paper", "marker", colours, (side, side), PAPER, 0.5 * wear, (cells,))
+        del wear
+        return _look(rng, "printed paper", "marker", colours, (side, side), PAPER, 0.0, (cells,))
 
     return [look] * count
 
