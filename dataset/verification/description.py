@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 
-from ...core.mesh import Mesh, as_trimesh
+from ...core.mesh import Mesh
 from ...procedural.description.camera import Camera
 from ...procedural.description.scene import Prop, Scene, SceneObject
 from ...procedural.optics.medium import Medium
 from ..format.camera_file import CameraFile
 from ..format.objects_file import GlassMaterial, MediumRecord, ObjectRecord, ObjectsFile
 from .fault import Fault, unlike
+from .solids import CHORD, diagonal, meshes_of, solid_meshes, triangles_of_meshes, worst_distance
+from .symmetries import symmetry_faults
 
 #: Float64 through JSON [m, px].
 EXACT = 1e-12
 #: Distance of a point from the surface that it is on [m]: float32 positions of some decimetres.
 ON_SURFACE = 1e-6
-#: How far a symmetry may move a surface from itself, as a fraction of the box's diagonal [1]: tessellations of solids
-#: of revolution are good to parts of a millimetre, and drawn glass is a little elliptical and leans a little, which its
-#: stated symmetries leave out.
-SYMMETRIC = 1e-2
 #: Relative difference of volumes of meshes by two sums in float64 over float32 positions, and of a profile's frusta
 #: from its 64 to some hundred facets.
 VOLUME, FACETS = 1e-4, 0.02
@@ -79,7 +76,7 @@ def object_faults(scene: Scene, objects: ObjectsFile, file: str) -> list[Fault]:
         faults += rigid_faults("objects", file, f"{where} world_T_object", record.world_T_object)
         faults += unlike("objects", file, f"{where} size", _extent(item), record.size, ON_SURFACE)
         faults += _surface_points(item, record, file)
-        faults += _symmetries(item, record, file)
+        faults += symmetry_faults(item, record, file)
         faults += _contents(item, record, file)
     return faults
 
@@ -120,7 +117,7 @@ def _constants(medium: Medium, where: str, file: str) -> list[Fault]:
 def _surface_points(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
     """Check that keypoints are on the surface, and that lines of liquids and mouths are on the vessel."""
     where = f"object {item.id}"
-    solid = _joined(_meshes(item))
+    solid = triangles_of_meshes(meshes_of(item))
     faults = _distances(solid, np.array(record.keypoints).reshape(-1, 3), f"{where} keypoints", file)
     for name in ("fill_lines", "openings"):
         for number, line in enumerate(getattr(record, name)):
@@ -131,66 +128,14 @@ def _surface_points(item: SceneObject, record: ObjectRecord, file: str) -> list[
     return faults + unlike("objects", file, f"{where} fill_lines", expected, min(len(record.fill_lines), 1))
 
 
-def _distances(solid: trimesh.Trimesh, points: np.ndarray, where: str, file: str) -> list[Fault]:
+def _distances(solid: np.ndarray, points: np.ndarray, where: str, file: str) -> list[Fault]:
     if not len(points):
         return []
-    within = _CHORD * float(np.linalg.norm(solid.extents)) if "openings" in where else ON_SURFACE
-    worst = _worst_distance(solid.triangles, points, within)
+    within = CHORD * diagonal(solid) if "openings" in where else ON_SURFACE
+    worst = worst_distance(solid, points, within)
     if worst <= within:
         return []
     return [Fault("objects", file, where, "points on the surface", f"one {1e3 * worst:.3f} mm off")]
-
-
-#: A mouth is a true circle, and its mesh a polygon inside it [of the diagonal].
-_CHORD = 2e-3
-
-
-def _worst_distance(triangles: np.ndarray, points: np.ndarray, within: float) -> float:
-    """Return the largest distance of points, (n, 3), from triangles, (m, 3, 3); one above `within` is of one of them.
-
-    Of a point that is near enough to a triangle, the triangle's box, widened by `within`, holds the point: distances
-    to all triangles take seconds.
-    """
-    low, high = triangles.min(axis=1) - within, triangles.max(axis=1) + within
-    boxed = np.ones((len(points), len(triangles)), bool)
-    for axis in range(3):
-        place = points[:, axis, None]
-        boxed &= (place >= low[:, axis]) & (place <= high[:, axis])
-    point, triangle = np.nonzero(boxed)
-    away = np.full(len(points), np.inf)
-    if len(point):
-        np.minimum.at(away, point, _distances_in_pairs(triangles[triangle], points[point]))
-    worst = int(np.argmax(away))
-    if away[worst] <= within:
-        return float(away[worst])
-    return float(_distances_in_pairs(triangles, np.broadcast_to(points[worst], (len(triangles), 3))).min())
-
-
-def _distances_in_pairs(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(trimesh.triangles.closest_point(triangles, points) - points, axis=1)
-
-
-def _symmetries(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
-    """Check that every symmetry maps the surface onto itself; that of a vessel is its glass."""
-    meshes = _solid_meshes(item)
-    points = np.unique(np.concatenate([mesh.vertices for mesh in meshes]), axis=0).astype(np.float64)
-    motions = [np.asarray(motion) for motion in record.symmetries_discrete]
-    for axis in record.symmetries_continuous:
-        turn = np.eye(4)
-        turn[:3, :3] = trimesh.transformations.rotation_matrix(2.0 * np.pi / 7.0, axis.axis)[:3, :3]
-        motions.append(turn)
-    if not motions:
-        return []
-    solid, reach = as_trimesh(_joined_mesh(meshes)), SYMMETRIC * float(np.linalg.norm(item.size))
-    some = points[:: max(1, len(points) // 50)]
-    faults: list[Fault] = []
-    for motion in motions:
-        moved = some @ motion[:3, :3].T + motion[:3, 3]
-        worst = _worst_distance(solid.triangles, moved[:8], reach)
-        if worst > reach:
-            text = f"one that moves it by {1e3 * worst:.2f} mm"
-            faults.append(Fault("objects", file, f"object {item.id} symmetries", "motions onto itself", text))
-    return faults
 
 
 def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
@@ -202,7 +147,7 @@ def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]
     faults = unlike("objects", file, f"{where} liquid", liquid, record.liquid and record.liquid.model_dump_json())
     if record.volumes is None:
         return faults  # as in data sets of earlier versions
-    glass = _volume(_solid_meshes(item))
+    glass = _volume(solid_meshes(item))
     faults += _near(glass, record.volumes.glass, VOLUME, f"{where} volumes.glass", file)
     if item.liquid is None:
         return faults + unlike("objects", file, f"{where} volumes.liquid", 0.0, record.volumes.liquid)
@@ -233,28 +178,7 @@ def _volume(meshes: list[Mesh]) -> float:
 
 
 def _extent(item: SceneObject) -> np.ndarray:
-    return np.ptp(np.concatenate([mesh.vertices for mesh in _meshes(item)]).astype(np.float64), axis=0)
-
-
-def _meshes(item: SceneObject) -> list[Mesh]:
-    return [item.mesh] if isinstance(item, Prop) else [part.mesh for part in item.interfaces]
-
-
-def _solid_meshes(item: SceneObject) -> list[Mesh]:
-    """Return what closes an object's solid: without the surfaces of liquids and of what is in them."""
-    if isinstance(item, Prop):
-        return [item.mesh]
-    return [part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")]
-
-
-def _joined(meshes: list[Mesh]) -> trimesh.Trimesh:
-    return as_trimesh(_joined_mesh(meshes))
-
-
-def _joined_mesh(meshes: list[Mesh]) -> Mesh:
-    offsets = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
-    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
-    return Mesh("joined", np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+    return np.ptp(np.concatenate([mesh.vertices for mesh in meshes_of(item)]).astype(np.float64), axis=0)
 
 
 def _text(medium: Medium) -> str:

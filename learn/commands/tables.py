@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import tyro
@@ -17,7 +18,7 @@ from ...dataset.settings.config import parse_request
 from ..data.splits import SplitName
 from ..tables.cells import TableData, experiment_table
 from ..tables.comparison import comparison_table
-from ..tables.experiments import DETECTOR, Experiment, ExperimentName, Row, experiment
+from ..tables.experiments import DETECTOR, Experiment, ExperimentName, Row, equal_rows, experiment
 from ..tables.page import write_report
 from ..tables.plots import experiment_plots
 from ..tables.runs import Plan, Result, detector_of, make_plan, run_row
@@ -83,15 +84,23 @@ def _tables(arguments: Sequence[str]) -> None:
     compared = comparison_table((request.data, *request.compare))
     make_out_folder(request.out)
     trained = [row for row in rows if row.name not in checkpoints]
+    equal = equal_rows(_in_order(trained), common)
+    trained = [row for row in trained if row.name not in equal]
     options = {"budget": request.budget, "seeds": request.seeds, "split": request.split, "rows": trained, "say": say}
     plan = make_plan(what, common, request.data, request.out, **options)
     results: dict[str, Result] = {}
     for row in _in_order(rows):
+        if row.name in equal:
+            first = equal[row.name]
+            reason = f"the settings of {first}, so one run serves both"
+            results[row.name] = replace(results[first], reason=results[first].reason or reason)
+            continue
         detectors = detector_of(request.out, plan.seeds, checkpoints)
         given = checkpoints.get(row.name)
         results[row.name] = run_row(row, plan, request.data, request.out, given=given, detectors=detectors, say=say)
         # Written after each row, so that a call that is stopped leaves what it has.
         _write(request.out, what, plan, results, compared)
+    _write(request.out, what, plan, results, compared)
     say(f"written to {request.out}/tables.html")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -87,6 +87,23 @@ def row_settings(row: Row, common: TrainSettings) -> TrainSettings:
         scaled = name == "learning_rate"
         data["optimiser"][name] = data["optimiser"][name] * value if scaled else value
     return TrainSettings.model_validate(data)
+
+
+def equal_rows(rows: Sequence[Row], common: TrainSettings) -> dict[str, str]:
+    """Return the rows that have the settings of an earlier one, by name, with its name: one run serves both.
+
+    A switch that the common settings have already makes such a row.
+    """
+    first: list[tuple[TrainSettings, str]] = []
+    found: dict[str, str] = {}
+    for row in rows:
+        settings = row_settings(row, common)
+        earlier = [name for known, name in first if known == settings]
+        if earlier and not row.needs_detector:
+            found[row.name] = earlier[0]
+        else:
+            first.append((settings, row.name))
+    return found
 
 
 def _mvtrans() -> tuple[Row, ...]:

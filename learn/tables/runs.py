@@ -64,7 +64,7 @@ class Result:
     """What is known of a row."""
 
     reports: tuple[Mapping[str, Any], ...]  #: of each seed
-    reason: str = ""  #: why it was not run
+    reason: str = ""  #: why it was not run, or whose runs these are
     facts: Mapping[str, float] | None = None  #: parameters, gmac, samples seen, steps, seconds of a step
 
 

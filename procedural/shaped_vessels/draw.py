@@ -155,7 +155,6 @@ def _volume_limits(cavity: KnownCavity) -> tuple[float, float]:
 def _vessel(made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name: str, category: str) -> MeshVessel:
     x, y, z = np.ptp(made.mesh.bounds, axis=0).tolist()
     cavity = Cavity(floor=made.cavity.floor, brim=made.cavity.brim, volume=made.brimful)
-    turns = [turn_about_z(2.0 * np.pi * k / made.fold) for k in range(1, made.fold)]
     return MeshVessel(
         id=id,
         name=name,
@@ -165,12 +164,27 @@ def _vessel(made: ShapedGlass, glass: Medium, roughness: float, *, id: int, name
         interfaces=dry_interfaces_of(made.mesh, glass, roughness),
         size=(x, y, z),
         symmetric=made.fold == 0,
-        symmetries=tuple(turns),
+        symmetries=_turns(made),
         world_T_object=np.eye(4),
         solid=made.mesh,
         wall=made.wall,
         cavities=(cavity,),
     )
+
+
+def _turns(made: ShapedGlass) -> tuple[np.ndarray, ...]:
+    """Return the turns that leave a vessel as it is, about its axis: a box around an odd number of sides is beside it.
+
+    The axis leans a little; the turns are about the vertical through its point at half height.
+    """
+    outside = made.outside
+    axis = outside.matrix @ (0.0, 0.0, outside.centre[2]) - outside.centre
+    turns = []
+    for number in range(1, made.fold):
+        turn = turn_about_z(2.0 * np.pi * number / made.fold)
+        turn[:3, 3] = axis - turn[:3, :3] @ axis
+        turns.append(turn)
+    return tuple(turns)
 
 
 def _filled(vessel: MeshVessel, made: ShapedGlass, medium: Medium, volume: float) -> MeshVessel:

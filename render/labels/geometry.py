@@ -14,7 +14,7 @@ from ...procedural.description.surroundings import ROOM_IDS
 from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight, Transmission
 from ..scene.loaded_scene import LoadedScene
-from ..scene.rays import pinhole, pixel_rays, straight_on, without_crack
+from ..scene.rays import pinhole, pixel_rays, straight_on, where_met, without_crack
 from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
 from .layers import (
     LayerRecorder,
@@ -182,6 +182,7 @@ def straight_hits(
     while dr.hint(active, exclude=[table, scene, robust, recorder]):
         si = scene.ray_intersect(ray, mi.RayFlags.All, surfaces == 0, active)
         si = without_crack(si, robust, ray, offset, active)
+        si.p = where_met(si, ray)
         row = registry_id(si.shape)
         # Without a room in its place an area light is part of the surroundings, as the sky behind it.
         active &= si.is_valid() & (dr.gather(mi.UInt32, table.label, row, si.is_valid()) > 0)

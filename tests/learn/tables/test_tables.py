@@ -13,7 +13,7 @@ import yaml
 from glassware.dataset.commands.glassware import main
 from glassware.learn.tables.cells import NOT_RUN, experiment_table, latex, markdown
 from glassware.learn.tables.comparison import comparison_table
-from glassware.learn.tables.experiments import EXPERIMENTS, experiment, row_settings
+from glassware.learn.tables.experiments import EXPERIMENTS, equal_rows, experiment, row_settings
 from glassware.learn.tables.plots import bar_plot, experiment_plots, line_plot
 from glassware.learn.tables.runs import Plan, Result, seeded_settings
 from glassware.learn.training.settings import TrainSettings
@@ -107,6 +107,13 @@ def test_the_papers_figures_are_where_the_paper_has_them():
         columns = {column.name for column in what.columns}
         assert set(what.paper) <= names
         assert all(set(values) <= columns for values in what.paper.values())
+
+
+def test_a_switch_that_all_rows_have_already_needs_no_run_of_its_own():
+    rows = experiment("ablation").rows
+    assert equal_rows(rows, TrainSettings()) == {"concat": "base", "linear": "base"}
+    common = TrainSettings.model_validate({"network": {"matching": "group", "spacing": "inverse"}})
+    assert equal_rows(rows, common) == {"group": "base", "inverse": "base"}
 
 
 def test_every_row_has_settings_and_sees_equally_many_samples(plan):
