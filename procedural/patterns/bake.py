@@ -71,7 +71,7 @@ SOFT = {name for name in PATTERNS if "cloth" in name or "skin" in name} | {
     "banded glaze",
 }
 #: Surfaces that are remembered [1]: those of a scene. One of 512 x 512 texels has 7 MB with its maps.
-_REMEMBERED = 24
+_REMEMBERED = 40
 
 
 def bake_material(material: OpaqueMaterial) -> tuple[np.ndarray, np.ndarray | None]:
