@@ -51,7 +51,8 @@ def draw_cap(rng: np.random.Generator, host: Host, heights: tuple[float, float],
     covered = float((host.rim - below)[radius <= _WIDER * radius[2]].max())
     if covered < 0.5 * heights[0]:
         return None
-    inner = float(np.interp(covered, host.rim - below, radius)) * (1.0 + 0.005) + 2.0 * CONTACT + 1e-4
+    widest = max(float(np.interp(covered, host.rim - below, radius)) * (1.0 + 0.005), host.widest(host.rim - covered))
+    inner = widest + 2.0 * CONTACT + 1e-4
     pieces = _shell(inner, inner + wall, covered, top)
     mesh, _ = revolve(f"{host.body.name}-{category}", pieces)
     look = UniformTexture(colour=(0.913, 0.922, 0.924) if metal and heights[1] < 0.01 else colour)

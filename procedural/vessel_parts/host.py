@@ -73,6 +73,16 @@ class Host:
         wall = self.curve.points[self.first :]
         return np.interp(z + self.centre[2], wall[:, 1], wall[:, 0])
 
+    def widest(self, low: float) -> float:
+        """Return the largest distance of the glass from the axis at the rim, above a height of the object frame [m].
+
+        A flaring wall's rim is rounded: its crown stands out beyond the half section's end.
+        """
+        glass = [part.mesh.vertices for part in self.body.interfaces if part.part in ("outside", "wet_wall")]
+        points = np.concatenate(glass).astype(np.float64)
+        beside = points[points[:, 2] >= low, :2] - self.axis_at_rim
+        return float(np.hypot(beside[:, 0], beside[:, 1]).max())
+
     def points(self, u: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return points and normals of the outside at places around [turns] and heights of the object frame [m]."""
         wall = self.curve.points[self.first :, 1]

@@ -28,15 +28,15 @@ PARTS = {
 }
 
 
-def _drawn(category: str, probability: float = 1.0, fill: float = 1.0):
+def _drawn(category: str, probability: float = 1.0, fill: float = 1.0, seed: int = 0, label: float | None = None):
     settings = VesselSettings(
         categories=(category,),
         closed_probability=probability,
-        label_probability=probability,
+        label_probability=probability if label is None else label,
         fill_probability=fill,
         fill=(0.4, 0.5),
     )
-    (body,), parts = draw_vessels(settings, 0, 0, 1, AssetFiles())
+    (body,), parts = draw_vessels(settings, seed, 0, 1, AssetFiles())
     return body, parts[body.name]
 
 
@@ -52,6 +52,13 @@ def test_parts_are_closed_objects_that_touch_their_vessel_and_are_not_in_it(cate
         assert isinstance(part, GlassBody) == (part.category == "stopper" or category == "teapot")
     for one, other in combinations([body, *parts], 2):
         check_pair(one, solid_of(one), other, solid_of(other))
+
+
+def test_a_cap_clears_the_crown_of_a_neck_that_flares():
+    """The rim of such a neck is rounded beyond the end of its outline; caps were drawn around the outline alone."""
+    body, (cap,) = _drawn("square bottle", seed=32, label=0.0)
+    assert cap.category == "cap"
+    check_pair(body, solid_of(body), cap, solid_of(cap))
 
 
 def test_probabilities_of_zero_leave_vessels_as_they_are():
