@@ -4,8 +4,8 @@
 ``--records DIR`` each scene is a line of a file there, and scenes that are in it already are not drawn again. With
 ``--load`` the scene is also loaded into the renderer. Times are processor time, so that a busy machine changes little.
 The presets fast, standard, syn-todd and train draw the same objects and tables, before other cameras and, for train,
-other lamps: with ``--also syn-todd train`` these are drawn around the objects of each scene as well, to see that they
-can be.
+other lamps and prints on tables: with ``--also syn-todd train`` surroundings are drawn around the objects of each scene
+as well, to see that they can be.
 """
 
 from __future__ import annotations

@@ -23,6 +23,7 @@ class SceneOutline(Model):
     lights: tuple[AreaLight, ...]
     cameras: tuple[Camera, ...] = Field(min_length=1)
     table: str = Field(description="Kind of the table, such as 'wood'")
+    prints: tuple[str, ...] = Field(description="Kinds of the flat prints on the table, such as 'sheet'")
     redrawn: int = Field(ge=0, description="How often contents of its vessels did not fit, and were drawn again")
 
 
@@ -35,6 +36,7 @@ def read_outline(folder: Path) -> SceneOutline:
     parts = {
         **{name: _part(path, data, name, object) for name in ("environment", "lights", "cameras")},
         "table": table.get("kind", "plain"),
+        "prints": [_part(path, item, "kind", str) for item in _part(path, {"prints": [], **table}, "prints", list)],
         "redrawn": sum(_redrawn(path, vessel) for vessel in vessels),
     }
     return parsed(SceneOutline, parts, path)

@@ -187,6 +187,7 @@ def _names(objects: ObjectsFile, outline: SceneOutline) -> Iterator[tuple[str, s
     yield "surroundings", f"{environment.kind}{picture}"
     yield from (("lamps", light.kind) for light in outline.lights)
     yield "tables", outline.table
+    yield from (("prints", kind) for kind in outline.prints or ("none",))
 
 
 def _sizes(scene: StoredScene) -> dict[str, int]:

@@ -99,4 +99,5 @@ TOPICS: dict[str, tuple[str, str, str, str]] = {
     "surroundings": ("light", "Surroundings", "scene", ""),
     "lamps": ("light", "Lamps", "lamp", ""),
     "tables": ("light", "Tables", "scene", ""),
+    "prints": ("light", "Prints on tables", "", "flat things that are no objects, and scenes without any"),
 }

@@ -14,6 +14,7 @@ from ...procedural.optics.dyes import DYES, Dye
 from ...procedural.optics.medium import Medium
 from ...procedural.optics.own_media import read_media
 from ...procedural.tables.kinds import TABLE_KINDS
+from ...procedural.tables.prints import PRINT_KINDS
 from ...procedural.things.kinds import KINDS
 from ...procedural.vessels.families import FAMILIES
 from ...procedural.vessels.family_pieces import Family
@@ -34,6 +35,7 @@ class Catalogue:
     volumes: dict[str, tuple[float, float]]  #: smallest and largest nominal volume of each family [m^3]
     props: dict[str, tuple[float, float]]  #: everyday things: range of the longest side [m], by kind
     tables: tuple[str, ...]  #: kinds of tables
+    prints: tuple[str, ...]  #: kinds of flat prints on tables
     presets: tuple[str, ...]  #: names of presets
     own: dict[str, Medium] = field(default_factory=dict)  #: media of a file of one's own, by name
 
@@ -70,6 +72,7 @@ def catalogue(media: Path | str | None = None) -> Catalogue:
         volumes=limits,
         props={name: kind.longest for name, kind in KINDS.items()},
         tables=TABLE_KINDS,
+        prints=PRINT_KINDS,
         presets=tuple(preset_names()),
         own=own,
     )
@@ -93,4 +96,5 @@ def _lines(found: Catalogue) -> Iterator[str]:
     yield "props (props.kinds): longest side [mm]; and `shape`, plain bodies"
     yield from (f"  {name:26}{1e3 * low:.0f} to {1e3 * high:.0f}" for name, (low, high) in found.props.items())
     yield f"tables (table.kinds): {', '.join(found.tables)}"
+    yield f"prints on tables (table.print_kinds): {', '.join(found.prints)}"
     yield f"presets: {', '.join(found.presets)}"

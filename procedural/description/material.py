@@ -66,8 +66,19 @@ SurfacePattern = Literal[
     "citrus skin",
     "apple skin",
     "banana skin",
+    "printed sheet",
+    "newspaper",
+    "card",
+    "marker",
+    "marker board",
+    "cutting mat",
+    "place mat",
+    "ribbed rubber",
+    "sticker",
+    "tape",
+    "stain",
 ]
-LAID_OUT = ("carton", "cover")
+LAID_OUT = ("carton", "cover", "marker")
 
 
 class SurfaceTexture(Model):
@@ -87,7 +98,8 @@ class SurfaceTexture(Model):
         default=(),
         max_length=1,
         exclude_if=lambda layout: not layout,
-        description="What a print is laid out for: a carton's depth over its height, a book's spine over its cover",
+        description="What a print is laid out for: a carton's depth over its height, a book's spine over its cover, "
+        "a marker's cells across",
     )
     relief: bool = Field(default=True, description="Whether roughness and normals differ from place to place, too")
 

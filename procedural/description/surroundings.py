@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
 from ...core.assets import Asset
 from ...core.model import Matrix4, MeshField, Model, Reflectance, Rgb, Unit, Vector3
@@ -13,6 +14,35 @@ from .material import OpaqueMaterial, PictureTexture
 PositiveSide = Annotated[float, Field(gt=0.0, le=100.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
 Wall = Literal["+x", "-x", "+y", "-y", "ceiling"]
+
+
+#: What flat prints on tables are.
+PrintKind = Literal["sheet", "newspaper", "card", "markers", "board", "mat", "sticker", "tape", "stain"]
+
+
+class TablePrint(Model):
+    """Something flat on a table that is no object: it changes what the table's top looks like, and nothing else."""
+
+    kind: PrintKind = Field(description="What it is, such as 'sheet' or 'markers'")
+    centre: tuple[float, float] = Field(description="Its middle on the table's top, x and y [m]")
+    angle: float = Field(default=0.0, description="Turn of its width from the x axis, about +z [rad]")
+    size: tuple[PositiveSide, PositiveSide] = Field(description="Width and height [m]")
+    material: OpaqueMaterial = Field(description="Its texture is shown once, whatever its repeats")
+
+    @model_validator(mode="after")
+    def _flat(self) -> TablePrint:
+        if self.material.base_colour.kind == "vertices":
+            raise ValueError("material: expected a texture, found colours of vertices")
+        if self.material.emission is not None:
+            raise ValueError("material: expected one that does not shine, found an emission")
+        return self
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Its corners on the table's top, (4, 2) float64, counter-clockwise [m]."""
+        half = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * self.size
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return half @ np.array([[cos, sin], [-sin, cos]]) + self.centre
 
 
 class Table(Model):
@@ -26,6 +56,15 @@ class Table(Model):
     kind: str = Field(
         default="plain", exclude_if=lambda kind: kind == "plain", description="What it is, such as 'wood' or 'cloth'"
     )
+    prints: tuple[TablePrint, ...] = Field(
+        default=(), exclude_if=lambda prints: prints == (), description="Flat things on its top; later ones lie above"
+    )
+
+    @model_validator(mode="after")
+    def _shown(self) -> Table:
+        if self.prints and (self.mesh.uv is None or self.material.base_colour.kind == "vertices"):
+            raise ValueError("prints: expected a table with a texture and its coordinates, found one without")
+        return self
 
 
 class Window(Model):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ..description.material import OpaqueMaterial, SurfaceTexture
 from ..materials.surface_maps import STEEPEST, bake_maps
 from ..materials.textures import bake
-from . import cloth, plain, prints, skins, stone, wood
+from . import cloth, markers, marks, mats, paper_prints, plain, prints, skins, stone, wood
 from .grid import Grid, Layers
 from .wear import worn
 
@@ -48,6 +49,17 @@ PATTERNS: dict[str, Pattern] = {
     "citrus skin": skins.citrus,
     "apple skin": skins.apple,
     "banana skin": skins.banana,
+    "printed sheet": paper_prints.printed_sheet,
+    "newspaper": paper_prints.newspaper,
+    "card": paper_prints.card,
+    "marker": markers.marker,
+    "marker board": markers.marker_board,
+    "cutting mat": mats.cutting_mat,
+    "place mat": mats.place_mat,
+    "ribbed rubber": mats.ribbed_rubber,
+    "sticker": marks.sticker,
+    "tape": marks.tape,
+    "stain": marks.stain,
 }
 #: Patterns of what shows no scratches: soft, or harder than steel as glaze is.
 SOFT = {name for name in PATTERNS if "cloth" in name or "skin" in name} | {
@@ -59,7 +71,7 @@ SOFT = {name for name in PATTERNS if "cloth" in name or "skin" in name} | {
     "banded glaze",
 }
 #: Surfaces that are remembered [1]: those of a scene. One of 512 x 512 texels has 7 MB with its maps.
-_REMEMBERED = 24
+_REMEMBERED = 40
 
 
 def bake_material(material: OpaqueMaterial) -> tuple[np.ndarray, np.ndarray | None]:
@@ -103,9 +115,10 @@ def _baked(texture: SurfaceTexture) -> Layers:
     grid = Grid(*texture.extent, *texture.size, rng, texture.wear, texture.layout)
     layers = PATTERNS[texture.pattern](grid, np.array(texture.colours, np.float32))
     layers = worn(grid, layers, scratchable=texture.pattern not in SOFT)
-    layers = Layers(np.clip(layers.colour, 0.0, 1.0), layers.roughness, layers.height)
-    for array in (layers.colour, layers.roughness, layers.height):
-        array.setflags(write=False)
+    layers = replace(layers, colour=np.clip(layers.colour, 0.0, 1.0))
+    for array in (layers.colour, layers.roughness, layers.height, layers.coverage):
+        if array is not None:
+            array.setflags(write=False)
     return layers
 
 

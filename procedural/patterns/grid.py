@@ -103,11 +103,14 @@ class Layers:
         Factor on the material's roughness.
     height : (h, w) float32
         Relief [m].
+    coverage : (h, w) float32, optional
+        How much of a texel hides what lies below it [1]; without it all of each.
     """
 
     colour: np.ndarray
     roughness: np.ndarray
     height: np.ndarray
+    coverage: np.ndarray | None = None
 
 
 def flat_layers(grid: Grid, colour: np.ndarray) -> Layers:

@@ -34,7 +34,7 @@ class Sheet:
         across = np.clip(np.minimum(grid.x - x0, x1 - grid.x) / wide + 0.5, 0.0, 1.0)
         up = np.clip(np.minimum(grid.y - y0, y1 - grid.y) / high + 0.5, 0.0, 1.0)
         columns, rows = _range(across[0] > 0), _range(up[:, 0] > 0)
-        self._ink((across[:, columns] * up[rows]).astype(np.float32), colour, rows, columns)
+        self.ink((across[:, columns] * up[rows]).astype(np.float32), colour, rows, columns)
 
     def ellipse(self, x: float, y: float, half_x: float, half_y: float, colour: np.ndarray, inner: float = 0.0) -> None:
         """Fill an ellipse, or a ring from `inner` of its size on."""
@@ -45,7 +45,7 @@ class Sheet:
         amount = np.clip((1.0 - r) / soft + 0.5, 0.0, 1.0)
         if inner:
             amount = amount * np.clip((r - inner) / soft + 0.5, 0.0, 1.0)
-        self._ink(amount.astype(np.float32), colour, rows, columns)
+        self.ink(amount.astype(np.float32), colour, rows, columns)
 
     def repeat(self, x: float, width: float, height: float) -> None:
         """Print what is in the lower left corner once more at a place along x."""
@@ -65,7 +65,7 @@ class Sheet:
         colour = self.reading(x, y, width, height) if colour is None else colour
         picture = word_picture(self.rng, self.display, 40, length, capitals=bool(self.rng.random() < 0.5))
         scale = min(width / picture.shape[1], height / picture.shape[0])
-        self._stamp(picture, x + (width - scale * picture.shape[1]) / 2, y, scale, colour)
+        self.stamp(picture, x + (width - scale * picture.shape[1]) / 2, y, scale, colour)
 
     def text(
         self,
@@ -84,18 +84,18 @@ class Sheet:
             line_width = width * (1.0 - ragged * self.rng.random())
             columns = max(1, round(line_width / size * 12))
             line = text_line(self.rng, self.body, 12, columns)
-            self._stamp(line, x, y + height - (number + 1) * pitch, size / 12, colour)
+            self.stamp(line, x, y + height - (number + 1) * pitch, size / 12, colour)
 
     def code(self, x: float, y: float, scale: float = 1.0) -> None:
         """Print a bar code on white with its lower left corner at a place."""
         wide, high = BARCODE[0] * scale, BARCODE[1] * scale
         self.rectangle(x - 0.003, y - 0.0015, x + wide + 0.003, y + high + 0.0015, BOARD * 1.1)
         bars = np.tile(barcode(self.rng), (2, 1))
-        self._stamp(bars, x, y + 0.12 * high, wide / bars.shape[1], INK, high * 0.88 / 2)
+        self.stamp(bars, x, y + 0.12 * high, wide / bars.shape[1], INK, high * 0.88 / 2)
         line = text_line(self.rng, self.body, 12, 150, capitals=True)
-        self._stamp(line, x, y, wide / line.shape[1], INK)
+        self.stamp(line, x, y, wide / line.shape[1], INK)
 
-    def _stamp(
+    def stamp(
         self, picture: np.ndarray, x: float, y: float, pixel: float, colour: np.ndarray, pixel_y: float | None = None
     ) -> None:
         """Print a picture, (h, w) coverage with its first row on top, with its lower left corner at a place [m]."""
@@ -113,9 +113,10 @@ class Sheet:
         )
         cells = _cumulated(rows.T, np.clip((np.arange(first, last + 1) * wide - x) / pixel, 0, picture.shape[1])).T
         amount = np.clip(cells * (pixel_y / high) * (pixel / wide), 0.0, 1.0)
-        self._ink(amount, colour, slice(below, above), slice(first, last))
+        self.ink(amount, colour, slice(below, above), slice(first, last))
 
-    def _ink(self, amount: np.ndarray, colour: np.ndarray, rows: slice, columns: slice) -> None:
+    def ink(self, amount: np.ndarray, colour: np.ndarray, rows: slice, columns: slice) -> None:
+        """Lay an amount (h, w) of a colour over some rows and columns."""
         part = self.colour[rows, columns]
         part += amount[..., None] * (np.asarray(colour, np.float32) - part)
 
@@ -155,7 +156,7 @@ def carton(grid: Grid, colours: np.ndarray) -> Layers:
     fold_x = np.abs(grid.x - edges[:, None]).min(0)[None]
     fold_y = np.minimum(np.minimum(grid.y, np.abs(grid.y - height)), grid.height - grid.y)
     colour = rubbed(grid, sheet.colour, np.minimum(fold_x, fold_y), BOARD, RUBBED)
-    return _printed(grid, colour)
+    return printed(grid, colour)
 
 
 def label(grid: Grid, colours: np.ndarray) -> Layers:
@@ -169,7 +170,7 @@ def label(grid: Grid, colours: np.ndarray) -> Layers:
     band = grid.rng.uniform(0.02, 0.08) * grid.height
     for low in (0.0, grid.height - band):
         sheet.rectangle(0.0, low, grid.width, low + band, colours[min(2, len(colours) - 1)])
-    return _printed(grid, sheet.colour)
+    return printed(grid, sheet.colour)
 
 
 def cover(grid: Grid, colours: np.ndarray) -> Layers:
@@ -184,7 +185,7 @@ def cover(grid: Grid, colours: np.ndarray) -> Layers:
     _spine(sheet, side, spine, colours)
     edge_x = np.minimum(np.minimum(grid.x, grid.width - grid.x), np.abs(np.abs(grid.x - grid.width / 2) - spine / 2))
     edge = np.minimum(edge_x, np.minimum(grid.y, grid.height - grid.y))
-    return _printed(grid, rubbed(grid, sheet.colour, edge, BOARD, RUBBED))
+    return printed(grid, rubbed(grid, sheet.colour, edge, BOARD, RUBBED))
 
 
 def _spine(sheet: Sheet, start: float, width: float, colours: np.ndarray) -> None:
@@ -198,7 +199,7 @@ def _spine(sheet: Sheet, start: float, width: float, colours: np.ndarray) -> Non
     picture = np.rot90(word_picture(sheet.rng, sheet.display, 40, int(sheet.rng.integers(7, 14)), capitals=True))
     size = min(0.5 * width / picture.shape[1], 0.6 * height / picture.shape[0])
     ink = sheet.reading(start, 0.2 * height, width, 0.6 * height)
-    sheet._stamp(picture, start + (width - size * picture.shape[1]) / 2, 0.2 * grid.height, size, ink)
+    sheet.stamp(picture, start + (width - size * picture.shape[1]) / 2, 0.2 * grid.height, size, ink)
 
 
 def _front(
@@ -220,7 +221,8 @@ def _front(
     else:
         sheet.rectangle(x + 0.06 * width, y + 0.05 * height, x + 0.94 * width, y + 0.95 * height, main)
         sheet.rectangle(x + 0.09 * width, y + 0.07 * height, x + 0.91 * width, y + 0.93 * height, colours[0])
-    _picture(sheet, rng, x + 0.12 * width, y + 0.2 * height, 0.76 * width, 0.36 * height, (main, accent, colours[0]))
+    box = (x + 0.12 * width, y + 0.2 * height, 0.76 * width, 0.36 * height)
+    draw_picture(sheet, rng, *box, (main, accent, colours[0]))
     high = height * (0.14 if title else 0.16)
     sheet.word(x + 0.1 * width, y + 0.68 * height, 0.8 * width, high, None, int(rng.integers(4, 8)))
     sheet.word(x + 0.2 * width, y + 0.61 * height, 0.6 * width, 0.035 * height, None, int(rng.integers(8, 14)))
@@ -230,7 +232,7 @@ def _front(
         sheet.text(x + 0.12 * width, y + 0.08 * height, 0.5 * width, 0.06 * height, BODY, None)
 
 
-def _picture(
+def draw_picture(
     sheet: Sheet,
     rng: np.random.Generator,
     x: float,
@@ -300,7 +302,8 @@ def _contrast(colours: np.ndarray) -> np.ndarray:
     return INK if float(colours[0] @ (0.2126, 0.7152, 0.0722)) > 0.2 else BOARD
 
 
-def _printed(grid: Grid, colour: np.ndarray) -> Layers:
+def printed(grid: Grid, colour: np.ndarray) -> Layers:
+    """Return the layers of a print of these colours, (h, w, 3): on fibres, with ink that is smoother than paper."""
     fibre = grid.noise(0.0016)
     shade = colour * (1.0 + 0.012 * fibre + 0.02 * grid.noise(0.03, 2))[..., None]
     ink = 1.0 - 0.1 * step(0.3, 0.0, colour.mean(axis=2))

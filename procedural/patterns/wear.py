@@ -34,7 +34,7 @@ def worn(grid: Grid, layers: Layers, scratchable: bool = True) -> Layers:
         marks = scratches(grid, SCRATCHES * grid.wear * grid.width * grid.height)
         colour = colour * (1.0 - 0.10 * marks)[..., None] + (0.05 * marks)[..., None]
         roughness, height = roughness * (1.0 + 0.5 * marks), height - np.float32(SCRATCH_DEPTH) * marks
-    return Layers(colour.astype(np.float32), roughness.astype(np.float32), height.astype(np.float32))
+    return Layers(colour.astype(np.float32), roughness.astype(np.float32), height.astype(np.float32), layers.coverage)
 
 
 def scratches(grid: Grid, mean_count: float) -> np.ndarray:

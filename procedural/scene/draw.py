@@ -47,8 +47,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     kinds = settings.vessels.model_copy(update={"categories": families})
     vessels, parts = draw_vessels(kinds, seed, scene_id, vessel_count, files)
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
-    kind = stream(seed, scene_id, "table/kind")
-    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind)
+    kind, prints = (stream(seed, scene_id, f"table/{name}") for name in ("kind", "prints"))
+    table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind, prints)
     objects, rest = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
 
     around = draw_surroundings(settings, seed, scene_id, files, table, objects)

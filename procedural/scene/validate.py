@@ -22,8 +22,10 @@ from ..description.scene import (
     Vessel,
     glass_solid,
 )
-from ..description.surroundings import FIRST_ROOM_ID
+from ..description.surroundings import FIRST_ROOM_ID, Table
 from ..placement.overlap import Solid, contains
+from ..surroundings.table import outline
+from ..tables.prints import lies_on
 from .fields import check_fields
 from .solids import body_mesh
 from .validate_contents import SIZE_TOLERANCE, check_contents, check_parts
@@ -56,9 +58,9 @@ def check_scene(scene: Scene) -> None:
         Naming the object or camera: a field with an impossible value, an id or name that two objects have, a pose that
         is not rigid, a size that is not that of the mesh, interfaces whose media or roughness are not those of their
         body, glass or a liquid whose surface is not closed or is inside out, a liquid above the rim or of another
-        volume, an object in the table, two objects that overlap, a camera that no file can hold, or that is inside an
-        object, a sun smaller or brighter than the real one, a lamp brighter than its kind can be, outside its room, or
-        in an object or an eye (`validate_light`).
+        volume, a print beside the table's top, an object in the table, two objects that overlap, a camera that no file
+        can hold, or that is inside an object, a sun smaller or brighter than the real one, a lamp brighter
+        than its kind can be, outside its room, or in an object or an eye (`validate_light`).
     """
     check_type("scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
     check_fields(scene)
@@ -66,6 +68,8 @@ def check_scene(scene: Scene) -> None:
     for where, matrix in _poses(scene):
         check_rigid(where, matrix)
     _check_size("table, size", scene.table.mesh, np.array([*scene.table.size]), top=True)
+    if scene.table.prints:
+        _check_prints(scene.table)
     for item in scene.objects:
         if isinstance(item, GlassBody):
             check_parts(item)
@@ -83,6 +87,17 @@ def check_scene(scene: Scene) -> None:
         check_contents(scene, body)
     check_sun(scene)
     _check_places(scene)
+
+
+def _check_prints(table: Table) -> None:
+    top = outline(table)
+    for number, item in enumerate(table.prints):
+        if not lies_on(item, top, -SIZE_TOLERANCE):
+            low, high = top.min(axis=0), top.max(axis=0)
+            expected = f"a print on the flat top, x {low[0]:.3f} to {high[0]:.3f}, y {low[1]:.3f} to {high[1]:.3f} m"
+            reach = [f"{end:.3f}" for end in (*item.corners.min(axis=0), *item.corners.max(axis=0))]
+            found = f"x {reach[0]} to {reach[2]}, y {reach[1]} to {reach[3]} m"
+            raise InputError(f"table, prints {number} ({item.kind})", expected, found)
 
 
 def _check_identities(scene: Scene) -> None:

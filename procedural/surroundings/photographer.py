@@ -23,6 +23,8 @@ from .table import outline
 SOFT_WHITE = 12.0
 # Share of the table's top that may be brighter than the level that highlights are metered for [1].
 _BRIGHTEST = 0.02
+# Texels that stand for a top with prints on it [1].
+_SAMPLES = 20_000
 # Places along each side of the table at which its light is worked out.
 _PLACES = 7
 # Mean level of a window or a lamp over its radiance [1]: land below the horizon, and a lamp's rim.
@@ -78,7 +80,21 @@ def _reflectance(table: Table) -> float:
     """Return the luminance of the reflectance that all but the brightest part of the table's top has."""
     if isinstance(table.material.base_colour, VertexColours):
         return 1.0
-    return float(np.quantile(luminance(bake_material(table.material)[0]), 1.0 - _BRIGHTEST))
+    seen = luminance(bake_material(table.material)[0])
+    if table.prints:
+        seen = _with_prints(seen.reshape(-1), table)
+    return float(np.quantile(seen, 1.0 - _BRIGHTEST))
+
+
+def _with_prints(own: np.ndarray, table: Table) -> np.ndarray:
+    """Return luminances of a top and its prints, (n,), as many of each as it has of the area."""
+    area = table.size[0] * table.size[1]
+    parts = [(own, max(0.0, 1.0 - sum(item.size[0] * item.size[1] for item in table.prints) / area))]
+    for item in table.prints:
+        seen = luminance(bake_material(item.material)[0]).reshape(-1)
+        parts.append((seen, item.size[0] * item.size[1] / area))
+    places = [np.linspace(0, len(seen) - 1, round(_SAMPLES * fraction)).astype(int) for seen, fraction in parts]
+    return np.concatenate([seen[place] for (seen, _), place in zip(parts, places, strict=True)])
 
 
 def _places(table: Table) -> np.ndarray:

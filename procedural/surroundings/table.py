@@ -20,6 +20,7 @@ from ..props.blocks import rounded_box
 from ..props.revolution import revolve, rounded
 from ..tables.forms import hanging_cloth, over_edges, steel_counter
 from ..tables.kinds import DEFAULT_TABLES, TABLE_KINDS, TableKind, draw_top
+from ..tables.prints import DEFAULT_PRINTS, PRINT_KINDS, PRINTED_TABLES, draw_prints
 
 #: Thickness of table tops [m]: boards from the joiner are 20-50 mm.
 THICKNESS = (0.02, 0.05)
@@ -32,6 +33,8 @@ EDGE_RADIUS = (0.002, 0.010)
 SHELF_DEPTH = (0.42, 0.6)
 #: Kinds that may be round: boards.
 ROUND_KINDS = ("wood", "stone", "laminate", "plain")
+
+_Prints = Annotated[int, Field(ge=1, le=16)]
 
 
 class TableSettings(Model):
@@ -59,6 +62,30 @@ class TableSettings(Model):
         "picture's shape; by default a square of 0.3 to 1 m",
     )
     round_share: float = Field(default=0.25, ge=0.0, le=1.0, description="Probability that the table is round")
+    print_probability: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="Probability of prints on the table, which are no objects; cloths, steel counters and tables with "
+        "pictures of a folder have none",
+    )
+    prints: Annotated[tuple[_Prints, _Prints], Ordered] = Field(
+        default=(1, 5),
+        description="Fewest and most prints on a table that has some, within 1 and 16; a group of up "
+        "to 8 markers counts as one",
+    )
+    print_kinds: Weighted = Field(
+        default=DEFAULT_PRINTS,
+        min_length=1,
+        description="Kinds of prints to draw from, equally likely or by weights (mat=3)",
+        json_schema_extra={"range": f"one or more of {', '.join(PRINT_KINDS)}"},
+    )
+
+    @field_validator("print_kinds")
+    @classmethod
+    def _known_prints(cls, kinds: tuple[str, ...]) -> tuple[str, ...]:
+        check_names(weights_of(kinds), PRINT_KINDS)
+        return kinds
 
     @field_validator("kinds")
     @classmethod
@@ -78,6 +105,7 @@ def draw_table(
     settings: TableSettings,
     texture_files: Sequence[SurfaceFiles] = (),
     kind_rng: np.random.Generator | None = None,
+    print_rng: np.random.Generator | None = None,
 ) -> Table:
     """Draw the table: its top is flat and exactly at z = 0, its middle on the z axis.
 
@@ -91,12 +119,42 @@ def draw_table(
         Pictures for the top, with their maps; with them the table is a plain board.
     kind_rng : numpy.random.Generator, optional
         Source of the kind and of all that is its own; without it the table is a plain board.
+    print_rng : numpy.random.Generator, optional
+        Source of the prints on it; without it there are none.
 
     Returns
     -------
     Table
         Texture coordinates are in metres; on the top they are (x, y).
+
+    Raises
+    ------
+    InputError
+        Where a print of the settings' kinds finds no place on the table.
     """
+    table = _without_prints(rng, settings, texture_files, kind_rng)
+    if print_rng is None or texture_files or table.kind not in PRINTED_TABLES:
+        return table
+    return _with_prints(print_rng, settings, table)
+
+
+def _with_prints(rng: np.random.Generator, settings: TableSettings, table: Table) -> Table:
+    if rng.random() >= settings.print_probability:
+        return table
+    count = int(rng.integers(settings.prints[0], settings.prints[1] + 1))
+    wear, top = float(rng.uniform(*settings.wear)), outline(table)
+    prints = draw_prints(rng, weights_of(settings.print_kinds), count, top, wear)
+    # The sides of a plain rectangular board have coordinates from their own middles: prints would show there, too.
+    mesh = over_edges(table.mesh, table.size) if table.kind == "plain" and len(top) == 4 else table.mesh
+    return table.model_copy(update={"mesh": mesh, "prints": prints})
+
+
+def _without_prints(
+    rng: np.random.Generator,
+    settings: TableSettings,
+    texture_files: Sequence[SurfaceFiles],
+    kind_rng: np.random.Generator | None,
+) -> Table:
     long_side = rng.uniform(settings.smallest, settings.largest)
     short_side = rng.uniform(settings.smallest, long_side)
     thickness, radius = rng.uniform(*THICKNESS), rng.uniform(*EDGE_RADIUS)

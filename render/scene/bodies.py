@@ -9,9 +9,11 @@ import numpy as np
 from ...core.mesh import Mesh, some_faces, turned
 from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import TABLE_ID, GlassBody, Interface, Prop, Scene
+from ...procedural.description.surroundings import Table
 from ...procedural.materials.surface_maps import bake_maps, mean_metallic, mean_roughness
 from ...procedural.optics.medium import AIR
 from ...procedural.patterns.bake import bake_material
+from ...procedural.tables.printed_top import printed_top
 from .._mitsuba import mi
 from .shining_surfaces import surface_emitter
 from .spectrum import in_channel
@@ -54,18 +56,27 @@ def scene_bodies(scene: Scene, glass_for_mitsuba: bool, channel: int | None = No
     The BSDF of interfaces is the table's unless `glass_for_mitsuba`: our integrators do not use it. With a `channel`
     colours are one of red, green and blue (`spectrum.in_channel`).
     """
-    material = scene.table.material
-    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, candidates=_candidates(material))
-    pixels, maps = bake_material(material)
-    table = mi.load_dict(opaque_bsdf(material, in_channel(pixels, channel), maps))
-    bodies = [Body(with_repeats(scene.table.mesh, material), np.eye(4), table, surface, maps, material)]
-    glass = None if glass_for_mitsuba else table
+    body = _table_body(scene.table, channel)
+    bodies, glass = [body], None if glass_for_mitsuba else body.bsdf
     for index, item in enumerate(scene.objects):
         if isinstance(item, Prop):
             bodies += _prop_bodies(item, index, channel)
         else:
             bodies += _glass_bodies(item, index, glass, channel)
     return bodies
+
+
+def _table_body(table: Table, channel: int | None) -> Body:
+    """Return the table; prints on it are a part of its surface."""
+    material = table.material
+    surface = Surface(TABLE_ID, -1, True, AIR, AIR, 0.0, candidates=_candidates(material))
+    if table.prints:
+        top = printed_top(table)
+        mesh, pixels, maps = top.mesh, top.colour, top.maps
+    else:
+        mesh, (pixels, maps) = with_repeats(table.mesh, material), bake_material(material)
+    bsdf = mi.load_dict(opaque_bsdf(material, in_channel(pixels, channel), maps))
+    return Body(mesh, np.eye(4), bsdf, surface, maps, material)
 
 
 def _glass_bodies(body: GlassBody, index: int, glass: mi.BSDF | None, channel: int | None) -> list[Body]:

@@ -112,6 +112,9 @@ def test_names_are_counted_as_in_the_descriptions(files, shown):
     assert shown.counts("walls") == Counter(body["glass"]["name"] for body in vessels)
     assert shown.counts("kinds") == Counter(item["category"] for item in props)
     assert shown.counts("tables") == Counter(scene["table"].get("kind", "plain") for scene in scenes)
+    prints = [scene["table"].get("prints", [{"kind": "none"}]) for scene in scenes]
+    assert shown.counts("prints") == Counter(item["kind"] for items in prints for item in items)
+    assert shown.counts("prints") == {"none": 1, "mat": 2, "sheet": 3}
     assert sum(shown.counts("liquids").values()) == sum(
         1 + len(body.get("layers", ())) for body in vessels if body["liquid"]
     )

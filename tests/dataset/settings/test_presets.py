@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import lru_cache
 from hashlib import sha256
 
@@ -14,8 +15,13 @@ from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
 
-#: Presets of one world, and what of a scene each may have otherwise: lamps keep clear of the nearer cameras of `train`.
-SAME = {"fast": {"cameras", "picture"}, "syn-todd": {"cameras", "picture"}, "train": {"cameras", "picture", "lights"}}
+#: Presets of one world, and what of a scene each may have otherwise: lamps keep clear of the nearer cameras of `train`,
+#: and its tables have prints.
+SAME = {
+    "fast": {"cameras", "picture"},
+    "syn-todd": {"cameras", "picture"},
+    "train": {"cameras", "picture", "lights", "table"},
+}
 
 
 def _digest(mesh: Mesh) -> str:
@@ -23,10 +29,10 @@ def _digest(mesh: Mesh) -> str:
 
 
 @lru_cache
-def _world(name: str) -> dict[str, str]:
+def _world(name: str, scene: int = 3) -> dict[str, str]:
     few = {"vessel_count": [1, 1], "prop_count": [1, 1], "environment": {"room_share": 0.0, "shipped_share": 0.0}}
     settings = validated(SceneSettings, merged(preset(name), few), "preset")
-    drawn: Scene = draw_scene(settings, 5, 3)
+    drawn: Scene = draw_scene(settings, 5, scene)
     fields = drawn.model_dump(mode="json", context={"write_mesh": _digest})
     return {field: json_text(value) for field, value in fields.items()}
 
@@ -43,3 +49,10 @@ def test_a_seed_is_the_same_world_in_presets_that_differ_in_cameras(name):
     differs = {field for field in standard if standard[field] != other[field]}
     assert differs <= SAME[name]
     assert "cameras" in differs
+
+
+def test_prints_are_all_that_other_tables_of_a_seed_have():
+    tables = {name: json.loads(_world(name, 6)["table"]) for name in ("standard", "train")}
+    assert "prints" not in tables["standard"]
+    assert tables["train"].pop("prints", None)
+    assert tables["train"] == tables["standard"]

@@ -15,7 +15,7 @@ from glassware.procedural.patterns.grid import Grid, covered
 from glassware.procedural.patterns.skins import cube_directions
 
 COLOURS = ((0.6, 0.5, 0.4), (0.2, 0.1, 0.05), (0.1, 0.2, 0.5), (0.03, 0.03, 0.03))
-LAYOUTS = {"carton": (0.3,), "cover": (0.1,)}
+LAYOUTS = {"carton": (0.3,), "cover": (0.1,), "marker": (8.0,)}
 #: Largest relative difference between a counted length and the drawn one: a whole number of them fits the picture.
 COUNTED = 0.2
 
