@@ -11,7 +11,7 @@ from ...procedural.optics.medium import Medium
 from ..format.camera_file import CameraFile
 from ..format.objects_file import GlassMaterial, MediumRecord, ObjectRecord, ObjectsFile
 from .fault import Fault, unlike
-from .solids import CHORD, diagonal, meshes_of, solid_meshes, triangles_of_meshes, worst_distance
+from .solids import CHORD, diagonal, meshes_of, solid_meshes, standing_in, triangles_of_meshes, worst_distance
 from .symmetries import symmetry_faults
 
 #: Float64 through JSON [m, px].
@@ -77,7 +77,7 @@ def object_faults(scene: Scene, objects: ObjectsFile, file: str) -> list[Fault]:
         faults += unlike("objects", file, f"{where} size", _extent(item), record.size, ON_SURFACE)
         faults += _surface_points(item, record, file)
         faults += symmetry_faults(item, record, file)
-        faults += _contents(item, record, file)
+        faults += _contents(scene, item, record, file)
     return faults
 
 
@@ -138,7 +138,7 @@ def _distances(solid: np.ndarray, points: np.ndarray, where: str, file: str) -> 
     return [Fault("objects", file, where, "points on the surface", f"one {1e3 * worst:.3f} mm off")]
 
 
-def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
+def _contents(scene: Scene, item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]:
     """Compare liquid and volumes with the description and with the volumes of the meshes."""
     where = f"object {item.id}"
     if isinstance(item, Prop):
@@ -155,6 +155,7 @@ def _contents(item: SceneObject, record: ObjectRecord, file: str) -> list[Fault]
     media = [one.medium for one in item.liquids]
     body = _volume([part.mesh for part in item.interfaces if part.back in media])
     body -= _volume([part.mesh for part in item.interfaces if part.front in media])
+    body -= _volume([mesh for mesh, front in standing_in(scene, item) if front in media])
     stated = sum(one.volume for one in item.liquids)
     faults += _near(stated, record.volumes.liquid, EXACT, f"{where} volumes.liquid", file)
     faults += _near(body, record.volumes.liquid, FACETS, f"{where} volumes.liquid", file)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.mesh import Mesh
-from ...procedural.description.scene import Prop, SceneObject
+from ...procedural.description.scene import Prop, Scene, SceneObject
+from ...procedural.optics.medium import Medium
 
 #: Solids of revolution and their mouths are true circles, and meshes polygons inside them [of the diagonal].
 CHORD = 2e-3
@@ -23,6 +24,32 @@ def solid_meshes(item: SceneObject) -> list[Mesh]:
     if isinstance(item, Prop):
         return [item.mesh]
     return [part.mesh for part in item.interfaces if part.part in ("outside", "wet_wall")]
+
+
+def standing_in(scene: Scene, vessel: SceneObject) -> list[tuple[Mesh, Medium]]:
+    """Return the surfaces of what stands in a vessel and has another medium than air before it, in the vessel's frame.
+
+    Where a straw goes through a liquid's surface that has a hole: below it the straw's own surface closes the liquid.
+    """
+    found: list[tuple[Mesh, Medium]] = []
+    for item in scene.objects:
+        if item.within != vessel.name:
+            continue
+        vessel_T_item = np.linalg.inv(np.asarray(vessel.world_T_object)) @ np.asarray(item.world_T_object)
+        if not isinstance(item, Prop):
+            found += [(_placed(part.mesh, vessel_T_item), part.front) for part in item.interfaces]
+            continue
+        start = 0
+        for piece in item.pieces:
+            faces = item.mesh.faces[start : start + piece.faces]
+            start += piece.faces
+            if piece.surrounding is not None:
+                found.append((_placed(Mesh(piece.name, item.mesh.vertices, faces), vessel_T_item), piece.surrounding))
+    return found
+
+
+def _placed(mesh: Mesh, pose: np.ndarray) -> Mesh:
+    return Mesh(mesh.name, mesh.vertices.astype(np.float64) @ pose[:3, :3].T + pose[:3, 3], mesh.faces)
 
 
 def triangles_of_meshes(meshes: Sequence[Mesh]) -> np.ndarray:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from glassware.annotate.keypoints import scene_keypoints
+from glassware.dataset.format.objects_file import objects_file
 from glassware.dataset.pipeline import write
 from glassware.dataset.settings.draw import draw
+from glassware.dataset.verification.description import object_faults
 from glassware.dataset.verification.scene import scene_label_faults
 
 SETTINGS = {
@@ -39,3 +42,18 @@ def test_correct_labels_of_what_vessels_hold_pass(backend, tmp_path, family, con
     assert any(liquid.turbid for liquid in body.liquids) == (content == "turbid")
     write(tmp_path / "data", scene, files="all")
     assert list(scene_label_faults(tmp_path / "data", 0)) == []
+
+
+@pytest.mark.parametrize(("seed", "body"), [(3, "spoon"), (9, "stirring rod")])
+def test_what_stands_in_little_liquid_is_none_of_its_volume(seed, body):
+    """The liquid's surface has a hole where the body goes through: that alone is 5 % more than the liquid."""
+    vessels = {"categories": ["tumbler"], "chord_error": 2e-4, "fill_probability": 1.0, "fill": [0.06, 0.08]}
+    scene = draw(seed, 0, **SETTINGS | {"prop_count": [0, 0]}, vessels=vessels | {"contents": {"standing": 1.0}})
+    assert [item.category for item in scene.objects if item.within is not None] == [body]
+    records = objects_file(scene, scene_keypoints(scene))
+    assert object_faults(scene, records, "objects.json") == []
+    vessel = records.objects[0]
+    assert vessel.volumes is not None
+    more = vessel.volumes.model_copy(update={"liquid": 1.03 * vessel.volumes.liquid})
+    wrong = records.model_copy(update={"objects": (vessel.model_copy(update={"volumes": more}), *records.objects[1:])})
+    assert {fault.where for fault in object_faults(scene, wrong, "objects.json")} == {"object 2 volumes.liquid"}
