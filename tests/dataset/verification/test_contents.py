@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from glassware.annotate.keypoints import scene_keypoints
@@ -11,7 +13,7 @@ from glassware.dataset.settings.draw import draw
 from glassware.dataset.verification.description import object_faults
 from glassware.dataset.verification.scene import scene_label_faults
 
-SETTINGS = {
+SETTINGS: dict[str, Any] = {
     "vessel_count": [1, 1],
     "prop_count": [1, 1],
     "props": {"kinds": ["shape"]},
