@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import trimesh
 
 from ...core.mesh import Mesh
 from ...procedural.description.scene import Prop, SceneObject
@@ -58,4 +57,24 @@ def worst_distance(triangles: np.ndarray, points: np.ndarray, within: float) -> 
 
 
 def _distances_in_pairs(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(trimesh.triangles.closest_point(triangles, points) - points, axis=1)
+    """Return the distance of each point, (n, 3), from its triangle, (n, 3, 3): from the nearest edge, or the plane.
+
+    Edges are segments, also where a triangle is so narrow that its plane is lost in rounding.
+    """
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    nearest = np.minimum.reduce([_from_segment(points, *ends) for ends in ((a, b), (b, c), (c, a))])
+    normal = np.cross(b - a, c - a)
+    over = np.ones(len(points), bool)
+    for start, end in ((a, b), (b, c), (c, a)):
+        over &= np.einsum("ki,ki->k", np.cross(end - start, points - start), normal) >= 0.0
+    area = np.linalg.norm(normal, axis=1)
+    over &= area > 0.0
+    above = np.abs(np.einsum("ki,ki->k", points - a, normal)) / np.where(over, area, 1.0)
+    return np.where(over, np.minimum(above, nearest), nearest)
+
+
+def _from_segment(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    along = end - start
+    length2 = np.einsum("ki,ki->k", along, along)
+    part = np.einsum("ki,ki->k", points - start, along) / np.where(length2 > 0.0, length2, 1.0)
+    return np.linalg.norm(points - start - np.clip(part, 0.0, 1.0)[:, None] * along, axis=1)
