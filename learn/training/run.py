@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import torch
+from lightning_fabric import Fabric
 from torch import Tensor
 
 from ...core.errors import InputError
@@ -129,11 +130,10 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
         outputs = outputs_of(model, batch, settings.network, progress)
         terms = losses_of(outputs, batch, settings, progress)
         total = total_loss(terms, settings.losses)
-        _check_loss(total, terms, step, batch)
         optimiser.zero_grad(set_to_none=True)
         fabric.backward(total)
         norm = fabric.clip_gradients(model, optimiser, max_norm=settings.optimiser.clip, error_if_nonfinite=False)
-        _check_gradient(norm, step, batch)
+        check_finite(fabric, total, norm, terms, step, batch)
         optimiser.step()
         note_step(state.network, outputs)
         ema = _updated_ema(ema, state.network, settings.optimiser.ema)
@@ -155,23 +155,35 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
 
 
 def validate(state: TrainState, ema: dict[str, Tensor] | None) -> float:
-    """Run a copy of the network on the validation samples and return the mean loss; the network itself is unchanged."""
+    """Run a copy of the network on the validation samples and return the mean loss; the network itself is unchanged.
+
+    Each process takes its part of the samples, and all return the same mean.
+    """
     assert state.val is not None
     with torch.random.fork_rng(devices=[]):  # its initial weights are replaced
         network = build_network(state.settings.network).to(state.fabric.device)
-    network.load_state_dict(state.network.state_dict() if ema is None else ema)
+    # Batch statistics differ between processes; those of the first are saved.
+    network.load_state_dict(state.fabric.broadcast(state.network.state_dict() if ema is None else ema))
     network.eval()
     weights = state.settings.losses
     count = min(len(state.val), state.settings.validate_samples)
     evenly_spaced = [index * len(state.val) // count for index in range(count)]
-    values = []
+    fabric, values = state.fabric, []
     with torch.inference_mode():
-        for index in evenly_spaced:
-            batch = collate([state.val[(index, _VALIDATION_DRAW)]]).to(state.fabric.device)
+        for index in evenly_spaced[fabric.global_rank :: fabric.world_size]:
+            batch = collate([state.val[(index, _VALIDATION_DRAW)]]).to(fabric.device)
             outputs = outputs_of(network, batch, state.settings.network)
             terms = losses_of(outputs, batch, state.settings)
             values.append(float(total_loss(terms, weights)))
-    return sum(values) / count
+    own = torch.tensor(sum(values), dtype=torch.float64, device=fabric.device)
+    return _summed(fabric, own) / count
+
+
+def _summed(fabric: Fabric, value: Tensor) -> float:
+    """Return the sum of a number over all processes."""
+    whole = value if fabric.world_size == 1 else fabric.all_reduce(value, reduce_op="sum")
+    assert isinstance(whole, Tensor)
+    return float(whole)
 
 
 def _initial_checkpoint(state: TrainState) -> Checkpoint:
@@ -213,14 +225,22 @@ def _updated_ema(ema: dict[str, Tensor] | None, network: Network, decay: float) 
         }
 
 
-def _check_loss(total: Tensor, terms: dict[str, Tensor], step: int, batch: Batch) -> None:
-    if not bool(torch.isfinite(total)):
+def check_finite(
+    fabric: Fabric, total: Tensor, norm: Tensor | None, terms: dict[str, Tensor], step: int, batch: Batch
+) -> None:
+    """Raise WorkFailed in all processes where the loss or the gradient of one is not finite.
+
+    Both are looked at once, after the gradient: each look waits for the device, and a process that stopped before it
+    has given its gradient would leave the others waiting.
+    """
+    loss = total.detach()
+    finite = torch.isfinite(loss) if norm is None else torch.isfinite(loss) & torch.isfinite(norm)
+    if _summed(fabric, finite.float()) == fabric.world_size:
+        return
+    names = ", ".join(batch.names)
+    if not bool(torch.isfinite(loss)):
         wrong = [f"{name} {float(value.detach()):g}" for name, value in terms.items() if not torch.isfinite(value)]
-        where = f"loss of step {step} on {', '.join(batch.names)}"
-        raise WorkFailed(f"{where}: expected a finite number, found {float(total.detach()):g} ({', '.join(wrong)})")
-
-
-def _check_gradient(norm: Tensor | None, step: int, batch: Batch) -> None:
-    if norm is not None and not bool(torch.isfinite(norm)):
-        where = f"gradient of step {step} on {', '.join(batch.names)}"
-        raise WorkFailed(f"{where}: expected a finite norm, found {float(norm):g}")
+        where = f"loss of step {step} on {names}"
+        raise WorkFailed(f"{where}: expected a finite number, found {float(loss):g} ({', '.join(wrong)})")
+    found = "another, of another process" if norm is None or bool(torch.isfinite(norm)) else f"{float(norm):g}"
+    raise WorkFailed(f"gradient of step {step} on {names}: expected a finite norm, found {found}")
