@@ -50,7 +50,9 @@ def test_correct_labels_of_what_vessels_hold_pass(backend, tmp_path, family, con
 def test_what_stands_in_little_liquid_is_none_of_its_volume(seed, body):
     """The liquid's surface has a hole where the body goes through: that alone is 5 % more than the liquid."""
     vessels = {"categories": ["tumbler"], "chord_error": 2e-4, "fill_probability": 1.0, "fill": [0.06, 0.08]}
-    scene = draw(seed, 0, **SETTINGS | {"prop_count": [0, 0]}, vessels=vessels | {"contents": {"standing": 1.0}})
+    vessels |= {"contents": {"standing": 1.0}}
+    settings: dict[str, Any] = {**SETTINGS, "prop_count": [0, 0], "vessels": vessels}
+    scene = draw(seed, 0, **settings)
     assert [item.category for item in scene.objects if item.within is not None] == [body]
     records = objects_file(scene, scene_keypoints(scene))
     assert object_faults(scene, records, "objects.json") == []
