@@ -179,7 +179,8 @@ def _volume(meshes: list[Mesh]) -> float:
 
 
 def _extent(item: SceneObject) -> np.ndarray:
-    return np.ptp(np.concatenate([mesh.vertices for mesh in meshes_of(item)]).astype(np.float64), axis=0)
+    """Return the extent of an object's solid: of a vessel that of its glass, above which ice may float."""
+    return np.ptp(np.concatenate([mesh.vertices for mesh in solid_meshes(item)]).astype(np.float64), axis=0)
 
 
 def _text(medium: Medium) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from glassware.annotate.keypoints import scene_keypoints
@@ -61,3 +63,18 @@ def test_what_stands_in_little_liquid_is_none_of_its_volume(seed, body):
     more = vessel.volumes.model_copy(update={"liquid": 1.03 * vessel.volumes.liquid})
     wrong = records.model_copy(update={"objects": (vessel.model_copy(update={"volumes": more}), *records.objects[1:])})
     assert {fault.where for fault in object_faults(scene, wrong, "objects.json")} == {"object 2 volumes.liquid"}
+
+
+def test_ice_above_the_rim_is_not_part_of_the_size():
+    vessels = {"categories": ["tumbler"], "chord_error": 2e-4, "fill_probability": 1.0, "fill": [0.4, 0.6]}
+    settings: dict[str, Any] = {**SETTINGS, "prop_count": [0, 0], "vessels": vessels | {"contents": {"ice": 1.0}}}
+    scene = draw(5, 0, **settings)
+    (vessel,) = scene.vessels
+    parts = []
+    for part in vessel.interfaces:
+        rise = np.array([0.0, 0.0, vessel.size[2] if part.part == "content" else 0.0])
+        parts.append(part.model_copy(update={"mesh": replace(part.mesh, vertices=part.mesh.vertices + rise)}))
+    assert "content" in {part.part for part in parts}
+    above = scene.model_copy(update={"vessels": (vessel.model_copy(update={"interfaces": tuple(parts)}),)})
+    records = objects_file(above, scene_keypoints(above))
+    assert [fault for fault in object_faults(above, records, "objects.json") if "size" in fault.where] == []
