@@ -101,6 +101,7 @@ def bead_places(
         r = max(inner_reach, 0.0) * np.sqrt(rng.random(_PLACES))
         angle = rng.uniform(0.0, 2.0 * np.pi, _PLACES)
         places = np.stack([r * np.cos(angle) + x, r * np.sin(angle) + y, heights(r, angle)], 1)
+        on_floor = places[:, 2].copy()
         for ball in placed:
             flat = np.hypot(*(places[:, :2] - ball[:2]).T)
             over = ball[2] + np.sqrt(np.maximum((2.0 * radius + GAP) ** 2 - flat**2, 0.0))
@@ -111,6 +112,9 @@ def bead_places(
             free &= distance >= 2.0 * radius + 0.5 * GAP
         if tree is not None:
             free &= tree.query(places)[0] > radius + APART
+        # The reach is that of the lowest layer: higher up, a shoulder may be in the way.
+        higher = free & (places[:, 2] > on_floor)
+        free[higher] = room.clearance(places[higher]) >= radius + 0.5 * GAP
         if not free.any():
             break
         best = int(np.where(free, places[:, 2], np.inf).argmin())
