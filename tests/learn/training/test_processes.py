@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -58,7 +59,7 @@ def _looks_at_its_loss(fabric: Fabric, folder: Path) -> None:
 @pytest.mark.slow
 def test_a_loss_that_is_no_number_in_one_process_stops_both(tmp_path):
     fabric = Fabric(accelerator="cpu", devices=2, strategy="ddp_fork")
-    fabric.launch(_looks_at_its_loss, tmp_path)
+    fabric.launch(partial(_looks_at_its_loss, folder=tmp_path))
     first, second = ((tmp_path / str(rank)).read_text() for rank in range(2))
     assert "gradient of step 7 on sample 0: expected a finite norm, found another, of another process" in first
     assert "loss of step 7 on sample 1: expected a finite number, found nan (depth nan)" in second
