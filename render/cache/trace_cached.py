@@ -37,7 +37,7 @@ from ..scene.emitters import ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import broken_continuity, medium_after_bounce, registry_id, surface_media
+from ..scene.surfaces import broken_continuity, medium_after_bounce, medium_at_end, registry_id, surface_media
 from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
@@ -172,7 +172,7 @@ def _through_glass(
         surface = surface_media(table, si, ray, hit)
         violations += broken_continuity(surface, medium)
         beta *= table.transmittance(surface, si.wavelengths, active)
-        outside, active, medium = ~hit | surface.opaque, hit & ~surface.opaque, mi.UInt32(surface.before)
+        outside, active, medium = ~hit | surface.opaque, hit & ~surface.opaque, medium_at_end(surface, medium)
 
         if dr.hint(active, exclude=[table, scene, sampler, emission, tracing]):
             bits = hashed_seed(sampler, depth)

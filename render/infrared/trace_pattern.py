@@ -21,6 +21,7 @@ from ..scene.surfaces import (
     SurfaceTable,
     broken_continuity,
     medium_after_bounce,
+    medium_at_end,
     registry_id,
     relative_index_d,
     surface_media,
@@ -55,7 +56,7 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
         segments += 1
         violations += broken_continuity(surface, medium)
         beta *= transmittance_rgb(table.sigma_a_rgb, surface, hit).x
-        medium = mi.UInt32(surface.before)
+        medium = medium_at_end(surface, medium)
         u, direction, factor = path_dimensions(sampler, depth), mi.Vector3f(0.0, 0.0, 1.0), mi.Float(0.0)
 
         mirrored = interface_lobe(table, surface, -ray.d, dr.normalize(light.origin - si.p))
@@ -67,7 +68,7 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
             L += beta * value * irradiance
             polished = dr.gather(mi.Bool, table.polished, surface.row)
             factor = dr.select(polished, weight, 0.0)
-            medium = medium_after_bounce(surface.before, si, direction)
+            medium = medium_after_bounce(medium, si, direction)
         if dr.hint(hit & ~surface.opaque, exclude=[loaded, table, scene, sampler, light]):
             L += beta * lobe * irradiance
             alpha = dr.gather(mi.Float, table.alpha, surface.row)

@@ -28,6 +28,7 @@ from ..scene.surfaces import (
     SurfaceTable,
     broken_continuity,
     medium_after_bounce,
+    medium_at_end,
     registry_id,
     surface_media,
 )
@@ -141,7 +142,7 @@ def trace(
         segments += 1
         violations += broken_continuity(surface, medium)
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
-        medium = mi.UInt32(surface.before)
+        medium = medium_at_end(surface, medium)
 
         found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
         last = PathOrigin(previous, pdf, delta)
@@ -151,7 +152,7 @@ def trace(
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
             bounce = opaque_event(emitters, si, ray, offset, u, table, depth == 0)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
-            medium = medium_after_bounce(surface.before, si, direction)
+            medium = medium_after_bounce(medium, si, direction)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)

@@ -160,6 +160,15 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     return SurfaceMedia(row, opaque, before, behind, n, ns, distance)
 
 
+def medium_at_end(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:
+    """Return the medium of a segment at its end, by the medium at its start.
+
+    It is the one before the surface there; a segment from inside an opaque body stays there, whatever it meets in it,
+    such as a spoon in a turbid liquid.
+    """
+    return dr.select(medium == BURIED, mi.UInt32(BURIED), surface.before)
+
+
 def medium_after_bounce(front: mi.UInt32, si: mi.SurfaceInteraction3f, direction: mi.Vector3f) -> mi.UInt32:
     """Return the medium of the segment that leaves an opaque surface, or `BURIED` where it leads into the body."""
     return dr.select(dr.dot(si.n, direction) > 0.0, front, mi.UInt32(BURIED))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import glassware as gw
 from glassware.core.mesh import as_trimesh
 from glassware.procedural.description.scene import content_solid, glass_solid, liquid_solid
 from glassware.procedural.description.standing import standing_in
@@ -120,6 +121,23 @@ def test_pictures_of_drawn_scenes_have_no_segment_in_the_wrong_medium_beyond_hai
     picture = scene.picture.model_copy(update={"spp": 32})
     kernel = replace(loaded_glasses, description=scene.model_copy(update={"picture": picture}))
     assert trace_picture(kernel, scene.cameras[0], "left", seed=1).violations <= MAX_VIOLATIONS
+
+
+@pytest.mark.slow
+def test_what_stands_in_a_turbid_liquid_is_met_from_inside_it_and_counts_for_nothing(backend):
+    """Shading normals lead some rays into the liquid, which is opaque, where they meet a spoon and leave it again."""
+    only = {"standing": 1.0, "turbid": 1.0, "layered": 0.0, "ice": 0.0, "beads": 0.0, "bubbles": 0.0}
+    scene = gw.draw(
+        seed=3,
+        vessel_count=[1, 1],
+        prop_count=[0, 0],
+        vessels={"categories": ["double-walled glass"], "contents": only},
+        cameras={"views": 1, "width": 128, "height": 96, "distance": [0.3, 0.35]},
+        picture={"light": "path", "spp": 16},
+    )
+    assert [item.category for item in scene.objects] == ["double-walled glass", "spoon"]
+    picture = trace_picture(load(scene), scene.cameras[0], "left", seed=1)
+    assert picture.violations < 1e-5  # a tenth of MAX_VIOLATIONS, which they came to
 
 
 @pytest.mark.parametrize("part", ["outside", "wet_wall", "liquid_surface"])
