@@ -16,7 +16,7 @@ from ..placement.resting import turn_about_z
 from .bodies import mechanics_of
 from .bodies import with_attached as mechanics_with
 from .falling import calm, fall
-from .faults import is_spoilt, made_upright, overlapping, strays, take_away, unsteady
+from .faults import is_spoilt, lift_out_of_the_table, made_upright, overlapping, strays, take_away, unsteady
 from .parts import body_parts
 from .parts import with_attached as parts_with
 from .pile_state import Case, Run, outline_of
@@ -169,6 +169,7 @@ def _settled(run: Run) -> tuple[str, np.ndarray]:
         if not fault:
             fault = made_upright(case, found)
         if not fault:
+            lift_out_of_the_table(case, found)
             fault, order = overlapping(case, found)
             run.radius *= _WIDER
         if not fault:
