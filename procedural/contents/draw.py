@@ -235,6 +235,7 @@ def _ice(
         return []
     dense = [_dense(body.mesh) for body in (*leaning, *beads)]
     mouth = room.narrowest(vessel.liquids[-1].centre, room.brim)
+    sinks = any((pour.medium.density or 0.0) < (ice().density or 0.0) for pour in pours)
     for attempt in range(TRIES):
         count = int(rng.integers(settings.ice_count[0], settings.ice_count[1] + 1))
         edges = rng.uniform(*settings.ice_edge, count)
@@ -242,7 +243,7 @@ def _ice(
         smaller = attempt / (TRIES - 1)
         edges = edges - smaller * (edges - settings.ice_edge[0])
         count = max(settings.ice_count[0], round(count * (1.0 - smaller)))
-        bodies = _cubes(rng, room, edges[:count], vessel.liquids[-1].centre, dense, mouth)
+        bodies = _cubes(rng, room, edges[:count], vessel.liquids[-1].centre, dense, mouth, sinks=sinks)
         if bodies is not None and _fits(vessel, room, pours, [*beads, *bodies, *leaning]):
             return bodies
         tries.count += 1
@@ -255,11 +256,18 @@ def _ice(
 
 
 def _cubes(
-    rng: np.random.Generator, room: Room, edges: np.ndarray, level: float, others: list[np.ndarray], mouth: float
+    rng: np.random.Generator,
+    room: Room,
+    edges: np.ndarray,
+    level: float,
+    others: list[np.ndarray],
+    mouth: float,
+    *,
+    sinks: bool,
 ) -> list[Body] | None:
     if edges.max() * np.sqrt(0.5) > mouth - 1e-3:  # they could not have come in
         return None
-    places = ice_places(rng, room, edges, level, others)
+    places = ice_places(rng, room, edges, level, others, sinks=sinks)
     if places is None:
         return None
     return [

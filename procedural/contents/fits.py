@@ -21,7 +21,13 @@ _DEPTH = 1e-3
 
 
 def ice_places(
-    rng: np.random.Generator, room: Room, edges: np.ndarray, level: float, others: Sequence[np.ndarray]
+    rng: np.random.Generator,
+    room: Room,
+    edges: np.ndarray,
+    level: float,
+    others: Sequence[np.ndarray],
+    *,
+    sinks: bool = False,
 ) -> np.ndarray | None:
     """Return places for floating cubes: rows (x, y, turn about z) in [m] and [rad]; None where there is no room.
 
@@ -37,10 +43,13 @@ def ice_places(
         About where the liquid's surface is [m].
     others : sequence of (k, 3) float
         Points of other bodies, dense [m].
+    sinks : bool
+        Whether a liquid is lighter than ice, so that cubes need room down to the floor.
     """
     placed: list[tuple[float, float, float]] = []
     for edge in edges.tolist():
         low, high = max(level - 1.05 * edge, room.floor), min(level + 0.5 * edge, room.brim)
+        low = room.floor if sinks else low
         reach = room.narrowest(low, high) - 0.5 * edge * np.sqrt(2.0) - APART
         beside = [points[(points[:, 2] > low - edge) & (points[:, 2] < high + edge), :2] for points in others]
         near = [cKDTree(points) for points in beside if len(points)]
