@@ -49,7 +49,8 @@ def ice_places(
     placed: list[tuple[float, float, float]] = []
     for edge in edges.tolist():
         low, high = max(level - 1.05 * edge, room.floor), min(level + 0.5 * edge, room.brim)
-        low = room.floor if sinks else low
+        # (On the axis the floor has no width: half an edge over it, it has nearly that of a cube that lies there.)
+        low = min(low, room.floor + 0.5 * edge) if sinks else low
         reach = room.narrowest(low, high) - 0.5 * edge * np.sqrt(2.0) - APART
         beside = [points[(points[:, 2] > low - edge) & (points[:, 2] < high + edge), :2] for points in others]
         near = [cKDTree(points) for points in beside if len(points)]
