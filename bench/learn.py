@@ -244,10 +244,15 @@ def _steps(settings: NetworkSettings, count: int) -> float:
     return (perf_counter() - start) / count
 
 
+def published_settings(name: str) -> TrainSettings:
+    """Return the settings of SimNet, KeyPose or DenseFusion as published."""
+    options = {"simnet": {"bins": 22}, "keypose": {"count": 2}, "densefusion": {"categories": ["cup"], "points": 1000}}
+    return TrainSettings.model_validate({"network": {"name": name, name: options[name]}})
+
+
 def _baseline_steps(name: str, count: int) -> float:
     """Return the time of a training step of a network at its published size, with targets of the right shapes."""
-    options = {"simnet": {"bins": 22}, "keypose": {"count": 2}, "densefusion": {"categories": ["cup"], "points": 1000}}
-    settings = TrainSettings.model_validate({"network": {"name": name, name: options[name]}})
+    settings = published_settings(name)
     net = build_network(settings.network)
     optimiser = torch.optim.Adam(net.parameters(), lr=1e-6)
     batch, start = BATCHES[name](), 0.0

@@ -3,8 +3,9 @@
 python bench/studies/full_size.py
 
 Counts the multiplications and additions of a forward pass of each network at its published size. A training step takes
-three times as many. Divided by what ResNet-50 reaches in training on the same accelerator, that is time. The lower
-bound takes mixed precision, the upper one TF32 (MVTrans's matching is in 32 bits).
+three times as many, of ResNet-50 as well, so the ratio of the passes is that of the steps: with the pictures per
+second that ResNet-50 reaches in training on the same accelerator it gives the time. The lower bound takes mixed
+precision, the upper one TF32 (MVTrans's matching is in 32 bits).
 """
 
 from __future__ import annotations
@@ -23,11 +24,8 @@ from table import Row, report
 
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.training.methods import outputs_of
-from glassware.learn.training.settings import TrainSettings
-from learn import BATCHES
+from learn import BATCHES, published_settings
 
-#: Forward, and backward with regard to inputs and to weights.
-PASSES = 3.0
 #: Multiplications and additions of ResNet-50 for a picture of 224 x 224 [1e9] (He et al., CVPR 2016: 3.8; with the
 #: stride of v1.5 4.1).
 RESNET50 = 4.1
@@ -57,8 +55,7 @@ def main(given: Options) -> int:
 
 def _rows(name: str, gmac: float) -> list[Row]:
     fast, slow = (rate * RESNET50 / gmac for rate in (A100_MIXED, A100_TF32))
-    h100 = H100_BANDWIDTH / A100_BANDWIDTH
-    four, one = 4.0 * SCALING, h100
+    four, one = 4.0 * SCALING, H100_BANDWIDTH / A100_BANDWIDTH
     rows = [Row(f"{name}: samples on one A100", fast, "1/s", note=f"{slow:.0f} in TF32; {gmac:.0f} GMAC a pass")]
     for title, factor, devices, price in (("four A100", four, 4, A100_PRICE), ("one H100", one, 1, H100_PRICE)):
         least, most = (SAMPLES / (rate * factor) / 3600.0 for rate in (fast, slow))
@@ -74,9 +71,8 @@ def _costs() -> dict[str, float]:
         found[f"MVTrans, {views} views"] = _mvtrans_cost(NetworkSettings(depth_range=(0.25, 3.0)), views)
     released = NetworkSettings.model_validate({"variant": "reference"})
     found["MVTrans as released, 2 views"] = _mvtrans_cost(released, 2)
-    options = {"simnet": {"bins": 22}, "keypose": {"count": 2}, "densefusion": {"categories": ["cup"], "points": 1000}}
-    for name, values in options.items():
-        settings = TrainSettings.model_validate({"network": {"name": name, name: values}})
+    for name in BATCHES:
+        settings = published_settings(name)
         network, batch = build_network(settings.network).eval(), BATCHES[name]()
         found[name] = _count(network, lambda net, batch=batch, own=settings: outputs_of(net, batch, own.network))
     return found

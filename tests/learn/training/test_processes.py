@@ -16,22 +16,12 @@ from glassware.core.exit_codes import WorkFailed
 from glassware.learn.data.samples import Batch
 from glassware.learn.training.checkpoint import load_checkpoint
 from glassware.learn.training.run import check_finite, validate
-from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
 from glassware.learn.training.train_state import set_up_training
 
 
 @pytest.mark.slow
-def test_two_processes_train_and_validate_as_one(tiny, rendered, tmp_path):
-    one = TrainSettings(
-        network=tiny.model_copy(update={"depth_range": None}),
-        machine=MachineSettings(accelerator="cpu", workers=0, threads=1),
-        optimiser=OptimiserSettings(warmup=1, ema=0.5),
-        steps=3,
-        batch=2,
-        validate_every=3,
-        validate_samples=3,
-        log_every=1,
-    )
+def test_two_processes_train_and_validate_as_one(settings, rendered, tmp_path):
+    one = settings.model_copy(update={"steps": 3, "validate_samples": 3})
     two = one.model_copy(update={"machine": one.machine.model_copy(update={"devices": "2", "strategy": "ddp"})})
     (tmp_path / "run.yaml").write_text(yaml.safe_dump(two.model_dump(mode="json", exclude_defaults=True)))
     command = [str(Path(sys.executable).with_name("glassware")), "train", str(rendered), "--out", str(tmp_path / "run")]

@@ -12,24 +12,7 @@ from glassware.core.exit_codes import WorkFailed
 from glassware.learn.networks.build import build_network
 from glassware.learn.training.checkpoint import load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.run import train
-from glassware.learn.training.settings import MachineSettings, OptimiserSettings, TrainSettings
-
-
-@pytest.fixture
-def settings(tiny) -> TrainSettings:
-    """A run of some steps on the first scene."""
-    return TrainSettings(
-        network=tiny.model_copy(update={"depth_range": None}),
-        machine=MachineSettings(accelerator="cpu", workers=0, threads=1),
-        optimiser=OptimiserSettings(warmup=2, ema=0.5),
-        steps=6,
-        batch=2,
-        save_every=3,
-        validate_every=3,
-        validate_samples=2,
-        log_every=1,
-        pictures_every=6,
-    )
+from glassware.learn.training.settings import OptimiserSettings
 
 
 @pytest.fixture
