@@ -6,6 +6,8 @@ from pydantic import Field
 
 from ...core.model import Model
 
+#: Weight of KeyPose's disparity error: the released code takes it over whole windows, columns and rows over half ones.
+RELEASED_DISPARITY = 0.25
 
 class LossWeights(Model):
     """Weight of each loss, and the transition of the Huber loss.
@@ -31,6 +33,11 @@ class LossWeights(Model):
     )
     keypoint: float = Field(
         default=1.0, ge=0.0, description="Weight of the squared error of KeyPose's keypoints, over half windows"
+    )
+    keypoint_disparity: float = Field(
+        default=RELEASED_DISPARITY,
+        ge=0.0,
+        description="Weight of the squared error of their disparity in it, over half windows, beside columns and rows",
     )
     projection: float = Field(
         default=2.5,

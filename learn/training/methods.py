@@ -174,8 +174,8 @@ def losses_of(
     network = settings.network
     if network.name == "keypose":
         size = (batch.images.shape[-2], batch.images.shape[-1])
-        released = network.variant == "reference"
-        return keypose_losses(outputs, batch.targets, batch.K, size, progress, released=released)
+        options = {"disparity": settings.losses.keypoint_disparity, "released": network.variant == "reference"}
+        return keypose_losses(outputs, batch.targets, batch.K, size, progress, **options)
     if network.name == "densefusion":
         return densefusion_losses(outputs, batch.targets, network.densefusion.confidence)
     return losses(outputs, batch.targets, network, settings.losses.huber)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import torch
 from torch import Tensor
 
 from ..decoding.keypoints import points_in_space
+from .loss_weights import RELEASED_DISPARITY
 from .losses import masked_mean
 
 #: Fractions of a run between which the loss of other views sets in: 5,000 and 10,000 of 80,000 steps (released code).
@@ -30,6 +32,7 @@ def keypose_losses(
     size: tuple[int, int],
     progress: float,
     *,
+    disparity: float = RELEASED_DISPARITY,
     released: bool = False,
 ) -> dict[str, Tensor]:
     """Return the losses of KeyPose (Liu et al., CVPR 2020, section 4.2), each for the best order of the keypoints.
@@ -46,12 +49,14 @@ def keypose_losses(
         Height and width of the windows [px].
     progress : float
         Fraction of the run that is done.
+    disparity : float
+        Weight of the squared error of the disparity, where columns and rows have 1; all are over half windows.
     released : bool
         Whether other views that do not exist count with an error of 0, as in the released code.
     """
     height, width = size
     found, wanted = outputs["keypoints"], targets["keypoints"]  # (B, K, 3), (B, n, K, 3)
-    scale = found.new_tensor([2.0 / width, 2.0 / height, 1.0 / width])
+    scale = found.new_tensor([2.0 / width, 2.0 / height, math.sqrt(disparity) * 2.0 / width])
     error = (((found[:, None] - wanted) * scale) ** 2).sum((2, 3))  # (B, n)
     best = error.argmin(1)
     rows = torch.arange(len(best), device=best.device)

@@ -45,6 +45,15 @@ def test_the_errors_are_those_of_the_paper():
     assert released["projection"].item() == pytest.approx(2 * 0.03**2 / 5, rel=1e-4)
 
 
+def test_an_error_of_the_disparity_counts_over_whole_windows_unless_asked_otherwise():
+    outputs, targets = keypose_batch()
+    moved = {"keypoints": outputs["keypoints"] + torch.tensor([0.0, 0.0, 3.0])}
+    released = keypose_losses(moved, targets, K, (60, 90), 0.0)["keypoint"]
+    heavy = keypose_losses(moved, targets, K, (60, 90), 0.0, disparity=4.0)["keypoint"]
+    assert released.item() == pytest.approx(2 * (3 / 90) ** 2)
+    assert heavy.item() == pytest.approx(16 * released.item())
+
+
 def test_other_views_set_in_late():
     outputs, targets = keypose_batch()
     assert "projection" not in keypose_losses(outputs, targets, K, (60, 90), 0.05)
