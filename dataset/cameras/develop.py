@@ -88,10 +88,21 @@ def _control(camera: ColourCamera, light: PairLight, rng: np.random.Generator) -
     stops = camera.exposure_error * rng.standard_normal()
     low, high = camera.sensor.gain if camera.sensor else (1.0, 1.0)
     return Control(
-        exposure=light.exposure * 2**stops,
+        exposure=_metered(camera, light) * 2**stops,
         gain=float(low * (high / low) ** rng.random()),
         focus=camera.focus or focused_at(light.Z),
     )
+
+
+def _metered(camera: ColourCamera, light: PairLight) -> float:
+    """Return the view's exposure before its error: the scene's, or less where the left picture would be too bright.
+
+    The exposure of a scene is right for its table; a view that is full of a window or of a bright wall needs less.
+    """
+    if camera.brightest_median is None:
+        return light.exposure
+    median = light.exposure * float(np.median(light.left.max(axis=2)))
+    return light.exposure * min(1.0, camera.brightest_median / max(median, 1e-9))
 
 
 def _through_lens(

@@ -63,6 +63,12 @@ class ColourCamera(Model):
     name: str = Field(default="ideal", pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$", description="Name of the camera")
     source: str = Field(default="", description="Where its figures come from")
     exposure_error: float = Field(default=0.0, ge=0.0, le=4.0, description="Standard deviation, per view [stops]")
+    brightest_median: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="Greatest median over a view of its pixels' brightest channel, of saturation: brighter views are "
+        "exposed less; none: all views of a scene are exposed alike",
+    )
     aperture: Length = Field(
         default=0.0, ge=0.0, lt=1.0, description="Diameter of the entrance pupil; 0: a pinhole [m]"
     )

@@ -26,6 +26,7 @@ CAMERAS: dict[str, ColourCamera] = {
         "stream without distortion by its own calibration (D400 data sheet and units); full well and noise of a Sony "
         "IMX477 by area; assumed: focus at the hyperfocal distance of a circle of two pixels, gain, white balance",
         exposure_error=0.3,
+        brightest_median=0.7,
         aperture=0.00094,
         focus=0.63,
         falloff=4.0,
@@ -42,6 +43,7 @@ CAMERAS: dict[str, ColourCamera] = {
         source="Nexus 6P: 4032 pixels of 1.55 um across, f/2.0, f 4.67 mm, autofocus; full well and noise of a Sony "
         "IMX477, whose pixels have that size; assumed: gain, white balance, tone, JPEG; distortion is corrected",
         exposure_error=0.2,
+        brightest_median=0.7,
         aperture=0.00234,
         falloff=4.0,
         shading_correction=0.85,
@@ -60,6 +62,7 @@ CAMERAS: dict[str, ColourCamera] = {
         "distortion by a ROS calibration at 640x480 (davi1055/project, cam_480p); full well and noise of a Sony IMX477 "
         "by area; assumed: the mode of few pixels skips rows and columns, gain, white balance, tone, JPEG",
         exposure_error=0.4,
+        brightest_median=0.7,
         aperture=0.00184,
         distortion=Distortion(k1=0.134462, k2=-0.311908, p1=0.002304, p2=0.003083),
         falloff=4.0,

@@ -54,6 +54,18 @@ def test_the_exposure_error_has_its_spread_in_stops(light: PairLight) -> None:
     assert stops.std() == pytest.approx(0.3, rel=4 / np.sqrt(800))
 
 
+def test_a_view_that_is_too_bright_as_a_whole_is_exposed_less_and_others_are_not(light: PairLight) -> None:
+    scene, own = ColourCamera(name="scene"), ColourCamera(name="own", brightest_median=0.7)
+    window, room = grey(light, 40.0), replace(grey(light, 0.5), exposure=1.0)
+    assert np.all(develop(scene, window, 1, 0, 0)[0] == 255)
+    for picture in develop(own, window, 1, 0, 0):  # both eyes
+        assert np.all(picture == srgb8(np.full((1, 1, 3), 0.7, np.float32), 1.0))
+    assert np.array_equal(develop(own, room, 1, 0, 0)[0], develop(scene, room, 1, 0, 0)[0])
+    # A window that is less than half of the picture changes nothing.
+    some = replace(room, left=np.where(np.arange(WIDTH)[:, None] < WIDTH // 3, np.float32(40.0), room.left))
+    assert np.array_equal(develop(own, some, 1, 0, 0)[0], develop(scene, some, 1, 0, 0)[0])
+
+
 def test_what_is_left_of_the_falloff_is_what_the_correction_leaves(light: PairLight) -> None:
     even = replace(grey(light, 0.5), exposure=1.0)
     x, y = 60, 2
@@ -77,5 +89,5 @@ def test_pixels_that_were_not_rendered_are_black_and_marked(light: PairLight) ->
 
 def test_light_far_beyond_saturation_is_white(light: PairLight) -> None:
     for name in ("d435", "phone"):
-        camera = CAMERAS[name].model_copy(update={"falloff": 0.0})
+        camera = CAMERAS[name].model_copy(update={"falloff": 0.0, "brightest_median": None})
         assert (develop(camera, grey(light, 50.0), 0, 0, 0)[0] >= 254).all()
