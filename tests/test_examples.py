@@ -102,6 +102,7 @@ def test_the_gap_makes_a_glass_of_water_look_otherwise(backend, tmp_path: Path) 
     assert np.abs(left - right)[18:60, 18:48].mean() > 3.0 * np.abs(left - right)[:, :8].mean()
 
 
+@pytest.mark.slow
 def test_the_notebook_runs_and_its_results_show_themselves(backend, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     small = {"cameras": {"scale": 0.05}, "picture": {"spp": 2}, "vessels": {"chord_error": 1e-4}}

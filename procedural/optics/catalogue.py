@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -295,6 +296,7 @@ def catalogue() -> dict[str, Medium]:
     return {medium.name: medium for medium in (*glasses(), *liquids())}
 
 
+@cache
 def glasses() -> tuple[Medium, ...]:
     """Return the media of walls. Those without absorbers lose less than 1 % over 10 mm in the visible."""
     return (
@@ -316,6 +318,7 @@ def glasses() -> tuple[Medium, ...]:
     )
 
 
+@cache
 def liquids() -> tuple[Medium, ...]:
     """Return the liquids in their standard composition, without dyes."""
     return (

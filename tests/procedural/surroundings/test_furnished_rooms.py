@@ -17,7 +17,7 @@ from glassware.procedural.surroundings.settings import EnvironmentSettings
 _ROOMS = EnvironmentSettings(room_depth=True, shipped_share=0.0, room_share=1.0)
 
 
-@pytest.fixture(scope="module", params=[11, 12, 13])
+@pytest.fixture(scope="module", params=[11, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (12, 13))])
 def scene(request):
     return draw_scene(SceneSettings(environment=_ROOMS, cameras=CameraSettings(views=5)), request.param, 0)
 
