@@ -1,7 +1,8 @@
-"""Draw and render scenes of the default settings side by side: the picture in `docs/world.md`.
+"""Draw and render scenes of the default settings side by side: the pictures in `docs/world.md`.
 
 ``python bench/gallery_seeds.py out.jpg --seeds 1 24``: one view of each seed, in the order of reading. The processor
-time of each and what is in it are printed.
+time of each and what is in it are printed. ``--assets DIR`` uses files as well, of DIR/hdri, DIR/meshes and
+DIR/textures. Light is stored (`picture.light: shared`), as a default scene with its five views has it.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from time import process_time
 
 import imageio.v3 as iio
@@ -19,6 +21,8 @@ from glassware.core.images import srgb8
 
 #: Pictures in a row [1].
 ACROSS = 3
+#: Settings for folders of files, and their subfolders of `--assets`.
+FILES = {"hdri_dir": "hdri", "mesh_dir": "meshes", "texture_dir": "textures"}
 
 
 def main() -> None:
@@ -28,20 +32,23 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs=2, default=[1, 24], help="first and last")
     parser.add_argument("--width", type=int, default=240, help="of each picture [px]; its height is 3/4 of it")
     parser.add_argument("--spp", type=int, default=16, help="samples per pixel")
+    parser.add_argument("--across", type=int, default=ACROSS, help="pictures in a row")
+    parser.add_argument("--assets", type=Path, help="folder with hdri, meshes and textures")
     request = parser.parse_args()
+    files = {} if request.assets is None else {name: request.assets / part for name, part in FILES.items()}
     pictures: list[np.ndarray] = []
     for seed in range(request.seeds[0], request.seeds[1] + 1):
-        pictures.append(rendered(seed, request.width, request.spp))
-        iio.imwrite(request.path, sheet(pictures))
+        pictures.append(rendered(seed, request.width, request.spp, "shared", **files))
+        iio.imwrite(request.path, sheet(pictures, request.across))
 
 
-def rendered(seed: int, width: int, spp: int, **settings: object) -> np.ndarray:
-    """Return the picture of a seed, (H, W, 3) uint8, with some more settings; path-traced."""
+def rendered(seed: int, width: int, spp: int, light: str = "path", **settings: object) -> np.ndarray:
+    """Return the picture of a seed, (H, W, 3) uint8, with some more settings; path-traced or with `light` stored."""
     start = process_time()
     scene = gw.draw(
         seed=seed,
         cameras={"views": 1, "width": width, "height": 3 * width // 4},
-        picture={"spp": spp, "light": "path", "layers": 0, "refraction": False},
+        picture={"spp": spp, "light": light, "layers": 0, "refraction": False},
         **settings,
     )
     drawn = process_time()
@@ -53,9 +60,9 @@ def rendered(seed: int, width: int, spp: int, **settings: object) -> np.ndarray:
     return srgb8(np.asarray(frame.left, np.float32), scene.cameras[0].exposure)
 
 
-def sheet(pictures: Sequence[np.ndarray]) -> np.ndarray:
-    """Return pictures of one size in rows of `ACROSS`, those that are missing in the last row black."""
-    columns = min(ACROSS, len(pictures))
+def sheet(pictures: Sequence[np.ndarray], across: int = ACROSS) -> np.ndarray:
+    """Return pictures of one size in rows, those that are missing in the last row black."""
+    columns = min(across, len(pictures))
     missing = -len(pictures) % columns
     cells = [*pictures, *[np.zeros_like(pictures[0])] * missing]
     rows = [np.concatenate(cells[i : i + columns], axis=1) for i in range(0, len(cells), columns)]
