@@ -19,6 +19,9 @@ PITCH_PER_WALL, PITCH_PER_WIDTH = 0.6, 1.0 / 160.0
 _OFFSET = (1.381966, 1.414214)
 #: Shorter pieces of a line count as rounding [distances of lines].
 _NO_LENGTH = 0.05
+#: Edges of faces that run over less of x may be met anywhere, and how far beyond a face's edges lines are looked at
+#: [distances of lines]: what rounding makes of a crossing is a thousandth at most.
+_STEEP, _BEYOND = 1e-6, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,13 +164,8 @@ def _crossings(
     """Return the line, the face, the height and whether the face looks up, of each crossing of a line and a face."""
     grid = (vertices[:, :2] - origin) / pitch
     corners = grid[faces]
-    low = np.ceil(corners.min(1)).astype(np.int64)
-    counts = np.floor(corners.max(1)).astype(np.int64) - low + 1
     area = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    cells = np.where((counts > 0).all(1) & (area != 0.0), counts.prod(1), 0)
-    face = np.repeat(np.arange(len(faces)), cells)
-    within = np.arange(len(face)) - np.repeat(np.cumsum(cells) - cells, cells)
-    x, y = low[face, 0] + within // counts[face, 1], low[face, 1] + within % counts[face, 1]
+    face, x, y = _candidates(corners, area != 0.0)
     sign = np.sign(area[face])
     sides = [_side(grid, faces[face, k], faces[face, (k + 1) % 3], x, y) for k in range(3)]
     # On an edge, the two faces that share it decide in the same way: one of them has the point.
@@ -179,6 +177,37 @@ def _crossings(
     z = vertices[faces[face], 2]
     height = z[:, 2] + weights[:, 0] * (z[:, 0] - z[:, 2]) + weights[:, 1] * (z[:, 1] - z[:, 2])
     return x * ny + y, face, np.clip(height, z.min(1), z.max(1)), area[face] > 0.0
+
+
+def _candidates(corners: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return lines (x, y) that may go through a face, with its number, for all faces (n, 3, 2) that are wanted.
+
+    Along each row of lines that a face reaches, those between its edges, a little beyond them, and no others: of a long
+    face that lies askew few of the lines in its box go through it.
+    """
+    low, high = np.ceil(corners.min(1)).astype(np.int64), np.floor(corners.max(1)).astype(np.int64)
+    reached = wanted & (high >= low).all(1)
+    face, x = _runs(np.where(reached, high[:, 0] - low[:, 0] + 1, 0), low[:, 0])
+    least, most = np.full(len(face), np.inf), np.full(len(face), -np.inf)
+    for k in range(3):
+        a, b = corners[face, k], corners[face, (k + 1) % 3]
+        run = b[:, 0] - a[:, 0]
+        steep = np.abs(run) < _STEEP  # such an edge may be met anywhere
+        t = np.clip((x - a[:, 0]) / np.where(steep, 1.0, run), 0.0, 1.0)
+        met = (np.minimum(a[:, 0], b[:, 0]) - _STEEP <= x) & (x <= np.maximum(a[:, 0], b[:, 0]) + _STEEP)
+        at = a[:, 1] + t * (b[:, 1] - a[:, 1])
+        least = np.where(met, np.minimum(least, np.where(steep, np.minimum(a[:, 1], b[:, 1]), at)), least)
+        most = np.where(met, np.maximum(most, np.where(steep, np.maximum(a[:, 1], b[:, 1]), at)), most)
+    first = np.maximum(np.ceil(np.where(np.isfinite(least), least, 0.0) - _BEYOND).astype(np.int64), low[face, 1])
+    last = np.minimum(np.floor(np.where(np.isfinite(most), most, -1.0) + _BEYOND).astype(np.int64), high[face, 1])
+    row, y = _runs(np.where(np.isfinite(least), np.maximum(last - first + 1, 0), 0), first)
+    return face[row], x[row], y
+
+
+def _runs(counts: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the number of each run, as often as it is long, and the whole numbers of the run from its first on."""
+    run = np.repeat(np.arange(len(counts)), counts)
+    return run, first[run] + np.arange(len(run)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _side(

@@ -72,16 +72,20 @@ class Space:
             height = (1.0 - y) * ((1.0 - x) * a + x * b) + y * ((1.0 - x) * c + x * d)
         return np.where(known, height, np.inf)
 
-    def clearance(self, points: np.ndarray) -> np.ndarray:
-        """Return the distance of points (k, 3) from the solid [m], negative in it.
+    def clearance(self, points: np.ndarray, within: float = np.inf) -> np.ndarray:
+        """Return the distance of points (k, 3) from the solid [m], negative in it, or inf where it is over `within`.
+
+        A bound of a few millimetres saves nearly all of the time.
 
         A point is in the solid where it is behind the triangle that is nearest to it; of triangles that share the
         nearest edge or corner, the one whose plane is farthest off decides (Baerentzen and Aanaes 2005, "Signed
         distance computation using the angle weighted pseudonormal", show why any other may be wrong).
         """
-        found, index = self.near.query(points)
-        behind = np.einsum("ij,ij->i", points - self.near.data[index], self._normals(index)) < 0.0
-        found = np.where(behind, -found, found)
+        found, index = self.near.query(points, distance_upper_bound=max(within, _NEAR))
+        known = np.isfinite(found)
+        places, index = points[known], index[known]
+        behind = np.einsum("ij,ij->i", places - self.near.data[index], self._normals(index)) < 0.0
+        found[known] = np.where(behind, -found[known], found[known])
         close = np.abs(found) < _NEAR
         if close.any():
             found[close] = self._exact(points[close])

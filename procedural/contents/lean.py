@@ -29,6 +29,9 @@ _HALVINGS, _STEPS = 11, 12
 _FOOT, _TIP = 0.05, 5e-3
 #: Distances of points on a shaft in search of where it meets the rim [m].
 _COARSE, _FINE = 3e-3, 4e-4
+#: Distance from the glass within which a shaft has room or not [m]. It is over `_COARSE`: where a shaft goes into the
+#: wall, a point of it is in the wall and nearer to its surface than this.
+_CLOSE = 4e-3
 #: Distances from the axis that are tried before the search [1].
 _PLACES = 24
 
@@ -72,7 +75,8 @@ def leaning(mesh: Mesh, room: Room) -> Leaning | None:
         return None
     if room.clearance(points @ pose[:3, :3].T + pose[:3, 3]).min() < 0.5 * GAP:
         return None
-    return Leaning(pose, _nearest(shaft, room, pose)[1])
+    free, reach = _nearest(shaft, room, pose, _CLOSE)
+    return Leaning(pose, reach if np.isfinite(free) else _nearest(shaft, room, pose)[1])
 
 
 def _shaft(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -85,10 +89,11 @@ def _shaft(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return edges[(edges[..., 0] > 0.6 * edges[..., 0].max()).all(1) & (across < 0.05 * along)]
 
 
-def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray) -> tuple[float, float]:
+def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray, within: float = np.inf) -> tuple[float, float]:
     """Return the least distance of the shaft from the glass [m], and how high on the shaft that is [m].
 
-    It is sought coarsely, and around the place that is found finely: rims are about a millimetre round.
+    The distance may be inf, and the height any, where it is over `within`. The place is sought coarsely, and around the
+    place that is found finely: rims are about a millimetre round.
     """
     points, place = along_edges(shaft, _COARSE), 0.0
     free = np.full(1, np.inf)
@@ -97,7 +102,7 @@ def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray) -> tuple[float, fl
             low, high = place - 3.0 * _COARSE, place + 3.0 * _COARSE
             points = along_edges(shaft, step)
             points = points[(points[:, 2] > low) & (points[:, 2] < high)]
-        free = room.clearance(points @ pose[:3, :3].T + pose[:3, 3])
+        free = room.clearance(points @ pose[:3, :3].T + pose[:3, 3], within)
         place = float(points[int(free.argmin()), 2])
     return float(free.min()), place
 
@@ -105,7 +110,7 @@ def _nearest(shaft: np.ndarray, room: Room, pose: np.ndarray) -> tuple[float, fl
 def _shaft_room(foot: np.ndarray, shaft: np.ndarray, room: Room, tilt: float) -> float:
     """Return the least distance of the shaft from the glass [m] where the foot stands in its corner; -inf: nowhere."""
     pose = _pose(foot, room, tilt)
-    return -np.inf if pose is None else _nearest(shaft, room, pose)[0]
+    return -np.inf if pose is None else _nearest(shaft, room, pose, _CLOSE)[0]
 
 
 def _pose(foot: np.ndarray, room: Room, tilt: float) -> np.ndarray | None:

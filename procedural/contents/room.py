@@ -54,8 +54,8 @@ class Room(Protocol):
         """Return the least distance of the wall from the axis between two heights [m]."""
         ...
 
-    def clearance(self, points: np.ndarray) -> np.ndarray:
-        """Return the distance of points (k, 3) from the glass, negative in it [m]."""
+    def clearance(self, points: np.ndarray, within: float = np.inf) -> np.ndarray:
+        """Return the distance of points (k, 3) from the glass, negative in it, or inf where over `within` [m]."""
         ...
 
     def floor_under(self, places: np.ndarray, beyond: float) -> np.ndarray:
@@ -117,9 +117,9 @@ class RevolvedRoom:
         between = self.inner[(self.inner[:, 1] >= low) & (self.inner[:, 1] <= high), 0]
         return float(min([self.radius(low), self.radius(high), *between.tolist()]))
 
-    def clearance(self, points: np.ndarray) -> np.ndarray:
+    def clearance(self, points: np.ndarray, within: float = np.inf) -> np.ndarray:
         """Return the distance of points from the glass [m]."""
-        return clearance(self.outer, self.inner, points)
+        return clearance(self.outer, self.inner, points, within)
 
     def floor_under(self, places: np.ndarray, beyond: float) -> np.ndarray:
         """Return the height of the floor [m]."""
@@ -212,9 +212,9 @@ class MeshRoom:
         between = radii[(heights >= low) & (heights <= high)]
         return float(min([*np.interp([low, high], heights, radii).tolist(), *between.tolist()]))
 
-    def clearance(self, points: np.ndarray) -> np.ndarray:
+    def clearance(self, points: np.ndarray, within: float = np.inf) -> np.ndarray:
         """Return the distance of points from the glass [m]."""
-        return self.space.clearance(np.column_stack([self._in_vessel(points[:, :2]), points[:, 2]]))
+        return self.space.clearance(np.column_stack([self._in_vessel(points[:, :2]), points[:, 2]]), within)
 
     def floor_under(self, places: np.ndarray, beyond: float) -> np.ndarray:
         """Return the height of the floor [m]."""
