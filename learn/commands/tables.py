@@ -48,6 +48,11 @@ class Tables(TrainSettings):
     budget: float | None = Field(
         default=None, gt=0.0, description="Minutes of all training together; by default the paper's number of samples"
     )
+    samples: int | None = Field(
+        default=None,
+        ge=2,
+        description="Samples that each network sees, in place of a budget",
+    )
     seeds: int = Field(default=1, ge=1, le=100, description="Runs of each row, with seeds of their own")
     split: SplitName = Field(default="test", description="Scenes to evaluate on")
     only: tuple[str, ...] = Field(default=(), description="Rows to run, such as simnet; by default all")
@@ -72,6 +77,8 @@ def _tables(arguments: Sequence[str]) -> None:
     request = parse_request(Tables, arguments, "glassware tables", _DESCRIPTION)
     if request.data is None:
         raise InputError("glassware tables", "the folder of a data set", "none")
+    if request.budget is not None and request.samples is not None:
+        raise InputError("glassware tables", "--budget or --samples", "both")
     what = experiment(request.experiment)
     checkpoints = _checkpoints(request, what)
     rows = _rows(request, what)
@@ -86,7 +93,8 @@ def _tables(arguments: Sequence[str]) -> None:
     trained = [row for row in rows if row.name not in checkpoints]
     equal = equal_rows(_in_order(trained), common)
     trained = [row for row in trained if row.name not in equal]
-    options = {"budget": request.budget, "seeds": request.seeds, "split": request.split, "rows": trained, "say": say}
+    amount = {"budget": request.budget, "samples": request.samples}
+    options = {**amount, "seeds": request.seeds, "split": request.split, "rows": trained, "say": say}
     plan = make_plan(what, common, request.data, request.out, **options)
     results: dict[str, Result] = {}
     for row in _in_order(rows):

@@ -73,7 +73,9 @@ def experiment(name: ExperimentName) -> Experiment:
         title = "Depth, boxes and masks of synthetic scenes (the paper's table II)"
         rows = (_simnet(), *_mvtrans())
         return Experiment(name, title, rows, _SCENE_COLUMNS, published.SYN_TODD, _DEPTH_FLOORS)
-    return Experiment(name, "What each part of MVTrans is for", _ablation_rows(), _SCENE_COLUMNS, {}, _DEPTH_FLOORS)
+    # (No row sees the two eyes of a pair, which are matched for the third floor.)
+    floors = {name: title for name, title in _DEPTH_FLOORS.items() if name != "semi_global"}
+    return Experiment(name, "What each part of MVTrans is for", _ablation_rows(), _SCENE_COLUMNS, {}, floors)
 
 
 def row_settings(row: Row, common: TrainSettings) -> TrainSettings:

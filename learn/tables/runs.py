@@ -53,7 +53,7 @@ class Plan(Model):
     settings: TrainSettings = Field(description="Common settings")
     seeds: int
     split: SplitName
-    budget: float | None = Field(description="Minutes of training; null: the paper's number of samples")
+    budget: float | None = Field(description="Minutes of training; null: none was given")
     samples: int = Field(description="Samples that each run sees")
     seconds: dict[str, float] = Field(description="Measured time of a training step of each row, by budget [s]")
     machine: str
@@ -75,6 +75,7 @@ def make_plan(
     out: Path,
     *,
     budget: float | None,
+    samples: int | None,
     seeds: int,
     split: SplitName,
     rows: Sequence[Row],
@@ -82,28 +83,28 @@ def make_plan(
 ) -> Plan:
     """Return the plan of a folder, or make one and write it; InputError where the folder has another.
 
-    With a budget every run sees the same number of samples, so many that all runs together take that time on this
-    machine, by two measured steps of each.
+    Every run sees the same number of samples: those that are asked for; with a budget so many that all runs together
+    take that time on this machine, by two measured steps of each; or else as many as the paper's.
     """
     digest = dataset_digest(data)
     path = out / "plan.json"
     if path.is_file():
         plan = parsed(Plan, read_json(path), path)
-        requested = (what.name, digest, common, seeds, split, budget)
-        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget) != requested:
-            raise InputError(
-                path, "the plan of the same experiment, data, settings, seeds, split and budget", "another"
-            )
+        seen = plan.samples if budget is not None else samples or PAPER_SAMPLES
+        requested = (what.name, digest, common, seeds, split, budget, seen)
+        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget, plan.samples) != requested:
+            expected = "the plan of the same experiment, data, settings, seeds, split, budget and samples"
+            raise InputError(path, expected, "another")
         return plan
     seconds: dict[str, float] = {}
-    samples = PAPER_SAMPLES
+    seen = samples or PAPER_SAMPLES
     if budget is not None:
         for row in rows:
             seconds[row.name] = _step_seconds(row, common, data)
             say(f"{row.title}: {seconds[row.name]:.2f} s a step")
         whole = seeds * sum(seconds.values())
         steps = max(_FEWEST_STEPS, int(60.0 * budget * (1.0 - _OVERHEAD) / whole)) if whole else _FEWEST_STEPS
-        samples = min(steps * common.batch, PAPER_SAMPLES)
+        seen = min(steps * common.batch, PAPER_SAMPLES)
     plan = Plan(
         experiment=what.name,
         data=digest,
@@ -111,7 +112,7 @@ def make_plan(
         seeds=seeds,
         split=split,
         budget=budget,
-        samples=samples,
+        samples=seen,
         seconds=seconds,
         machine=f"{platform.machine()}, {torch.get_num_threads()} threads, torch {torch.__version__}",
     )

@@ -9,6 +9,7 @@ from ...core.model import Model
 #: Weight of KeyPose's disparity error: the released code takes it over whole windows, columns and rows over half ones.
 RELEASED_DISPARITY = 0.25
 
+
 class LossWeights(Model):
     """Weight of each loss, and the transition of the Huber loss.
 

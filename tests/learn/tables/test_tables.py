@@ -160,6 +160,7 @@ def test_data_sets_are_counted_from_their_files(rendered):
         (["--only", "simnets"], "only: expected rows of keypose: densefusion-true"),
         (["--checkpoints", "simnet"], "checkpoints: expected ROW=PATH with a row of"),
         (["--experiment", "all"], "expected one of keypose, syn-todd, ablation"),
+        (["--budget", "1", "--samples", "100"], "glassware tables: expected --budget or --samples, found both"),
     ],
 )
 def test_a_wrong_request_is_one_line(rendered, tmp_path, capsys, options, message):
@@ -193,3 +194,10 @@ def test_one_command_fills_the_table_and_goes_on_where_it_stopped(rendered, tiny
     assert (out / "tables.md").read_text() == first
     assert main([*command, "--seeds", "2"]) == 2
     assert "plan.json: expected the plan of the same experiment" in capsys.readouterr().err
+    # Another table may show as many samples to each network, and take runs of the first.
+    number = json.loads((out / "plan.json").read_text())["samples"] + 2
+    again = [*command[:6], "--only", "keypose", "--samples", str(number), "--split", "val", "--out", str(out) + "-2"]
+    assert main(again) == 0
+    assert f"saw {number} samples" in (tmp_path / "report-2" / "tables.md").read_text()
+    assert main(again) == 0
+    assert main([*again, "--samples", str(number + 2)]) == 2
