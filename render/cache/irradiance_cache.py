@@ -142,11 +142,16 @@ def material_columns(loaded: LoadedScene) -> MaterialColumns:
 
 
 def normalised(moments: np.ndarray) -> np.ndarray:
-    """Return moments whose sums of directions, weighted by luminance, are divided by the luminance: mean directions."""
+    """Return moments whose sums of directions, weighted by luminance, are divided by the luminance: mean directions.
+
+    A mean of unit vectors is no longer than one. Filtered sums may be: where hardly any light grazes the surface, what
+    a filter leaves of the light may be a billionth of what it leaves of the directions.
+    """
     result = moments.copy()
     for colour, vector in DIRECTIONS:
         weight = luminance(moments[:, colour])[:, None]
-        result[:, vector] = np.divide(moments[:, vector], weight, out=np.zeros((len(moments), 3)), where=weight > 0.0)
+        mean = np.divide(moments[:, vector], weight, out=np.zeros((len(moments), 3)), where=weight > 0.0)
+        result[:, vector] = mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1.0)
     return result
 
 

@@ -73,6 +73,10 @@ class Tracer:
 PATH_TRACER = Tracer(trace, PATH_TRACER_WEIGHTS)
 
 
+class LightError(RuntimeError):
+    """A pixel has no radiance, or one that cannot be."""
+
+
 class MediumError(RuntimeError):
     """The scene's interfaces are inconsistent: segments end in another medium than they started in."""
 
@@ -97,6 +101,8 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     ------
     MediumError
         If more segments change their medium than hairline cracks explain.
+    LightError
+        If a pixel's radiance or its variance is no finite number.
     """
     picture, pixels = loaded.description.picture, camera.width * camera.height
     guides = trace_guides(loaded, camera, eye)
@@ -111,7 +117,9 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
         if picture.noise is not None and _is_below(film.noise(camera.exposure), picture.noise):
             break
     shape = (camera.height, camera.width, 3)
-    radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
+    with np.errstate(over="ignore"):  # what does not fit into single precision is refused next
+        radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
+    check_finite(radiance, variance, guides.instance, eye)
     sampling = PictureNoise(spp=spp, noise=film.noise(camera.exposure))
     return NoisyImage(radiance, variance, guides, sampling, camera.exposure, float(counts[0] / counts[1]))
 
@@ -246,6 +254,20 @@ def camera_paths(
     ray, _ = pixel_rays(view, at, mi.Point2f(u, v) - 0.5)
     ray.wavelengths, weight = draw_wavelengths(sample_4d(sampler, mi.UInt32(1))[0])
     return ray, weight, sampler
+
+
+def check_finite(radiance: np.ndarray, variance: np.ndarray, instance: np.ndarray, eye: Eye) -> None:
+    """Raise LightError if a pixel's radiance or its variance, (H, W, 3), is no finite number.
+
+    A few such pixels would become black areas: the firefly filter and the denoiser spread them.
+    """
+    wrong = np.argwhere(~(np.isfinite(radiance) & np.isfinite(variance)).all(axis=2))
+    if len(wrong):
+        row, column = wrong[0]
+        raise LightError(
+            f"{eye} picture: {len(wrong)} pixels without a finite radiance, the first in row {row}, column {column}, "
+            f"which shows the instance {instance[row, column]}: {radiance[row, column].tolist()}"
+        )
 
 
 def check_media(counts: np.ndarray, eye: Eye) -> None:

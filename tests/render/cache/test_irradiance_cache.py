@@ -40,6 +40,30 @@ def _samples_of(kernel, stored, seed: int) -> np.ndarray:
     return np.array(mi.luminance(found.radiance), np.float64).reshape(len(pixel), SAMPLES)
 
 
+def test_a_mean_direction_is_no_longer_than_one_whatever_a_filter_leaves_of_its_light() -> None:
+    rng = np.random.default_rng(2)
+    light = rng.uniform(0.0, 3.0, (50, 1))
+    direction = rng.normal(size=(50, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    grey = np.repeat(light, 3, axis=1)
+    moments = np.concatenate([grey, 0.1 * grey, 0.6 * light * direction, 0.1 * light * direction], axis=1)
+    found = irradiance_cache.normalised(moments)
+    np.testing.assert_allclose(found[:, 6:9], 0.6 * direction, rtol=1e-6)
+    np.testing.assert_allclose(found[:, 9:12], direction, rtol=1e-6)
+    # What is left of the light that grazes is rounding, and the directions are not.
+    moments[:, 3:6] = 7e-17
+    moments[:, 9:12] *= 1e-3
+    np.testing.assert_allclose(irradiance_cache.normalised(moments)[:, 9:12], direction, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_the_light_that_a_drawn_scene_stores_has_bounded_directions(backend, drawn) -> None:
+    kernel = load(drawn(17, cameras={"views": 1, "width": 24, "height": 18}), for_cache=True)
+    stored = fill_cache(kernel, cache_points_of(kernel), 6, 1)
+    for _, vector in irradiance_cache.DIRECTIONS:
+        assert np.linalg.norm(stored.moments[:, vector], axis=1).max() < 1.0 + 1e-5
+
+
 @pytest.mark.slow
 def test_roulette_leaves_no_window_out_that_a_polished_table_mirrors(polished, monkeypatch) -> None:
     played = _samples_of(*polished, seed=3)
