@@ -21,8 +21,6 @@ from glassware.core.images import srgb8
 
 #: Pictures in a row [1].
 ACROSS = 3
-#: Settings for folders of files, and their subfolders of `--assets`.
-FILES = {"hdri_dir": "hdri", "mesh_dir": "meshes", "texture_dir": "textures"}
 
 
 def main() -> None:
@@ -35,11 +33,17 @@ def main() -> None:
     parser.add_argument("--across", type=int, default=ACROSS, help="pictures in a row")
     parser.add_argument("--assets", type=Path, help="folder with hdri, meshes and textures")
     request = parser.parse_args()
-    files = {} if request.assets is None else {name: request.assets / part for name, part in FILES.items()}
+    files = {} if request.assets is None else of_files(request.assets)
     pictures: list[np.ndarray] = []
     for seed in range(request.seeds[0], request.seeds[1] + 1):
         pictures.append(rendered(seed, request.width, request.spp, "shared", **files))
         iio.imwrite(request.path, sheet(pictures, request.across))
+
+
+def of_files(folder: Path) -> dict[str, object]:
+    """Return the settings that use the files of a folder's subfolders."""
+    light = {"hdri_dir": folder / "hdri"}
+    return {"environment": light, "mesh_dir": folder / "meshes", "texture_dir": folder / "textures"}
 
 
 def rendered(seed: int, width: int, spp: int, light: str = "path", **settings: object) -> np.ndarray:

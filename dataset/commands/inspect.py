@@ -20,6 +20,7 @@ from ..format.pictures import write_png
 from ..readers.recognition import LAYOUTS, open_source
 from ..readers.source_view import Entry
 from ..settings.config import parse_request
+from .page_file import PNG_BEGINS, check_page_file, check_replaceable
 from .progress import tracked
 
 _DESCRIPTION = (
@@ -34,7 +35,9 @@ class Inspect(Model):
 
     directory: Annotated[UserPath, tyro.conf.Positional] = Field(description="Folder of the data set, or a part of it")
     most: int = Field(default=24, ge=0, description="Most views that are read, evenly spaced; 0: all")
-    sheet: UserPath = Field(default=Path("inspect.png"), description="PNG file of the contact sheet")
+    sheet: UserPath = Field(
+        default=Path("inspect.png"), description="PNG file of the contact sheet, in the current folder"
+    )
     rows: int = Field(default=5, ge=0, le=40, description="Most views on the contact sheet; 0 makes none")
 
 
@@ -54,6 +57,9 @@ def _inspect(arguments: Sequence[str]) -> None:
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
+    if request.rows:
+        check_page_file("sheet", request.sheet, request.directory, (".png",))
+        check_replaceable("sheet", request.sheet, PNG_BEGINS)
     layout, collection = open_source(request.directory)
     seen = inspect(collection, request.most, request.rows, track)
     for line in lines_of(request.directory, layout, collection, seen):

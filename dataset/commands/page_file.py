@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from ...core.errors import InputError
 from ..format import layout
+
+#: First bytes of a PNG file (PNG specification, section 5.2).
+PNG_BEGINS = b"\x89PNG\r\n\x1a\n"
 
 
 def check_page_file(option: str, out: Path, root: Path, ends: Sequence[str]) -> None:
@@ -31,3 +35,13 @@ def check_page_file(option: str, out: Path, root: Path, ends: Sequence[str]) -> 
         raise InputError(option, f"a file in a folder that is there, {out.parent}", "none")
     if out.resolve().is_relative_to((root / layout.SCENES).resolve()):
         raise InputError(option, "a file outside the folders of scenes, which hold only their own files", out)
+
+
+def check_replaceable(option: str, out: Path, begins: bytes) -> None:
+    """Refuse a file that is there and is of another kind, by its first bytes, and a folder that takes no new file."""
+    if out.is_file():
+        with out.open("rb") as file:
+            if file.read(len(begins)) != begins:
+                raise InputError(option, f"a new file, or a {out.suffix} file that is replaced", f"another file, {out}")
+    if not os.access(out.parent, os.W_OK):
+        raise InputError(option, f"a folder that can be written to, {out.parent}", "none")

@@ -137,7 +137,8 @@ def _vertices(path: Path) -> dict[str, np.ndarray]:
             name = words[1] if len(words) > 1 else ""
         elif words[:1] == ["v"]:
             try:
-                found.setdefault(name, []).append([float(word) for word in words[1:4]])
-            except ValueError as error:
+                x, y, z = (float(word) for word in words[1:4])
+            except ValueError as error:  # too few words, as at the end of half a file, or no numbers
                 raise InputError(f"{path}, line {number}", "three numbers", line) from error
+            found.setdefault(name, []).append([x, y, z])
     return {name: np.array(rows) for name, rows in found.items()}

@@ -21,7 +21,7 @@ from ..tables.comparison import comparison_table
 from ..tables.experiments import DETECTOR, Experiment, ExperimentName, Row, equal_rows, experiment
 from ..tables.page import write_report
 from ..tables.plots import experiment_plots
-from ..tables.runs import Plan, Result, detector_of, make_plan, run_row
+from ..tables.runs import Plan, Result, check_checkpoint, detector_of, make_plan, run_row
 from ..training.out_folder import make_out_folder
 from ..training.settings import TrainSettings
 
@@ -83,6 +83,9 @@ def _tables(arguments: Sequence[str]) -> None:
     checkpoints = _checkpoints(request, what)
     rows = _rows(request, what)
     common = TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})
+    for row in rows:
+        if row.name in checkpoints:
+            check_checkpoint(row, common, checkpoints[row.name])
     console = Console()
 
     def say(line: str) -> None:
@@ -106,9 +109,14 @@ def _tables(arguments: Sequence[str]) -> None:
         detectors = detector_of(request.out, plan.seeds, checkpoints)
         given = checkpoints.get(row.name)
         results[row.name] = run_row(row, plan, request.data, request.out, given=given, detectors=detectors, say=say)
+        if not results[row.name].reports:
+            say(f"{row.title}: {results[row.name].reason}")
         # Written after each row, so that a call that is stopped leaves what it has.
         _write(request.out, what, plan, results, compared)
     _write(request.out, what, plan, results, compared)
+    if not any(result.reports for result in results.values()):
+        expected = "a row that can be run on this data set"
+        raise InputError("glassware tables", expected, "; ".join(result.reason for result in results.values()))
     say(f"written to {request.out}/tables.html")
 
 

@@ -99,18 +99,34 @@ def _ours(column: Column, result: Result) -> str:
     return mean if len(values) < 2 else f"{mean} ± {np.std(values, ddof=1):.{column.digits}f}"
 
 
+def _amount(plan: Plan, results: Mapping[str, Result]) -> str:
+    """Return what the networks saw: of all rows, those of given checkpoints as well."""
+    seen = {int(result.facts["seen"]) for result in results.values() if result.facts} or {plan.samples}
+    if len(seen) > 1:
+        return f"Networks saw {min(seen):,} to {max(seen):,} samples: rows with equal numbers are to be compared."
+    (number,) = seen
+    if number >= PAPER_SAMPLES:
+        return f"Each network saw as many samples as the paper's, {number:,}."
+    return (
+        f"Each network saw {number:,} samples, {100.0 * number / PAPER_SAMPLES:.3g} % of the paper's "
+        f"{PAPER_SAMPLES:,}, so its figures are to be compared with each other, not with the paper's."
+    )
+
+
+def _splits(plan: Plan) -> str:
+    train, val = plan.settings.train_split, plan.settings.val_split
+    chosen = "the last step is taken" if val == "none" else f"chosen by the split {val}"
+    overlap = train in (plan.split, "all") or plan.split == "all"
+    warning = " TRAINED ON SCENES THAT ARE TESTED." if overlap else ""
+    return f"Trained on the split {train}, {chosen}, tested on {plan.split}; seeds: {plan.seeds}.{warning}"
+
+
 def _notes(what: Experiment, plan: Plan, results: Mapping[str, Result]) -> list[str]:
-    fraction = plan.samples / PAPER_SAMPLES
-    notes = [
-        f"Each network saw {plan.samples:,} samples, {100.0 * fraction:.3g} % of the paper's {PAPER_SAMPLES:,}, so its "
-        "figures are to be compared with each other, not with the paper's."
-        if fraction < 1.0
-        else f"Each network saw as many samples as the paper's, {plan.samples:,}."
-    ]
+    notes = [_amount(plan, results)]
     if plan.budget is not None:
         notes.append(f"Budget: {plan.budget:g} minutes for all runs together, spread so that each sees equally many.")
     notes += [
-        f"Trained on the split train, chosen by the split val, tested on {plan.split}; seeds: {plan.seeds}.",
+        _splits(plan),
         f"Machine: {plan.machine}. Data set: {plan.data[:12]}.",
         'Means over runs ± their standard deviation. "-": the network does not give this. Published figures: '
         "MVTrans, ICRA 2023, tables I and II; other data, so no figure of ours can be expected to equal them.",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -20,9 +19,10 @@ from ...core.errors import InputError
 from ...core.json_file import json_text, parsed, read_json
 from ...core.model import Model
 from ...core.stopping import check_stop
+from ...dataset.reader import Dataset
 from ..data.dataset_digest import dataset_digest
 from ..data.samples import collate
-from ..data.splits import SplitName
+from ..data.splits import SplitName, scenes_of
 from ..evaluation.run import evaluate
 from ..networks.settings import NetworkName
 from ..training.checkpoint import load_checkpoint, load_network
@@ -86,6 +86,14 @@ def make_plan(
     Every run sees the same number of samples: those that are asked for; with a budget so many that all runs together
     take that time on this machine, by two measured steps of each; or else as many as the paper's.
     """
+    if samples is not None and (samples % common.batch or samples < _FEWEST_STEPS * common.batch):
+        expected = f"a multiple of the batch, {common.batch}, of {_FEWEST_STEPS * common.batch} or more"
+        raise InputError("samples", expected, samples)
+    splits: list[SplitName] = [common.train_split, split]
+    if common.val_split != "none":
+        splits.append(common.val_split)
+    for name in splits:
+        scenes_of(Dataset.open(data), name)
     digest = dataset_digest(data)
     path = out / "plan.json"
     if path.is_file():
@@ -150,6 +158,20 @@ def run_row(
     return Result(tuple(reports), facts=facts)
 
 
+def check_checkpoint(row: Row, common: TrainSettings, path: Path) -> None:
+    """Refuse a checkpoint of another network than its row's, or of another number of views.
+
+    Raises
+    ------
+    InputError
+        Naming the row and both.
+    """
+    wanted, found = row_settings(row, common), load_network(path)[1]
+    titles = [f"{one.network.variant} {one.network.name} of {one.views.count} views" for one in (wanted, found)]
+    if titles[0] != titles[1]:
+        raise InputError(f"checkpoints: {row.name}", titles[0], f"{titles[1]}, {path}")
+
+
 def seeded_settings(row: Row, plan: Plan, seed: int, detector: Path | None) -> TrainSettings:
     """Return the settings of one run of a row."""
     settings = row_settings(row, plan.settings)
@@ -196,7 +218,7 @@ def _report_of(
     path = folder / "report.json"
     known_by = detector if _network_name(checkpoint) in ("keypose", "densefusion") else None
     if path.is_file() and path.stat().st_mtime >= checkpoint.stat().st_mtime:
-        known = json.loads(path.read_bytes())
+        known = read_json(path)
         same_detector = known_by is None or "detector" in known.get("locations", {})
         if known["checkpoint"] == str(checkpoint) and known["data"]["split"] == split and same_detector:
             return known

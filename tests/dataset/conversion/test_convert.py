@@ -106,6 +106,23 @@ def test_a_damaged_view_is_left_out_counted_and_named(makers, tmp_path, capsys):
     assert faults(data) == []
 
 
+def test_a_contact_sheet_replaces_no_file_of_another_kind(makers, tmp_path, capsys):
+    makers.keypose(tmp_path / "source", frames=1)
+    settings = tmp_path / "run.png"
+    settings.write_text("batch: 4")
+    for sheet, message in (
+        (tmp_path / "run.yaml", "sheet: expected a file that ends in .png"),
+        (settings, "sheet: expected a new file, or a .png file that is replaced, found another file"),
+        (tmp_path, "sheet: expected a file that ends in .png"),
+        (tmp_path / "none" / "x.png", "sheet: expected a file in a folder that is there"),
+    ):
+        assert inspect([str(tmp_path / "source"), "--sheet", str(sheet)]) == 2
+        assert message in capsys.readouterr().err
+    assert settings.read_text() == "batch: 4"
+    for _ in range(2):  # its own it does
+        assert inspect([str(tmp_path / "source"), "--sheet", str(tmp_path / "sheet.png")]) == 0
+
+
 def test_a_second_conversion_replaces_the_first_and_no_other_data_set(makers, tmp_path, capsys):
     makers.transcg(tmp_path / "source")
     out = ["--out", str(tmp_path / "out")]

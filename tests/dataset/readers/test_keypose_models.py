@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from glassware.annotate.symmetries import ASYMMETRIC, BALL, REVOLUTION
 from glassware.core.errors import InputError
-from glassware.dataset.readers.keypose_models import KeyposeModel, aligned, symmetry_of_category
+from glassware.dataset.readers.keypose_models import KeyposeModel, aligned, read_model, symmetry_of_category
 
 SIZE = np.array([0.07, 0.09, 0.08])
 MUG = np.array([[0.0, -0.011, 0.042], [0.0, -0.011, -0.040], [-0.002, 0.047, 0.030]])
@@ -55,3 +55,11 @@ def test_a_turn_that_nothing_says_leaves_the_pose_unknown():
 def test_keypoints_of_another_object_are_refused():
     with pytest.raises(InputError, match=r"expected keypoints within 10 mm of the model's, found 20\.0 mm"):
         aligned(KeyposeModel(SIZE, AXIS), 1.5 * AXIS, REVOLUTION, "here")
+
+
+@pytest.mark.parametrize("line", ["v 0.01 0.02", "v", "v 0.01 0.02 x"])
+def test_half_a_model_is_named_with_its_line(tmp_path, line):
+    path = tmp_path / "bottle_0.obj"
+    path.write_text("o mesh\nv 0 0 0\nv 0.1 0.1 0.1\n" + line)
+    with pytest.raises(InputError, match=r"bottle_0\.obj, line 4: expected three numbers"):
+        read_model(path)

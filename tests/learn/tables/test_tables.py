@@ -67,6 +67,22 @@ def test_what_was_not_run_says_so_and_why(table):
     assert any("2 dropped of 8 objects; without them AUC 75.0 %" in note for note in table.notes)
 
 
+def test_the_notes_say_what_was_seen_and_which_scenes_were_used(plan):
+    def notes(settings: dict, *seen: float) -> str:
+        changed = plan.model_copy(update={"settings": TrainSettings.model_validate(settings)})
+        names = ("keypose", "simnet")
+        results = {name: Result((REPORT,), facts=FACTS | {"seen": n}) for name, n in zip(names, seen, strict=False)}
+        return "\n".join(experiment_table(experiment("keypose"), changed, results).notes)
+
+    assert "Each network saw 240 samples, 0.012 %" in notes({}, 240.0)
+    assert "Networks saw 240 to 8,000 samples" in notes({}, 240.0, 8000.0)
+    assert "Each network saw as many samples as the paper's, 2,000,000" in notes({}, 2e6, 2e6)
+    assert "on the split train, chosen by the split val, tested on test; seeds: 2.\n" in notes({}, 1.0)
+    assert "on the split all, the last step is taken, tested on test; seeds: 2. TRAINED ON SCENES THAT ARE TESTED." in (
+        notes({"train_split": "all", "val_split": "none"}, 1.0)
+    )
+
+
 def test_tables_of_depth_begin_with_what_needs_no_network(plan):
     median = {"rmse": 0.06, "mae": 0.05, "rel": 0.08}
     report = {"floors": {"cleargrasp": {"objects": {"picture_median": median, "semi_global": None}}}}
@@ -201,3 +217,14 @@ def test_one_command_fills_the_table_and_goes_on_where_it_stopped(rendered, tiny
     assert f"saw {number} samples" in (tmp_path / "report-2" / "tables.md").read_text()
     assert main(again) == 0
     assert main([*again, "--samples", str(number + 2)]) == 2
+    capsys.readouterr()
+    for options, message in (
+        (["--samples", "3"], "samples: expected a multiple of the batch, 2, of 4 or more, found 3"),
+        (["--split", "test"], "split test: expected scenes that exist, found none"),
+        (
+            ["--only", "simnet", "--checkpoints", f"simnet={out}/runs/keypose-0/last.safetensors"],
+            "checkpoints: simnet: expected corrected simnet of 2 views, found corrected keypose of 2 views",
+        ),
+    ):
+        assert main([*again[:-2], *options, "--out", str(tmp_path / "report-3")]) == 2
+        assert message in capsys.readouterr().err
