@@ -75,10 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _tables(arguments: Sequence[str]) -> None:
     request = parse_request(Tables, arguments, "glassware tables", _DESCRIPTION)
-    if request.data is None:
-        raise InputError("glassware tables", "the folder of a data set", "none")
-    if request.budget is not None and request.samples is not None:
-        raise InputError("glassware tables", "--budget or --samples", "both")
+    data = _checked(request)
     what = experiment(request.experiment)
     checkpoints = _checkpoints(request, what)
     rows = _rows(request, what)
@@ -91,14 +88,14 @@ def _tables(arguments: Sequence[str]) -> None:
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
-    compared = comparison_table((request.data, *request.compare))
+    compared = comparison_table((data, *request.compare))
     make_out_folder(request.out)
     trained = [row for row in rows if row.name not in checkpoints]
     equal = equal_rows(_in_order(trained), common)
     trained = [row for row in trained if row.name not in equal]
     amount = {"budget": request.budget, "samples": request.samples}
     options = {**amount, "seeds": request.seeds, "split": request.split, "rows": trained, "say": say}
-    plan = make_plan(what, common, request.data, request.out, **options)
+    plan = make_plan(what, common, data, request.out, **options)
     results: dict[str, Result] = {}
     for row in _in_order(rows):
         if row.name in equal:
@@ -108,7 +105,7 @@ def _tables(arguments: Sequence[str]) -> None:
             continue
         detectors = detector_of(request.out, plan.seeds, checkpoints)
         given = checkpoints.get(row.name)
-        results[row.name] = run_row(row, plan, request.data, request.out, given=given, detectors=detectors, say=say)
+        results[row.name] = run_row(row, plan, data, request.out, given=given, detectors=detectors, say=say)
         if not results[row.name].reports:
             say(f"{row.title}: {results[row.name].reason}")
         # Written after each row, so that a call that is stopped leaves what it has.
@@ -118,6 +115,17 @@ def _tables(arguments: Sequence[str]) -> None:
         expected = "a row that can be run on this data set"
         raise InputError("glassware tables", expected, "; ".join(result.reason for result in results.values()))
     say(f"written to {request.out}/tables.html")
+
+
+def _checked(request: Tables) -> Path:
+    """Return the folder of the data set; InputError where it, or how much is trained, is not said or said twice."""
+    if request.data is None:
+        raise InputError("glassware tables", "the folder of a data set", "none")
+    if request.budget is not None and request.samples is not None:
+        raise InputError("glassware tables", "--budget or --samples", "both")
+    if request.steps != TrainSettings.model_fields["steps"].default:
+        raise InputError("steps", "--samples or --budget, which say how much each network sees", request.steps)
+    return request.data
 
 
 def _write(out: Path, what: Experiment, plan: Plan, results: dict[str, Result], compared: TableData) -> None:
@@ -144,6 +152,10 @@ def _checkpoints(request: Tables, what: Experiment) -> dict[str, Path]:
         name, equals, path = text.partition("=")
         if not equals or name not in names:
             raise InputError("checkpoints", f"ROW=PATH with a row of {', '.join(names)}", text)
+        if name in found:
+            raise InputError("checkpoints", f"one checkpoint of {name}", text)
+        if request.only and name not in (*request.only, DETECTOR):
+            raise InputError("checkpoints", f"rows that --only names: {', '.join(request.only)}", name)
         found[name] = Path(path)
     return found
 

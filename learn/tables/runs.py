@@ -99,9 +99,11 @@ def make_plan(
     if path.is_file():
         plan = parsed(Plan, read_json(path), path)
         seen = plan.samples if budget is not None else samples or PAPER_SAMPLES
-        requested = (what.name, digest, common, seeds, split, budget, seen)
-        if (plan.experiment, plan.data, plan.settings, plan.seeds, plan.split, plan.budget, plan.samples) != requested:
-            expected = "the plan of the same experiment, data, settings, seeds, split, budget and samples"
+        wanted = {"experiment": what.name, "data": digest, "settings": common, "seeds": seeds, "split": split}
+        wanted |= {"budget": budget, "samples": seen}
+        other = [name for name, value in wanted.items() if getattr(plan, name) != value]
+        if other:
+            expected = f"the plan of the same experiment, with the same {', '.join(other)} (or another --out)"
             raise InputError(path, expected, "another")
         return plan
     seconds: dict[str, float] = {}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError, cause_of
+from ...dataset.format import layout
 
 
 def make_out_folder(out: Path) -> None:
@@ -15,8 +16,10 @@ def make_out_folder(out: Path) -> None:
     Raises
     ------
     InputError
-        Where it cannot be made or written to: before any work is done, not after it.
+        Where it cannot be made or written to, or is a data set: before any work is done, not after it.
     """
+    if (out / layout.DATASET).is_file():
+        raise InputError("out", "a folder of its own", f"the data set {out}")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -176,6 +176,9 @@ def test_data_sets_are_counted_from_their_files(rendered):
         (["--only", "simnets"], "only: expected rows of keypose: densefusion-true"),
         (["--checkpoints", "simnet"], "checkpoints: expected ROW=PATH with a row of"),
         (["--experiment", "all"], "expected one of keypose, syn-todd, ablation"),
+        (["--steps", "5"], "steps: expected --samples or --budget, which say how much each network sees, found 5"),
+        (["--checkpoints", "simnet=a", "simnet=b"], "checkpoints: expected one checkpoint of simnet"),
+        (["--only", "keypose", "--checkpoints", "simnet=a"], "checkpoints: expected rows that --only names: keypose"),
         (["--budget", "1", "--samples", "100"], "glassware tables: expected --budget or --samples, found both"),
     ],
 )
@@ -209,7 +212,9 @@ def test_one_command_fills_the_table_and_goes_on_where_it_stopped(rendered, tiny
     assert main(command) == 0
     assert (out / "tables.md").read_text() == first
     assert main([*command, "--seeds", "2"]) == 2
-    assert "plan.json: expected the plan of the same experiment" in capsys.readouterr().err
+    assert "plan.json: expected the plan of the same experiment, with the same seeds (or" in capsys.readouterr().err
+    assert main([*command, "--out", str(rendered)]) == 2
+    assert "out: expected a folder of its own, found the data set" in capsys.readouterr().err
     # Another table may show as many samples to each network, and take runs of the first.
     number = json.loads((out / "plan.json").read_text())["samples"] + 2
     again = [*command[:6], "--only", "keypose", "--samples", str(number), "--split", "val", "--out", str(out) + "-2"]
