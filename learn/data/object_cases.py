@@ -52,6 +52,12 @@ def object_cases(samples: SampleDataset) -> list[ObjectCase]:
     ]
 
 
+def too_small(samples: SampleDataset) -> int:
+    """Return how many objects are seen, but too little for a network to detect them: no result counts them."""
+    shown = [samples.labels(index).objects for index in range(len(samples))]
+    return sum(item.visible > 0 for objects in shown for item in objects) - sum(len(detectable(some)) for some in shown)
+
+
 def object_of(labels: GroundTruth, case: ObjectCase, where: str) -> ViewObject:
     """Return an object of a view; InputError where its labels have no such object."""
     for item in labels.objects:

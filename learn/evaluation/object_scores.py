@@ -18,7 +18,7 @@ from ..data.densefusion_samples import DenseFusionSamples
 from ..data.ground_truth import GroundTruth
 from ..data.keypose_samples import KeyPoseSamples
 from ..data.loading import load_batches
-from ..data.object_cases import Finding, Findings, Location, ObjectCase, object_of
+from ..data.object_cases import Finding, Findings, Location, ObjectCase, object_of, too_small
 from ..data.samples import Batch, SampleDataset
 from ..data.splits import SplitName
 from ..decoding.decode import decode
@@ -89,6 +89,7 @@ def evaluate_objects(
     dict
         By location `report.object_metrics`, with how many objects were ``dropped`` by the border rule, ``lost``
         without a depth, ``missed`` by the detector, and of an ``unknown`` category; they are failures but in ``kept``.
+        Objects that are ``too_small`` to be detected are in no figure.
     """
     eval_mode(network)
     found: dict[str, Any] = {}
@@ -165,6 +166,7 @@ def _measured(
         "missed": len(missed),
         "lost": lost,
         "unknown": len(unknown),
+        "too_small": too_small(samples.base),
     }
 
 

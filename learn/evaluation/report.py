@@ -180,13 +180,14 @@ def _object_tables(found: dict[str, Any]) -> list[Table]:
         "missed",
         "lost",
         "unknown",
+        "too small",
         "translation",
         "rotation",
     )
     rows = []
     for location, values in found["locations"].items():
         keypoints, pose = values["keypoints"], values["pose"]
-        counts = [values[name] for name in ("dropped", "missed", "lost", "unknown")]
+        counts = [values[name] for name in ("dropped", "missed", "lost", "unknown", "too_small")]
         of_points = [keypoints[name] for name in ("objects", "auc", "near", "mae")]
         rows.append([location, *of_points, *counts, pose["translation"], pose["rotation"]])
     kinds = ("objects", "found", "axis_mae", "auc", "near", "mae", "add_s", "translation", "rotation")

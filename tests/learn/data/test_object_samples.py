@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from glassware.learn.data.densefusion_samples import DenseFusionSamples, raw_depth, true_depth
 from glassware.learn.data.keypose_samples import KeyPoseSamples
-from glassware.learn.data.object_cases import Finding, object_cases
+from glassware.learn.data.object_cases import Finding, object_cases, too_small
 from glassware.learn.data.samples import SampleDataset
 from glassware.learn.data.scaling import scaled_depth
 from glassware.learn.data.semi_global import filled_depth, semi_global_depth
@@ -181,3 +181,11 @@ def test_holes_take_the_farther_depth_beside_them():
     depth = np.array([[0.0, 2.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]], np.float32)
     expected = [[2.0, 2.0, 2.0, 1.0, 1.0], [1.5, 1.5, 1.5, 1.5, 1.5]]
     np.testing.assert_allclose(filled_depth(depth), expected)
+
+
+def test_objects_that_are_too_small_to_be_found_are_counted(rendered):
+    sizes = ViewSettings(rule="stereo", size=(32, 32), fit="stretch")
+    small = SampleDataset(rendered, "all", sizes, CORRECTED, ground_truth=True)
+    seen = [item for index in range(len(small)) for item in small.labels(index).objects if item.visible > 0]
+    assert len(object_cases(small)) + too_small(small) == len(seen)
+    assert 0 < too_small(small) == sum(item.visible < 16 for item in seen)
