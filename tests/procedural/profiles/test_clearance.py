@@ -6,20 +6,23 @@ import numpy as np
 import pytest
 
 from glassware.core.randomness import stream
-from glassware.procedural.contents.room import MeshRoom, RevolvedRoom, room_of
+from glassware.procedural.contents.room import MeshRoom, RevolvedRoom, Room, room_of
 from glassware.procedural.optics.catalogue import soda_lime
 from glassware.procedural.shaped_vessels.draw import draw_shaped_vessel
 from glassware.procedural.vessels.draw import draw_vessel
 from glassware.procedural.vessels.settings import VesselSettings
 
 
-def room(category: str):
+def room(category: str) -> Room:
     """The inside of a drawn vessel: of revolution, or of any shape."""
     settings = VesselSettings.model_validate({"categories": [category], "fill_probability": 0.0, "chord_error": 2e-4})
     given = {"id": 2, "name": "vessel", "glass": soda_lime()}
     if category == "square glass":
-        return room_of(draw_shaped_vessel(stream(2, 0, "vessel"), settings, **given)[0])
-    return room_of(draw_vessel(stream(2, 0, "vessel"), settings, **given))
+        found = room_of(draw_shaped_vessel(stream(2, 0, "vessel"), settings, **given)[0])
+    else:
+        found = room_of(draw_vessel(stream(2, 0, "vessel"), settings, **given))
+    assert found is not None
+    return found
 
 
 @pytest.mark.parametrize(("category", "kind"), [("tumbler", RevolvedRoom), ("square glass", MeshRoom)])
