@@ -48,11 +48,7 @@ class Tables(TrainSettings):
     budget: float | None = Field(
         default=None, gt=0.0, description="Minutes of all training together; by default the paper's number of samples"
     )
-    samples: int | None = Field(
-        default=None,
-        ge=2,
-        description="Samples that each network sees, in place of a budget",
-    )
+    samples: int | None = Field(default=None, description="Samples that each network sees, in place of a budget")
     seeds: int = Field(default=1, ge=1, le=100, description="Runs of each row, with seeds of their own")
     split: SplitName = Field(default="test", description="Scenes to evaluate on")
     only: tuple[str, ...] = Field(default=(), description="Rows to run, such as simnet; by default all")

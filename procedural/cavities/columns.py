@@ -188,7 +188,8 @@ def _candidates(corners: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np
     low, high = np.ceil(corners.min(1)).astype(np.int64), np.floor(corners.max(1)).astype(np.int64)
     reached = wanted & (high >= low).all(1)
     face, x = _runs(np.where(reached, high[:, 0] - low[:, 0] + 1, 0), low[:, 0])
-    least, most = np.full(len(face), np.inf), np.full(len(face), -np.inf)
+    lowest, highest = low[face, 1], high[face, 1]
+    least, most = highest + 1.0, lowest - 1.0  # of a row that meets no edge: nothing
     for k in range(3):
         a, b = corners[face, k], corners[face, (k + 1) % 3]
         run = b[:, 0] - a[:, 0]
@@ -198,9 +199,9 @@ def _candidates(corners: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np
         at = a[:, 1] + t * (b[:, 1] - a[:, 1])
         least = np.where(met, np.minimum(least, np.where(steep, np.minimum(a[:, 1], b[:, 1]), at)), least)
         most = np.where(met, np.maximum(most, np.where(steep, np.maximum(a[:, 1], b[:, 1]), at)), most)
-    first = np.maximum(np.ceil(np.where(np.isfinite(least), least, 0.0) - _BEYOND).astype(np.int64), low[face, 1])
-    last = np.minimum(np.floor(np.where(np.isfinite(most), most, -1.0) + _BEYOND).astype(np.int64), high[face, 1])
-    row, y = _runs(np.where(np.isfinite(least), np.maximum(last - first + 1, 0), 0), first)
+    first = np.maximum(np.ceil(least - _BEYOND).astype(np.int64), lowest)
+    last = np.minimum(np.floor(most + _BEYOND).astype(np.int64), highest)
+    row, y = _runs(np.maximum(last - first + 1, 0), first)
     return face[row], x[row], y
 
 
