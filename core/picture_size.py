@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import struct
 
-_PNG = b"\x89PNG\r\n\x1a\n"
+#: First bytes of a PNG file.
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 #: Start-of-frame markers of JPEG, which hold the size.
 _JPEG_FRAMES = frozenset({0xC0, 0xC1, 0xC2, 0xC3, 0xC5, 0xC6, 0xC7, 0xC9, 0xCA, 0xCB, 0xCD, 0xCE, 0xCF})
 #: Tags of a TIFF's width and height, and how values of its types 3 (short) and 4 (long) are read.
@@ -18,7 +19,7 @@ _TIFF_TAGS, _TIFF_TYPES = (256, 257), {3: "H", 4: "I"}
 def picture_size(content: bytes) -> tuple[int, int] | None:
     """Return width and height [px] that a picture's header claims; None for another format or a damaged header."""
     try:
-        if content.startswith(_PNG):
+        if content.startswith(PNG_SIGNATURE):
             return struct.unpack_from(">II", content, 16)
         if content.startswith(b"\xff\xd8"):
             return _jpeg(content)

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from ...core.exit_codes import run_command
 from ...core.model import Model
+from ...core.picture_size import PNG_SIGNATURE
 from ...core.user_text import UserPath, counted
 from ..conversion.inspection import inspect, lines_of
 from ..conversion.source_sheet import source_sheet
@@ -20,7 +21,7 @@ from ..format.pictures import write_png
 from ..readers.recognition import LAYOUTS, open_source
 from ..readers.source_view import Entry
 from ..settings.config import parse_request
-from .page_file import PNG_BEGINS, check_page_file, check_replaceable
+from .page_file import check_page_file, check_replaceable
 from .progress import tracked
 
 _DESCRIPTION = (
@@ -59,7 +60,7 @@ def _inspect(arguments: Sequence[str]) -> None:
 
     if request.rows:
         check_page_file("sheet", request.sheet, request.directory, (".png",))
-        check_replaceable("sheet", request.sheet, PNG_BEGINS)
+        check_replaceable("sheet", request.sheet, PNG_SIGNATURE)
     layout, collection = open_source(request.directory)
     seen = inspect(collection, request.most, request.rows, track)
     for line in lines_of(request.directory, layout, collection, seen):

@@ -9,9 +9,6 @@ from pathlib import Path
 from ...core.errors import InputError
 from ..format import layout
 
-#: First bytes of a PNG file (PNG specification, section 5.2).
-PNG_BEGINS = b"\x89PNG\r\n\x1a\n"
-
 
 def check_page_file(option: str, out: Path, root: Path, ends: Sequence[str]) -> None:
     """Refuse a file that could not be written after minutes of reading, or that would replace another kind of file.

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.arguments import as_path, check_type, described, number
 from ...core.errors import InputError, cause_of
 from ...core.images import LINEAR, srgb8
+from ...core.picture_size import PNG_SIGNATURE
 from ...core.silence import quiet
 from ...render.frame import Frame
 
@@ -101,7 +102,7 @@ def read_png(path: Path) -> np.ndarray:
     except OSError as error:
         raise InputError(path, "a readable PNG file", cause_of(error)) from error
     # Checked first: OpenCV also reads other formats, and returns the readable part of a truncated picture.
-    if data[:8].tobytes() != b"\x89PNG\r\n\x1a\n" or data[-8:].tobytes() != b"IEND\xaeB`\x82":
+    if data[:8].tobytes() != PNG_SIGNATURE or data[-8:].tobytes() != b"IEND\xaeB`\x82":
         raise InputError(path, "a whole PNG file", "something else or a part of one")
     colour = data[24:26].tolist() == [8, 2]  # of the header (PNG, 11.2.2): bits of a channel, red, green and blue
     kind = cv2.IMREAD_COLOR_RGB | cv2.IMREAD_IGNORE_ORIENTATION if colour else cv2.IMREAD_UNCHANGED

@@ -9,10 +9,11 @@ import cv2
 import numpy as np
 
 from ...core.errors import InputError, cause_of
+from ...core.picture_size import PNG_SIGNATURE
 from ...core.silence import quiet
 from ..format.exr import read_exr
 
-_PNG, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
+_PNG_END = b"IEND\xaeB`\x82"
 _JPEG, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
 #: Bytes after a JPEG's end marker that some cameras write [bytes].
 _JPEG_TAIL = 64
@@ -135,7 +136,7 @@ def first_of(folder: Path, names: Sequence[str]) -> Path | None:
 
 def _decoded(content: bytes, where: object, mode: int) -> np.ndarray:
     # Checked first: OpenCV returns the readable part of a file that is cut short.
-    if content.startswith(_PNG) and not content.endswith(_PNG_END):
+    if content.startswith(PNG_SIGNATURE) and not content.endswith(_PNG_END):
         raise InputError(where, "a whole PNG file", "a part of one")
     if content.startswith(_JPEG) and _JPEG_END not in content[-_JPEG_TAIL:]:
         raise InputError(where, "a whole JPEG file", "a part of one")
@@ -153,8 +154,8 @@ def _decoded(content: bytes, where: object, mode: int) -> np.ndarray:
 
 def _palette(content: bytes) -> np.ndarray | None:
     """Return the palette of a PNG file, (n, 3) uint8; None where it has none (PNG specification, 11.2.2)."""
-    at = len(_PNG)
-    while content.startswith(_PNG) and at + 8 <= len(content):
+    at = len(PNG_SIGNATURE)
+    while content.startswith(PNG_SIGNATURE) and at + 8 <= len(content):
         length, kind = int.from_bytes(content[at : at + 4], "big"), content[at + 4 : at + 8]
         if kind == b"IHDR" and content[at + 17] != 3:  # the colour type; 3 has a palette
             return None
