@@ -182,11 +182,17 @@ def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     degree = np.clip(degree_of_linear_polarisation(stokes)[..., 0], 0.0, 1.0)
     turn = (angle_of_linear_polarisation(stokes)[..., 0] / np.pi) % 1.0
-    grey = np.rint(255.0 * srgb_curve(degree)).astype(np.uint8)
+    shown = srgb_curve(degree)
+    grey = np.rint(255.0 * shown).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=-1), hue_colours(turn, shown)
+
+
+def hue_colours(turn: np.ndarray, brightness: np.ndarray) -> np.ndarray:
+    """Return hues, from red at 0 to red again at 1, as bright as numbers from 0 to 1: (H, W, 3) uint8."""
     # OpenCV's hues of 8 bits go to 180.
     hue = (np.rint(180.0 * turn).astype(np.int64) % 180).astype(np.uint8)
-    angle = cv2.cvtColor(np.stack([hue, np.full_like(hue, 255), grey], axis=-1), cv2.COLOR_HSV2RGB)
-    return np.repeat(grey[..., None], 3, axis=-1), angle
+    value = np.rint(255.0 * brightness).astype(np.uint8)
+    return cv2.cvtColor(np.stack([hue, np.full_like(hue, 255), value], axis=-1), cv2.COLOR_HSV2RGB)
 
 
 def normal_colours(normal: np.ndarray) -> np.ndarray:
