@@ -12,6 +12,17 @@ from .polarisation import angle_of_linear_polarisation, degree_of_linear_polaris
 
 #: Colours of pixels that show nothing, and of the table.
 NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
+#: Colours of the reasons why a depth camera has a depth or none, in the order of `sensor_valid.png` (docs/format.md):
+#: unseen, measured, no match, out of range, saturated, unlit, hidden.
+REASON_COLOURS = (
+    NOTHING,
+    (70, 200, 100),
+    (230, 80, 70),
+    (250, 190, 50),
+    (245, 245, 245),
+    (185, 105, 225),
+    (70, 150, 235),
+)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
 _TABLE_ID, _FIRST_OBJECT_ID = 1, 2
 #: First id of a room's surfaces (`procedural.description.surroundings`), and colours of these in turn: dim greys.
@@ -169,6 +180,11 @@ def difference_colours(difference: np.ndarray, most: float) -> np.ndarray:
     colours = np.rint(255.0 + np.abs(level) * (colour - 255.0)).astype(np.uint8)
     colours[~known] = NOTHING
     return colours
+
+
+def reason_colours(reasons: np.ndarray) -> np.ndarray:
+    """Return the colour of each of the reasons in `sensor_valid.png`, (..., 3) uint8 for numbers of any shape."""
+    return np.array(REASON_COLOURS, np.uint8)[np.minimum(reasons, len(REASON_COLOURS) - 1)]
 
 
 def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...core.images import reason_colours
 from ...procedural.surroundings.colour import luminance
 from ...render.frame import EYES
 from ..format import layout
@@ -14,8 +15,6 @@ from ..format.sensor_files import IR_FILES, read_numbers
 from ..reader import StoredView
 from .map_numbers import DEPTH_STEP, LabelMap, depth_map, signed_map, stepped, unit_map
 
-#: Colours of the reasons in `sensor_valid.png`, in the order of their numbers.
-REASON_COLOURS = ("#2d2d30", "#46c864", "#e65046", "#fabe32", "#f5f5f5", "#b969e1", "#4696eb", "#46c8c8")
 #: Difference of depths at the ends of its colours [m]: what a depth camera sees through glass is some 50 mm behind it.
 DIFFERENCE = 0.05
 #: Group of the maps of either camera in a page's list.
@@ -66,8 +65,10 @@ def _depth_maps(view: StoredView) -> Iterator[LabelMap]:
     yield depth_map("left/sensor-depth", "depth of the sensor", _DEPTH, Z, geometry.id)
     yield difference_map(reported, geometry.Z)
     codes = view.sensor_valid().astype(np.uint8)
+    colours = reason_colours(np.arange(len(device.reasons))).tolist()
     names = tuple(
-        (name.replace("_", " "), REASON_COLOURS[i % len(REASON_COLOURS)]) for i, name in enumerate(device.reasons)
+        (name.replace("_", " "), "#{:02x}{:02x}{:02x}".format(*colour))
+        for name, colour in zip(device.reasons, colours, strict=True)
     )
     yield LabelMap("left/sensor-valid", "why it has none", _DEPTH, "class", codes, none=None, names=names)
 
