@@ -43,6 +43,12 @@ class Picture(Model):
         description="Single bright pixels of rare paths whose light cannot be spread without bleaching what is around: "
         "kept, so that the mean of the light is right, or removed, as suits training with few samples",
     )
+    glass_shadows: bool = Field(
+        default=True,
+        exclude_if=lambda on: on,
+        description="Whether glass casts shadows and caustics; without them light reaches opaque surfaces as if there "
+        "were no glass, as in renderers that leave both out. Needs path tracing",
+    )
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
     refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
     spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
@@ -59,6 +65,9 @@ class Picture(Model):
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
         if self.light == "shared" and self.spectral:
             raise ValueError("light: expected path or auto where spectral is on, found shared")
+        if not self.glass_shadows and (self.light == "shared" or self.keep_light):
+            found = "keep_light on" if self.keep_light else "light shared"
+            raise ValueError(f"glass_shadows: expected yes where light is stored, found no with {found}")
         if self.keep_light and (self.light == "path" or self.spectral):
             found = "path" if self.light == "path" else "spectral on"
             raise ValueError(f"keep_light: expected light to be stored, found {found}")

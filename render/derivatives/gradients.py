@@ -163,6 +163,8 @@ def _column(name: str, values: np.ndarray, shape: tuple[int, ...], most: float) 
 def _checked(loaded: LoadedScene) -> Slots:
     if not (mi.is_rgb and dr.is_diff_v(mi.Float)) or mi.is_polarized:
         raise InputError("derivatives", "an RGB variant with AD, such as llvm_ad_rgb", mi.variant())
+    if loaded.without_glass is not None:
+        raise InputError("picture.glass_shadows", "yes for derivatives", "no")
     return slots_of(loaded)
 
 

@@ -119,6 +119,7 @@ def trace(
     The wavelengths have a `weight` (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others
     are consumed here (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted too.
     With `caustics`, light that reaches a diffuse lobe through glass is read, not found; the origin counts as diffuse.
+    In scenes in which glass casts no shadows paths do not meet it after their first opaque surface.
     """
     scene, table, emitters, carried = loaded.mi_scene, loaded.surfaces, loaded.emitters, mi.UnpolarizedSpectrum(weight)
     offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
@@ -130,18 +131,25 @@ def trace(
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
     caustics_shade, glints = (None, None) if caustics is None else (caustics.shade, caustics.glints)
     # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
+    # With `indirect`: whether no opaque surface has been met.
+    indirect, direct = _past_glass(loaded), mi.Bool(True)
     coherent, through_glass, glossy = mi.Bool(origin is None), mi.Bool(False), mi.Color3f(float(origin is None))
     violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
 
     while dr.hint(active, exclude=[table, scene, emitters, sampler, carried]):
         # (Camera rays alone are coherent: Embree takes three times as long for others that are said to be.)
         pi = scene.ray_intersect_preliminary(ray, coherent & (depth == 0), active)
+        if indirect is not None:
+            pi = dr.select(direct, pi, indirect(ray, active & ~direct))
         si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()
         surface = surface_media(table, si, ray, hit)
         segments += 1
-        violations += broken_continuity(surface, medium)
-        beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
+        broken, passed = broken_continuity(surface, medium), table.transmittance(surface, si.wavelengths, active)
+        if indirect is not None:  # (There are no media without glass.)
+            broken, passed = broken & dr.select(direct, 1, 0), dr.select(direct, passed, 1.0)
+        violations += broken
+        beta *= mi.Spectrum(passed)
         medium = medium_at_end(surface, medium)
 
         found = mi.Spectrum(1.0) if caustics_shade is None else dr.select(through_glass, mi.Spectrum(glossy), 1.0)
@@ -153,6 +161,8 @@ def trace(
             bounce = opaque_event(emitters, si, ray, offset, u, table, depth == 0)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
             medium = medium_after_bounce(medium, si, direction)
+            if indirect is not None:
+                direct = mi.Bool(False)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)
@@ -175,6 +185,14 @@ def trace(
 
     s0, *others = to_output(L, carried, ray.wavelengths)
     return Radiance(s0, violations, segments, tuple(others))
+
+
+def _past_glass(loaded: LoadedScene) -> Callable[[mi.Ray3f, mi.Bool], mi.PreliminaryIntersection3f] | None:
+    """Return how rays meet opaque surfaces alone, where glass casts no shadows."""
+    bare = loaded.without_glass
+    if bare is None:
+        return None
+    return lambda ray, active: bare.ray_intersect_preliminary(ray, False, active)
 
 
 def _initial_origin(origin: PathOrigin | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:
