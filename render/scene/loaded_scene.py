@@ -105,7 +105,7 @@ def load(
     opaque = _opaque_bodies(mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
     maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
-    table = surface_table(by_id, scene.picture.dispersion, maps, channel)
+    table = surface_table(by_id, scene.picture.dispersion, maps, channel, scene.picture.refractivity)
     stored = None if room_light is None else in_channel(room_light.reshape(-1, 3), channel)
     bare = None if scene.picture.glass_shadows else _without_glass(mi_scene, by_id)
     emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel), bare)
