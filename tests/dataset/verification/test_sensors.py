@@ -117,10 +117,14 @@ def test_the_index_says_of_each_object_what_its_files_say(copy, add_sensors):
     write_png(view.folder / layout.INSTANCES, np.repeat(halves[None], 30, axis=0).astype(np.uint16))
     row = with_sensors(before, view.folder, view.geometry())
     assert sensor_row_faults(row, view) == []
-    assert sum(value is not None for value in row.sensor_rim) == 2
+    rims, measured, reasons = row.sensor_rim, row.sensor_measured, row.sensor_reasons
+    assert rims is not None
+    assert measured is not None
+    assert reasons is not None
+    assert sum(value is not None for value in rims) == 2
     changed = {
-        "sensor_measured": row.sensor_measured + 1e-6,
-        "sensor_reasons": row.sensor_reasons[::-1],
+        "sensor_measured": measured + 1e-6,
+        "sensor_reasons": reasons[::-1],
         "sensor_depth": None,
         "ir_left": "scenes/000000/000/ir_right.png",
         "stokes": "scenes/000000/001/stokes.exr",

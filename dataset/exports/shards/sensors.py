@@ -1,0 +1,58 @@
+"""What depth and polarisation cameras report, as members of samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...format import layout
+from ...format.camera_file import CameraFile
+from ...format.sensor_files import IR_FILES
+from ...reader import StoredView
+from ..files import compact_json, read_bytes, whole_png
+from ..job import Job
+from .features import DEPTH_CAMERA, POLARISATION_CAMERA, Kind
+
+#: The configurations that only data sets with such cameras have: the field of `camera.json`, and the columns.
+SENSOR_CONFIGS = ("sensor", "polarisation")
+_RECORDS = {"sensor": "depth_camera", "polarisation": "polarisation_camera"}
+_INFRARED = tuple(IR_FILES.values())
+_STOKES = (layout.DOLP, layout.AOLP, layout.MOSAIC)
+
+
+def sensor_columns(job: Job) -> dict[str, dict[str, Kind]]:
+    """Return the columns of the configurations of the cameras that a data set has, by its first view."""
+    scenes = job.dataset.scenes
+    view = scenes[0].views[0] if scenes and scenes[0].views else None
+    if view is None:
+        return {}
+    record, found = view.camera_record(), {}
+    if record.depth_camera is not None:
+        infrared = tuple(name for name in _INFRARED if (view.folder / name).is_file())
+        columns: dict[str, Kind] = dict.fromkeys((layout.SENSOR_DEPTH, layout.SENSOR_VALID, *infrared), "image")
+        found["sensor"] = columns | {"sensor.json": DEPTH_CAMERA}
+    if record.polarisation_camera is not None:
+        columns = {layout.STOKES: "binary"} | dict.fromkeys(_STOKES, "image")
+        found["polarisation"] = columns | {"polarisation.json": POLARISATION_CAMERA}
+    return found
+
+
+def sensor_members(config: str, names: list[str], view: StoredView) -> Iterator[tuple[str, bytes]]:
+    """Yield the members of a view with these names; none where the view's scene has no such camera."""
+    record = view.camera_record()
+    if getattr(record, _RECORDS[config]) is None:
+        return
+    for name in names:
+        if name.endswith(".json"):
+            yield name, compact_json(_record(config, record)).encode()
+        elif name.endswith(".png"):
+            yield name, whole_png(view.folder / name)
+        else:
+            yield name, read_bytes(view.folder / name)
+
+
+def _record(config: str, record: CameraFile) -> dict[str, Any]:
+    """Return the record of a camera with every field of its type, null where it has none."""
+    stored = getattr(record, _RECORDS[config]).model_dump(mode="json")
+    kind = DEPTH_CAMERA if config == "sensor" else POLARISATION_CAMERA
+    return {name: stored.get(name) for name in kind}
