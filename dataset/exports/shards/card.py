@@ -10,10 +10,11 @@ from typing import Any
 
 import yaml
 
+from ....core.errors import InputError
 from ....procedural.scene.splits import Split
 from ..job import Job
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
-from .sensors import SENSOR_CONFIGS, sensor_columns
+from .sensors import SENSOR_CONFIGS, SETTINGS, sensor_columns
 
 #: The configurations, in the order in which their shards are written; the last two where a data set has such cameras.
 CONFIGS = ("pictures", "geometry", *SENSOR_CONFIGS, "labels")
@@ -29,7 +30,7 @@ _SENSOR_NOTES = {
 
 
 def columns(job: Job) -> dict[str, dict[str, Kind]]:
-    """Return the columns of each configuration with their types."""
+    """Return the columns of each configuration with their types; InputError for one that the data set has not."""
     own: dict[str, dict[str, Kind]] = {
         "pictures": {f"{eye}.png": "image" for eye in job.eyes()} | {"camera.json": CAMERA},
         "geometry": {
@@ -41,6 +42,10 @@ def columns(job: Job) -> dict[str, dict[str, Kind]]:
         **sensor_columns(job),
         "labels": {"labels.json": {"objects": [OBJECT]}},
     }
+    lacking = next((name for name in job.options.labels or () if name not in own), None)
+    if lacking is not None:
+        expected = f"labels of cameras that the data set has; {lacking} needs --sensors.{SETTINGS[lacking]}"
+        raise InputError("--labels", expected, lacking)
     both: dict[str, Kind] = {"__key__": "string", "__url__": "string"}
     return {config: both | own[config] for config in CONFIGS if config in own and job.has(config)}
 

@@ -13,8 +13,10 @@ from ..files import compact_json, read_bytes, whole_png
 from ..job import Job
 from .features import DEPTH_CAMERA, POLARISATION_CAMERA, Kind
 
-#: The configurations that only data sets with such cameras have: the field of `camera.json`, and the columns.
-SENSOR_CONFIGS = ("sensor", "polarisation")
+#: The configurations that only data sets with such cameras have, with the settings that give a data set these.
+SETTINGS = {"sensor": "depth d435", "polarisation": "polarisation imx250mzr"}
+SENSOR_CONFIGS = tuple(SETTINGS)
+#: Their fields of `camera.json`.
 _RECORDS = {"sensor": "depth_camera", "polarisation": "polarisation_camera"}
 _INFRARED = tuple(IR_FILES.values())
 _STOKES = (layout.DOLP, layout.AOLP, layout.MOSAIC)

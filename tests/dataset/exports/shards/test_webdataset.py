@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from glassware.annotate.masks import decode_mask
+from glassware.core.errors import InputError
 from glassware.dataset.exports.run import export
 from glassware.dataset.reader import Dataset
 
@@ -101,6 +102,12 @@ def test_depth_and_polarisation_cameras_have_shards_of_their_own(copy, add_senso
         one["includes"] for one in json.loads((tmp_path / "out" / "croissant.json").read_text())["distribution"][5:]
     }
     assert {"*.ir_left.png", "*.stokes.exr", "*.sensor.json", "*.polarisation_mosaic.png"} <= members
+
+
+def test_labels_of_a_camera_that_the_data_set_has_not_are_refused_and_nothing_is_written(stored, tmp_path):
+    with pytest.raises(InputError, match=r"--labels: expected .* sensor needs --sensors\.depth d435, found sensor"):
+        export(stored, "webdataset", tmp_path / "out", labels=("pictures", "sensor"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_cameras_poses_masks_and_pictures_come_back(stored, out):
