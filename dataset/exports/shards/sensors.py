@@ -18,6 +18,10 @@ SETTINGS = {"sensor": "depth d435", "polarisation": "polarisation imx250mzr"}
 SENSOR_CONFIGS = tuple(SETTINGS)
 #: Their fields of `camera.json`.
 _RECORDS = {"sensor": "depth_camera", "polarisation": "polarisation_camera"}
+_IMAGE: Kind = "image"
+_BINARY: Kind = "binary"
+_DEPTH: Kind = DEPTH_CAMERA
+_POLARISATION: Kind = POLARISATION_CAMERA
 _INFRARED = tuple(IR_FILES.values())
 _STOKES = (layout.DOLP, layout.AOLP, layout.MOSAIC)
 
@@ -28,14 +32,15 @@ def sensor_columns(job: Job) -> dict[str, dict[str, Kind]]:
     view = scenes[0].views[0] if scenes and scenes[0].views else None
     if view is None:
         return {}
-    record, found = view.camera_record(), {}
+    record = view.camera_record()
+    found: dict[str, dict[str, Kind]] = {}
     if record.depth_camera is not None:
         infrared = tuple(name for name in _INFRARED if (view.folder / name).is_file())
-        columns: dict[str, Kind] = dict.fromkeys((layout.SENSOR_DEPTH, layout.SENSOR_VALID, *infrared), "image")
-        found["sensor"] = columns | {"sensor.json": DEPTH_CAMERA}
+        columns = dict.fromkeys((layout.SENSOR_DEPTH, layout.SENSOR_VALID, *infrared), _IMAGE)
+        found["sensor"] = columns | {"sensor.json": _DEPTH}
     if record.polarisation_camera is not None:
-        columns = {layout.STOKES: "binary"} | dict.fromkeys(_STOKES, "image")
-        found["polarisation"] = columns | {"polarisation.json": POLARISATION_CAMERA}
+        columns = dict.fromkeys(_STOKES, _IMAGE) | {layout.STOKES: _BINARY}
+        found["polarisation"] = columns | {"polarisation.json": _POLARISATION}
     return found
 
 
