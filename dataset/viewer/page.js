@@ -217,7 +217,9 @@ async function fillSpace() {
   if (scene.target) space.target = scene.target;
   const drawn = (camera, colour) => (camera ? frustum(camera, 0.1, colour) : []);
   const cameras = scene.cameras.flatMap((pair, i) => [
-    ...drawn(pair.left, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...drawn(pair.right, [110, 130, 170])]);
+    ...drawn(pair.left, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...drawn(pair.right, [110, 130, 170]),
+    // Parts of a depth camera stand millimetres apart: small, so that they can be told apart.
+    ...(pair.rig || []).flatMap((part) => frustum(part, 0.03, part.name === "projector" ? [235, 80, 70] : [185, 105, 225]))]);
   space.setLines("cameras", cameras);
   const points = scene.bodies.filter((body) => body.keypoints).flatMap((body) => {
     const m = transposed(body.pose);

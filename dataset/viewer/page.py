@@ -30,6 +30,7 @@ from .converted import converted_cloud, converted_scene, converted_shapes, lacki
 from .label_maps import converted_maps, view_maps
 from .map_numbers import LabelMap, reduced
 from .packing import packed
+from .rig import rig
 from .sensor_maps import infrared_pictures
 from .shapes import view_lines, view_shapes
 
@@ -139,7 +140,10 @@ def _scene(choice: Choice) -> dict[str, Any]:
     names |= {record.id: record.name for record in records}
     return {
         "bodies": scene_bodies(scene, records),
-        "cameras": [{eye: _pinhole(view.camera(), eye) for eye in EYES} for view in choice.views],
+        "cameras": [
+            {eye: _pinhole(view.camera(), eye) for eye in EYES} | {"rig": rig(view, scene.depth_camera)}
+            for view in choice.views
+        ],
         "colours": {number: id_colour(number) for number in names},
         "names": names,
         "objects": [{"id": record.id, "cells": _cells(record)} for record in records],

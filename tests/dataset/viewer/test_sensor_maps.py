@@ -7,6 +7,8 @@ import pytest
 
 from glassware.dataset.commands.view import main
 from glassware.dataset.reader import Dataset
+from glassware.dataset.viewer.rig import rig
+from glassware.procedural.sensors.depth_cameras import DEPTH_CAMERAS
 
 #: Weights of linear Rec.709 in luminance (ITU-R BT.709-6).
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -64,6 +66,19 @@ def test_stokes_vectors_are_on_the_page(saved, page, unpack):
     np.testing.assert_allclose(unpack(s0["data"]) * s0["step"], light[..., 0], atol=0.501 * s0["step"])
     np.testing.assert_array_equal(unpack(maps["left/mosaic"]["data"]), view.polarisation_mosaic())
     assert maps["left/mosaic"]["high"] == 4095.0
+
+
+def test_the_parts_of_a_depth_camera_stand_in_3d_where_its_record_says(saved, page):
+    path, view = saved
+    (cameras,) = page(path).record("scene-0")["cameras"]
+    record, world_T_camera = view.depth_camera(), view.camera().world_T_camera
+    for part, camera_T_part in zip(cameras["rig"], (record.camera_T_left, record.camera_T_right), strict=True):
+        np.testing.assert_allclose(np.reshape(part["pose"], (4, 4)), world_T_camera @ camera_T_part)
+        assert (part["K"], part["width"]) == ([*map(list, record.K)], record.width)
+    projector = rig(view, DEPTH_CAMERAS["d435"])[2]
+    np.testing.assert_allclose(np.reshape(projector["pose"], (4, 4)), world_T_camera @ record.camera_T_projector)
+    corner = np.linalg.inv(projector["K"]) @ [0.0, 0.0, 1.0]  # of the first pixel
+    np.testing.assert_allclose(np.degrees(2.0 * np.arctan(-corner[:2])), [86.0, 57.0])
 
 
 @pytest.mark.slow
