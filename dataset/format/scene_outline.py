@@ -25,6 +25,7 @@ class SceneOutline(Model):
     table: str = Field(description="Kind of the table, such as 'wood'")
     prints: tuple[str, ...] = Field(description="Kinds of the flat prints on the table, such as 'sheet'")
     redrawn: int = Field(ge=0, description="How often contents of its vessels did not fit, and were drawn again")
+    placed_again: int = Field(ge=0, description="How often its objects did not fit on the table, and were placed again")
     depth_camera: str | None = Field(description="Name of the depth camera")
     polarisation_camera: str | None = Field(description="Name of the polarisation camera")
 
@@ -40,6 +41,7 @@ def read_outline(folder: Path) -> SceneOutline:
         "table": table.get("kind", "plain"),
         "prints": [_part(path, item, "kind", str) for item in _part(path, {"prints": [], **table}, "prints", list)],
         "redrawn": sum(_redrawn(path, vessel) for vessel in vessels),
+        "placed_again": data.get("placed_again", 0),
         **{name: _device(path, data, name) for name in ("depth_camera", "polarisation_camera")},
     }
     return parsed(SceneOutline, parts, path)

@@ -39,6 +39,7 @@ class SceneFacts:
     meshes: tuple[str, ...]  #: file of each object that comes from a mesh file
     rest: Rest | None
     redrawn: int  #: contents of vessels that did not fit and were drawn again
+    placed_again: int  #: how often objects did not fit on the table and were placed again
     turbid: int  #: vessels whose liquid is turbid
     layered: int  #: vessels with more than one liquid
 
@@ -57,6 +58,7 @@ def scene_facts(scene: StoredScene) -> SceneFacts:
         meshes=tuple(item.origin.file for item in objects.objects if item.origin is not None),
         rest=views.rest,
         redrawn=outline.redrawn,
+        placed_again=outline.placed_again,
         turbid=sum(any(liquid.turbid for liquid in _liquids(item)) for item in bodies),
         layered=sum(bool(item.layers) for item in bodies),
     )
