@@ -51,8 +51,9 @@ def infrared_pictures(infrared: Infrared, device: DepthCamera, rng: np.random.Ge
     imager = device.imager
     per_radiance = math.pi / (4.0 * imager.aperture**2) * imager.pitch**2 * imager.efficiency
     per_radiance *= device.projector.wavelength / _PHOTON  # electrons a second for one W/(m^2 sr)
+    efficacy = imager.daylight_efficacy if infrared.daylight else imager.efficacy
     rates = [
-        per_radiance * _blurred(dots + ambient * (_UNIT / imager.efficacy), imager.blur)
+        per_radiance * _blurred(dots + ambient * (_UNIT / efficacy), imager.blur)
         for dots, ambient in zip(infrared.dots, infrared.ambient, strict=True)
     ]
     time, gain = exposed(rates[0], imager)
@@ -67,13 +68,25 @@ def infrared_pictures(infrared: Infrared, device: DepthCamera, rng: np.random.Ge
 
 
 def exposed(rate: np.ndarray, imager: InfraredImager) -> tuple[float, float]:
-    """Return the exposure time [s] and the gain for electrons a second: the mean on target, and few white pixels."""
+    """Return the exposure time [s] and the gain for electrons a second: the mean on target, and few white pixels.
+
+    Only the region counts that exposure looks at.
+    """
+    rate = in_region(rate, imager.region)
     mean, bright = float(rate.mean()), float(np.quantile(rate, _BELOW_WHITE))
     if mean <= 0.0:
         return imager.exposure[1], imager.gain
     wanted = min(imager.target * imager.full_well / mean, imager.full_well / max(bright, mean))
     time = float(np.clip(wanted, *imager.exposure))
     return time, float(np.clip(wanted / time, 1.0, imager.gain))
+
+
+def in_region(picture: np.ndarray, region: tuple[float, float, float, float]) -> np.ndarray:
+    """Return a part of a picture, one pixel at least; the edges are parts of its size."""
+    (rows, columns), (left, top, right, bottom) = picture.shape, region
+    first_row, first_column = min(int(top * rows), rows - 1), min(int(left * columns), columns - 1)
+    last_row, last_column = math.ceil(bottom * rows), math.ceil(right * columns)
+    return picture[first_row : max(last_row, first_row + 1), first_column : max(last_column, first_column + 1)]
 
 
 def _blurred(picture: np.ndarray, sigma: float) -> np.ndarray:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...core.mesh import as_trimesh
+from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import Scene
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
@@ -47,6 +49,7 @@ class LoadedScene:
     emitters: Emitters
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
+    materials: Mapping[str, OpaqueMaterial] = field(default_factory=dict)  #: of opaque shapes, by the shape's name
 
     @property
     def room(self) -> RoomEmitter | None:
@@ -106,7 +109,8 @@ def load(
     table = surface_table(by_id, scene.picture.dispersion, maps, channel)
     stored = None if room_light is None else in_channel(room_light.reshape(-1, 3), channel)
     emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel))
-    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque)
+    materials = {f"body{i}": body.material for i, body in enumerate(bodies) if body.material is not None}
+    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque, materials)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:
