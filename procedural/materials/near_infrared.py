@@ -135,6 +135,9 @@ _DRINK = Kind(
 )
 _RUBBER = Kind((0.3, 0.9), (0.0, 0.2), (0.60, 0.80), 0.95, "carbon black is the filler of black rubber")
 _BLACK = Kind((1.0, 1.0), (1.0, 1.0), (0.90, 0.90), 1.0, "carbon absorbs as in the visible range")
+_STATED = Kind(
+    (1.0, 1.0), (1.0, 1.0), (1.0, 1.0), 1.0, "a reflectance that is given by hand is that of its brightest channel"
+)
 
 _WOODS = ("wood", "oak", "walnut", "beech", "pine", "ash", "cherry", "maple", "cedar")
 _LAMINATES = tuple(f"{wood} laminate" for wood in _WOODS[1:])
@@ -168,6 +171,7 @@ KINDS: dict[str, Kind] = {
     **dict.fromkeys(("milk", "skimmed milk", "chocolate milk", "espresso", "grapefruit juice"), _DRINK),
     "rubber": _RUBBER,
     **dict.fromkeys(("graphite", "cover glass"), _BLACK),
+    "matte": _STATED,
 }
 #: Of names that say nothing, such as those of files: as paint.
 UNKNOWN = _PAINT

@@ -38,7 +38,7 @@ def infrared_reflectances(loaded: LoadedScene, part: float = 1.0) -> Iterator[No
             if material is None:
                 continue
             parameters = mi.traverse(shape.bsdf())
-            colours = parameters[_COLOURS]
+            colours = mi.TensorXf(parameters[_COLOURS])  # a reference of its own: assignment changes the other one
             kept.append((parameters, colours))
             parameters[_COLOURS] = _mixed(colours, near_infrared(material), part)
             parameters.update()
