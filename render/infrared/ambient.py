@@ -19,6 +19,7 @@ from ...procedural.description.surroundings import SkyEnvironment
 from ...procedural.surroundings.colour import luminance
 from ...procedural.surroundings.environments import bake_environment
 from ...procedural.surroundings.metering import irradiance
+from ...procedural.surroundings.shipped_light import is_shipped_by_day
 from ..frame import Eye
 from ..pictures.picture import Tracer, denoise_image, trace_picture
 from ..scene.loaded_scene import LoadedScene
@@ -26,18 +27,22 @@ from .reflectances import infrared_reflectances
 
 #: Samples of a pixel of ambient light [1].
 _SPP = 4
-#: Illuminance of the table from which on light is taken for daylight [klx]: offices have 0.5 (EN 12464-1), operating
-#: theatres excepted no lamp gives more than 2, and the shade of an open sky has 10.
+#: Illuminance of the table from which on light is taken for daylight [klx]: offices have 0.5 (EN 12464-1), studios 2,
+#: and the shade of an open sky 10.
 _DAYLIGHT = 5.0
 #: Part of daylight's power between 400 and 1000 nm that is beyond 700 nm [1]: 290 of 720 W/m^2 (ASTM G173-03, global).
 BEYOND_RED = 0.4
 
 
 def is_daylight(scene: Scene) -> bool:
-    """Return whether a scene's light is daylight: an open sky, or more light on the table than lamps give."""
-    if isinstance(scene.environment, SkyEnvironment):
-        return True
+    """Return whether a scene's light is daylight.
+
+    An open sky has it, and the maps of the package that were taken outdoors by day. Other surroundings are taken for
+    lit by it where there is more light on the table than lamps give.
+    """
     environment = scene.environment
+    if isinstance(environment, SkyEnvironment) or is_shipped_by_day(environment):
+        return True
     level = irradiance(bake_environment(environment), environment.strength, scene.lights)
     return float(luminance(level)) > _DAYLIGHT
 
