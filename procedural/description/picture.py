@@ -43,6 +43,26 @@ class Picture(Model):
         description="Single bright pixels of rare paths whose light cannot be spread without bleaching what is around: "
         "kept, so that the mean of the light is right, or removed, as suits training with few samples",
     )
+    glass_shadows: bool = Field(
+        default=True,
+        exclude_if=lambda on: on,
+        description="Whether glass casts shadows and caustics; without them light reaches opaque surfaces as if there "
+        "were no glass, as in renderers that leave both out. Needs path tracing",
+    )
+    air_gap: bool = Field(
+        default=False,
+        exclude_if=lambda on: not on,
+        description="Whether a film of air, too thin to see, lies between glass and liquids, as in renderers that nest "
+        "meshes. Labels know nothing of it. Needs path tracing",
+    )
+    refractivity: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=2.0,
+        exclude_if=lambda factor: factor == 1.0,
+        description="Factor on the index less one of all media in pictures; 0: light goes straight through glass, "
+        "without reflections. Labels keep the true index",
+    )
     layers: int = Field(default=16, ge=0, le=64, description="Surfaces recorded along each pixel's unrefracted ray")
     refraction: bool = Field(default=True, description="Whether to record each pixel's refracted ray")
     spectral: bool = Field(default=False, description="Whether to render wavelengths instead of red, green and blue")
@@ -59,6 +79,10 @@ class Picture(Model):
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
         if self.light == "shared" and self.spectral:
             raise ValueError("light: expected path or auto where spectral is on, found shared")
+        for name, needs_paths in (("glass_shadows", not self.glass_shadows), ("air_gap", self.air_gap)):
+            if needs_paths and (self.light == "shared" or self.keep_light):
+                found = "keep_light on" if self.keep_light else "light shared"
+                raise ValueError(f"{name}: expected its default where light is stored, found {found}")
         if self.keep_light and (self.light == "path" or self.spectral):
             found = "path" if self.light == "path" else "spectral on"
             raise ValueError(f"keep_light: expected light to be stored, found {found}")

@@ -41,14 +41,15 @@ _ATTEMPTS = 3
 def uses_cache(scene: Scene) -> bool:
     """Return whether the scene is rendered with the irradiance cache (`picture.light`).
 
-    Scenes with props that shine are path traced: the cache, its photons and its check know lamps and the sky alone.
+    Scenes with props that shine are path traced: the cache, its photons and its check know lamps and the sky alone. So
+    are scenes in which glass casts no shadows or has a film of air on liquids.
 
     Raises
     ------
     InputError
         If the scene asks for the cache and the active variant is not an RGB variant, or a prop shines.
     """
-    if scene.picture.light == "path":
+    if scene.picture.light == "path" or not scene.picture.glass_shadows or scene.picture.air_gap:
         return False
     rgb = mi.is_rgb and not mi.is_polarized
     required = scene.picture.light == "shared" or scene.picture.keep_light

@@ -163,6 +163,9 @@ def _column(name: str, values: np.ndarray, shape: tuple[int, ...], most: float) 
 def _checked(loaded: LoadedScene) -> Slots:
     if not (mi.is_rgb and dr.is_diff_v(mi.Float)) or mi.is_polarized:
         raise InputError("derivatives", "an RGB variant with AD, such as llvm_ad_rgb", mi.variant())
+    picture = loaded.description.picture
+    if not picture.glass_shadows or picture.air_gap:
+        raise InputError("picture.glass_shadows, picture.air_gap", "their defaults for derivatives", "others")
     return slots_of(loaded)
 
 

@@ -34,6 +34,7 @@ from ..scene.surfaces import (
 )
 from .emitter_candidates import candidates_of, chosen_candidate, per_candidate
 from .sampler import SobolSampler, hashed_seed, sample_4d
+from .simplified_optics import simplified_optics
 
 #: Maximum survival probability of Russian roulette [1]; below 1, so that paths in lossless glass end.
 MAX_SURVIVAL = 0.99
@@ -119,28 +120,29 @@ def trace(
     The wavelengths have a `weight` (`draw_wavelengths`). Sets 0 and 1 of the sampler belong to the camera, the others
     are consumed here (`path_dimensions`). With an `origin`, emitter hits of the first segments are MIS-weighted too.
     With `caustics`, light that reaches a diffuse lobe through glass is read, not found; the origin counts as diffuse.
+    Optics may be simplified (`simplified_optics`), some of them after the first opaque surface.
     """
     scene, table, emitters, carried = loaded.mi_scene, loaded.surfaces, loaded.emitters, mi.UnpolarizedSpectrum(weight)
-    offset, max_depth = dr.opaque(mi.Float, loaded.offset), dr.opaque(mi.UInt32, picture.max_depth)
-    rr_depth = dr.opaque(mi.UInt32, picture.rr_depth)
-
+    offset = dr.opaque(mi.Float, loaded.offset)
+    max_depth, rr_depth = (dr.opaque(mi.UInt32, count) for count in (picture.max_depth, picture.rr_depth))
     ray, depth, medium = mi.Ray3f(ray), mi.UInt32(0), mi.UInt32(AIR_INDEX)  # medium of the segment by the last event
     L, beta = mi.Spectrum(0.0), mi.Spectrum(1.0)  # radiance so far, throughput
     eta_scale = mi.Float(1.0)  # product of eta^2, which Russian roulette must not count as loss
     previous, pdf, delta = _initial_origin(origin)  # fields of `PathOrigin`
     caustics_shade, glints = (None, None) if caustics is None else (caustics.shade, caustics.glints)
+    meet, media_at, scattered = simplified_optics(loaded, interface_event)
     # With `caustics`: whether the segment has met glass since the last opaque surface, and its glossy fraction.
     coherent, through_glass, glossy = mi.Bool(origin is None), mi.Bool(False), mi.Color3f(float(origin is None))
-    violations, segments, is_hero, active = mi.UInt32(0), mi.UInt32(0), mi.Bool(False), mi.Bool(True)
+    violations, segments, is_hero = mi.UInt32(0), mi.UInt32(0), mi.Bool(False)
+    direct, active = mi.Bool(True), mi.Bool(True)  # direct: no opaque surface has been met
 
     while dr.hint(active, exclude=[table, scene, emitters, sampler, carried]):
         # (Camera rays alone are coherent: Embree takes three times as long for others that are said to be.)
-        pi = scene.ray_intersect_preliminary(ray, coherent & (depth == 0), active)
+        pi = meet(ray, coherent & (depth == 0), active, direct)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.All, active)
         hit = active & si.is_valid()
-        surface = surface_media(table, si, ray, hit)
-        segments += 1
-        violations += broken_continuity(surface, medium)
+        surface, medium = media_at(surface_media(table, si, ray, hit), medium, direct)
+        violations, segments = violations + broken_continuity(surface, medium), segments + 1
         beta *= mi.Spectrum(table.transmittance(surface, si.wavelengths, active))
         medium = medium_at_end(surface, medium)
 
@@ -152,7 +154,7 @@ def trace(
         if dr.hint(active & surface.opaque, exclude=[table, scene, emitters, sampler, carried]):
             bounce = opaque_event(emitters, si, ray, offset, u, table, depth == 0)
             direction, factor, pdf, delta = bounce.direction, bounce.weight, bounce.mis_pdf, bounce.delta
-            medium = medium_after_bounce(medium, si, direction)
+            medium, direct = medium_after_bounce(medium, si, direction), mi.Bool(False)
             L += beta * bounce.radiance
             if caustics_shade is not None:
                 stored, glossy = caustics_shade(si, pi.prim_uv, ray, bounce)
@@ -162,13 +164,12 @@ def trace(
             interface = interface_hit(table, surface, ray, si.wavelengths, u.u_lobe, hashed_seed(sampler, depth))
             if picture.dispersion:  # from the first interface on the path follows its hero wavelength
                 beta, is_hero = dr.select(is_hero, beta, hero_wavelength(beta)), mi.Bool(True)
-            event = interface_event(interface, beta)
+            event = scattered(surface, interface, beta, si.wavelengths)
             direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale, through_glass = eta_scale * event.eta_squared, mi.Bool(True)
             medium = dr.select(event.transmitted, surface.behind, surface.before)
         beta *= factor
-        previous, ray = mi.Interaction3f(si), leave(si, direction, offset)
-        depth += 1
+        previous, ray, depth = mi.Interaction3f(si), leave(si, direction, offset), depth + 1
         survival = dr.select(depth >= rr_depth, survival_probability(beta, eta_scale), 1.0)
         active &= dr.any(unpolarised(beta) > 0.0) & (depth < max_depth) & (u.u_rr < survival)
         beta *= mi.Spectrum(dr.rcp(survival))

@@ -18,6 +18,7 @@ class Emitters:
 
     scene: mi.Scene
     room: RoomEmitter | None = None  #: the room, where it is in its place; paths end at its surfaces
+    occluders: mi.Scene | None = None  #: what casts shadows, where that is not all of the scene
 
 
 def sample_emitter(
@@ -51,7 +52,7 @@ def unoccluded(
     active: mi.Bool,
 ) -> mi.Spectrum:
     """Return what arrives along a sampled direction, over its density: 0 in shadow and where not `active`."""
-    (ds, arriving), scene, room = sample, emitters.scene, emitters.room
+    (ds, arriving), scene, room = sample, emitters.occluders or emitters.scene, emitters.room
     shadow = leave(si, ds.d, offset)
     shadow.maxt = ds.dist * (1.0 - _SHADOW_EPSILON)
     if room is None:

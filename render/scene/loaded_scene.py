@@ -17,7 +17,7 @@ from .lighting import area_light, envmap, make_literals_opaque
 from .room import lamp_surface, lit_emitter, room_surfaces_of
 from .room_emitter import RoomEmitter
 from .spectrum import check_variant, in_channel
-from .surfaces import SurfaceTable, registry_id, surface_table
+from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
 #: Offset of rays from the surface that they leave, along its geometric normal, over the scene's largest coordinate [1].
 #: A float32 coordinate has 24 bits; barycentric interpolation and the intersection lose up to three, and one is margin.
@@ -49,6 +49,7 @@ class LoadedScene:
     emitters: Emitters
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
+    without_glass: mi.Scene | None = None  #: the opaque shapes alone, where glass casts no shadows
     materials: Mapping[str, OpaqueMaterial] = field(default_factory=dict)  #: of opaque shapes, by the shape's name
 
     @property
@@ -106,11 +107,13 @@ def load(
     opaque = _opaque_bodies(mi_scene, bodies) if for_cache else ()
     ids = {shape.id(): _registry_id(shape) for shape in mi_scene.shapes()}
     maps = {ids[f"body{i}"]: body.maps for i, body in enumerate(bodies) if body.maps is not None}
-    table = surface_table(by_id, scene.picture.dispersion, maps, channel)
+    table = surface_table(by_id, scene.picture.dispersion, maps, channel, scene.picture.refractivity)
     stored = None if room_light is None else in_channel(room_light.reshape(-1, 3), channel)
-    emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel))
+    bare = None if scene.picture.glass_shadows else _without_glass(mi_scene, by_id)
+    emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel), bare)
     materials = {f"body{i}": body.material for i, body in enumerate(bodies) if body.material is not None}
-    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque, materials)
+    robust, offset = _robust(mi_scene), RAY_OFFSET * reach
+    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, bare, materials)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:
@@ -119,6 +122,12 @@ def _robust(mi_scene: mi.Scene) -> mi.Scene:
         return mi_scene
     shapes = {shape.id(): shape for shape in mi_scene.shapes()}  # under other names they would get new ids
     return mi.load_dict({"type": "scene", "embree_use_robust_intersections": True, **shapes}, optimize=False)
+
+
+def _without_glass(mi_scene: mi.Scene, surfaces: Mapping[int, Surface]) -> mi.Scene:
+    """Return a scene of the opaque shapes of a scene, lamps among them."""
+    shapes = {shape.id(): shape for shape in mi_scene.shapes() if surfaces[_registry_id(shape)].opaque}
+    return mi.load_dict({"type": "scene", **shapes}, optimize=False)
 
 
 def _opaque_bodies(mi_scene: mi.Scene, bodies: list[Body]) -> tuple[OpaqueBody, ...]:

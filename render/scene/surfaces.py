@@ -97,10 +97,12 @@ def surface_table(
     dispersion: bool,
     maps: dict[int, np.ndarray] | None = None,
     channel: int | None = None,
+    refractivity: float = 1.0,
 ) -> SurfaceTable:
     """Return the table of the surfaces given by registry id; with dispersion, indices depend on the wavelength.
 
-    The `maps` of materials are given by registry id too (`surface_maps`).
+    The `maps` of materials are given by registry id too (`surface_maps`). The `refractivity` is a factor on the index
+    less one in pictures (`Picture.refractivity`).
     """
     media = [AIR]
     for surface in surfaces.values():
@@ -110,6 +112,7 @@ def surface_table(
     rows = [blank if row is None else row for row in rows]
 
     index, absorption = media_columns(media, dispersion, channel)
+    index = index if refractivity == 1.0 else 1.0 + refractivity * (index - 1.0)
     counts = [row.candidates for row in rows]
 
     def column(kind: type, values: list | np.ndarray) -> Any:
