@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import tyro
 from rich.console import Console
@@ -52,3 +55,30 @@ def run(options: type[O], description: str | None, measure: Callable[[O], int]) 
     except InputError as error:
         Console(stderr=True).print(str(error), markup=False, highlight=False, soft_wrap=True)
         return 2
+
+
+def seconds_of(command: Sequence[Any], log: Path, allowed: tuple[int, ...] = (0,)) -> float:
+    """Run a program of this environment and return the processor time that it took [s].
+
+    Parameters
+    ----------
+    command : sequence
+        The program's name, and its arguments.
+    log : Path
+        Where what it prints goes.
+    allowed : tuple of int
+        Exit codes that are no failure.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        Where the program ends with another exit code.
+    """
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    arguments = [Path(sys.executable).with_name(command[0]), *map(str, command[1:])]
+    with log.open("w") as printed:
+        code = subprocess.run(arguments, stdout=printed, stderr=subprocess.STDOUT, check=False).returncode
+    if code not in allowed:
+        raise subprocess.CalledProcessError(code, arguments)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

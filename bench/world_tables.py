@@ -12,7 +12,7 @@ from world_checks import VOLUME, WALL
 from glassware.procedural.contents.settings import STANDING
 from glassware.procedural.optics.draw import LIQUID_WEIGHTS, glass_names
 from glassware.procedural.optics.turbid import TURBID
-from glassware.procedural.props.kinds import PROP_KINDS
+from glassware.procedural.props.kinds import DEFAULT_KINDS
 from glassware.procedural.tables.kinds import DEFAULT_TABLES
 from glassware.procedural.vessels.settings import CATEGORIES
 
@@ -25,7 +25,7 @@ EXPECTED: dict[str, Sequence[str]] = {
     "contents": ("ice cube", "beads", "bubbles", "layers", "turbid", *STANDING),
     "glasses": tuple(glass_names()),
     "liquids": (*(name for name in LIQUID_WEIGHTS if not name.startswith("dyed") and "sugar" not in name), *TURBID),
-    "props": PROP_KINDS,
+    "props": tuple(name.partition("=")[0] for name in DEFAULT_KINDS if not name.endswith("=0")),
     "tables": tuple(name.partition("=")[0] for name in DEFAULT_TABLES),
 }
 #: What a scene's record is, as `world.py` writes it.

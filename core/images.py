@@ -12,6 +12,17 @@ from .polarisation import angle_of_linear_polarisation, degree_of_linear_polaris
 
 #: Colours of pixels that show nothing, and of the table.
 NOTHING, TABLE_COLOUR = (45, 45, 48), (105, 105, 110)
+#: Colours of the reasons why a depth camera has a depth or none, in the order of `sensor_valid.png` (docs/format.md):
+#: unseen, measured, no match, out of range, saturated, unlit, hidden.
+REASON_COLOURS = (
+    NOTHING,
+    (70, 200, 100),
+    (230, 80, 70),
+    (250, 190, 50),
+    (245, 245, 245),
+    (185, 105, 225),
+    (70, 150, 235),
+)
 #: Instance ids of the table and of the first object (`procedural.description.scene`).
 _TABLE_ID, _FIRST_OBJECT_ID = 1, 2
 #: First id of a room's surfaces (`procedural.description.surroundings`), and colours of these in turn: dim greys.
@@ -171,6 +182,11 @@ def difference_colours(difference: np.ndarray, most: float) -> np.ndarray:
     return colours
 
 
+def reason_colours(reasons: np.ndarray) -> np.ndarray:
+    """Return the colour of each of the reasons in `sensor_valid.png`, (..., 3) uint8 for numbers of any shape."""
+    return np.array(REASON_COLOURS, np.uint8)[np.minimum(reasons, len(REASON_COLOURS) - 1)]
+
+
 def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return pictures of the degree and of the angle of linear polarisation, each (H, W, 3) uint8.
 
@@ -182,11 +198,17 @@ def polarisation_colours(stokes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     degree = np.clip(degree_of_linear_polarisation(stokes)[..., 0], 0.0, 1.0)
     turn = (angle_of_linear_polarisation(stokes)[..., 0] / np.pi) % 1.0
-    grey = np.rint(255.0 * srgb_curve(degree)).astype(np.uint8)
+    shown = srgb_curve(degree)
+    grey = np.rint(255.0 * shown).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=-1), hue_colours(turn, shown)
+
+
+def hue_colours(turn: np.ndarray, brightness: np.ndarray) -> np.ndarray:
+    """Return hues, from red at 0 to red again at 1, as bright as numbers from 0 to 1: (H, W, 3) uint8."""
     # OpenCV's hues of 8 bits go to 180.
     hue = (np.rint(180.0 * turn).astype(np.int64) % 180).astype(np.uint8)
-    angle = cv2.cvtColor(np.stack([hue, np.full_like(hue, 255), grey], axis=-1), cv2.COLOR_HSV2RGB)
-    return np.repeat(grey[..., None], 3, axis=-1), angle
+    value = np.rint(255.0 * brightness).astype(np.uint8)
+    return cv2.cvtColor(np.stack([hue, np.full_like(hue, 255), value], axis=-1), cv2.COLOR_HSV2RGB)
 
 
 def normal_colours(normal: np.ndarray) -> np.ndarray:

@@ -66,15 +66,20 @@ def setting_error(
     inner, expected, found = fault(first)
     if first["type"] in ("tuple_type", "list_type", "missing", "too_long") and _is_pair(model, loc):
         expected, found, loc = "a pair (smallest, largest)", shortened(first["input"]), loc[: _depth(model, loc)]
-    # What a file of its own says begins with the file: that is no part of a dotted name.
-    of_file = [inner] if inner and ("/" in inner or ": " in inner) else []
+    of_file = [inner] if inner and _begins_with_file(first, inner) else []
     name = ".".join([*group, *loc, *([inner] if inner and not of_file else [])])
     found += "".join(f"; {line}" for line in _more_unknown(faults[1:], group))
     return InputError(": ".join([str(where), *([name] if name else []), *of_file]), expected, found)
 
 
+def _begins_with_file(first: Any, inner: str) -> bool:
+    """Return whether a fault begins with the file that it is in, which is no part of a dotted name."""
+    return isinstance(first.get("ctx", {}).get("error"), InputError) or "/" in inner or ": " in inner
+
+
 def _place(one: Any) -> list[str]:
-    return [str(part) for part in one["loc"] if not str(part).startswith("function-")]
+    """Return the names of the fields that lead to a fault, without those that pydantic gives to parts of types."""
+    return [str(part) for part in one["loc"] if not str(part).startswith(("function-", "literal["))]
 
 
 def _more_unknown(faults: Sequence[Any], group: Sequence[str]) -> Iterator[str]:

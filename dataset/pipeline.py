@@ -28,6 +28,7 @@ from .format.file_kinds import KINDS, NONE, PAIR_KINDS, FileKinds, parse_kinds
 from .format.pictures import write_png
 from .format.views_table import ViewRow
 from .preview.contact_sheet import PreviewRow, chosen_views, contact_sheet
+from .preview.sensor_cells import SensorPreview
 from .stored_view import StoredView
 from .verification.scene import check_written
 from .writer import finish_dataset, scene_writer, start_dataset
@@ -90,11 +91,20 @@ def write_scene(
                 stored = StoredView(writer.folder / layout.view_name(view), view)
                 check_written(stored, scene, writer.records)
             if view in previews:
-                sensor = None if scene.depth_camera is None else stored.sensor_depth()
+                sensor = sensor_preview(stored)
                 stokes = None if frame.stokes is None else frame.stokes.vector
                 name, camera = layout.view_name(view), scene.cameras[view]
                 shown.append(PreviewRow(name, picture, camera, frame.geometry, labels, sensor, stokes))
     return WrittenScene(writer.rows, shown, renderer.light_check)
+
+
+def sensor_preview(view: StoredView) -> SensorPreview | None:
+    """Return what the contact sheet shows of a view's depth camera; None where it has none."""
+    device = view.depth_camera()
+    if device is None:
+        return None
+    infrared = view.infrared() if (view.folder / layout.IR_LEFT).is_file() else None
+    return SensorPreview(view.sensor_depth(), view.sensor_valid(), device.reasons, infrared)
 
 
 def pair_labels(files: FileKinds, frame: Frame, renderer: Renderer, points: SceneKeypoints) -> StereoLabels | None:

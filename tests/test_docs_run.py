@@ -114,6 +114,7 @@ PYTHON_SLOW = (
     "piled_probability",
     "room_depth",
     "sensor_depth(",
+    "sensor_valid(",
     "trace_stokes(",
     "picture_and_gradients(",
     "refract(",

@@ -14,8 +14,6 @@ uses one thread. All train on the data set's split `train` and are evaluated on 
 from __future__ import annotations
 
 import json
-import resource
-import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,7 +22,7 @@ from statistics import mean, stdev
 from typing import Any
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-from command import run
+from command import run, seconds_of
 
 from glassware.core.errors import InputError
 
@@ -155,25 +153,15 @@ def _run(name: str, seed: int, given: Options) -> None:
         return
     config = folder / "run.yaml"
     config.write_text(json.dumps(settings_of(name, seed, given.steps), indent=1))  # JSON is YAML
-    train = ["train", data, "--config", config, "--out", folder / "run"]
-    score = ["evaluate", folder / "run" / "last.safetensors", data, "--split", "test", "--out", folder]
+    train = ["glassware", "train", data, "--config", config, "--out", folder / "run"]
+    score = ["glassware", "evaluate", folder / "run" / "last.safetensors", data, "--split", "test", "--out", folder]
     spent = {
-        "train": _seconds(train, folder / "train.txt"),
-        "evaluate": _seconds([*score, "--worst", "4", "--workers", "0", "--threads", "1"], folder / "evaluate.txt"),
+        "train": seconds_of(train, folder / "train.txt"),
+        "evaluate": seconds_of([*score, "--worst", "4", "--workers", "0", "--threads", "1"], folder / "evaluate.txt"),
     }
     (folder / "seconds.json").write_text(json.dumps(spent))
     sys.stdout.write(f"{name}-{seed}: {spent}\n")
     sys.stdout.flush()
-
-
-def _seconds(command: list[Any], log: Path) -> float:
-    """Run a command and return the time of the processor that it took [s]."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    program = Path(sys.executable).with_name("glassware")
-    with log.open("w") as printed:
-        subprocess.run([program, *map(str, command)], stdout=printed, stderr=subprocess.STDOUT, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def table(given: Options) -> str:

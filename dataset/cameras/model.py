@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, field_validator
 
 from ...core.model import Model, Ordered, Unit
 from ...core.units import LENGTH, Length
 
 _Row = tuple[float, float, float]
+_Positive = Annotated[float, Field(gt=0.0)]
+#: CIE XYZ of daylight, D65 (CIE 15:2018, table 11.1, 2 degrees, Y = 1).
+_DAYLIGHT = np.array([0.95047, 1.0, 1.08883])
 #: Distortion coefficients in OpenCV's order: k1, k2, p1, p2, k3.
 Coefficients = tuple[float, float, float, float, float]
 
@@ -50,11 +54,13 @@ class Sensor(Model):
     width: int = Field(ge=1, description="Pixels across, of which those of the picture are sums; 1: it skips them [px]")
     full_well: float = Field(gt=0.0, description="Electrons of a saturated pixel at gain 1 [e-]")
     read_noise: float = Field(ge=0.0, description="Standard deviation of the read noise of a pixel [e-]")
-    gain: Annotated[tuple[float, float], Ordered] = Field(
+    gain: Annotated[tuple[_Positive, _Positive], Ordered] = Field(
         default=(1.0, 1.0), description="Range of the analogue gain, drawn per view; it divides the full well"
     )
     bits: int = Field(default=10, ge=6, le=16, description="Of the analogue-to-digital converter")
-    black_level: Unit = Field(default=0.0625, description="Value of a pixel without light, as a fraction of the scale")
+    black_level: float = Field(
+        default=0.0625, ge=0.0, lt=1.0, description="Value of a pixel without light, as a fraction of the scale"
+    )
 
 
 class ColourCamera(Model):
@@ -94,6 +100,19 @@ class ColourCamera(Model):
     sensor: Sensor | None = Field(default=None, description="Mosaic and noise; none: every pixel sees three colours")
     contrast: Unit = Field(default=0.0, description="Fraction of a smooth step in the tone curve, on top of sRGB's")
     jpeg_quality: int | None = Field(default=None, ge=1, le=100, description="Compression; none: lossless")
+
+    @field_validator("xyz_to_sensor")
+    @classmethod
+    def _has_a_way_back(cls, matrix: tuple[_Row, _Row, _Row] | None) -> tuple[_Row, _Row, _Row] | None:
+        if matrix is None:
+            return None
+        white = np.array(matrix) @ _DAYLIGHT
+        if not (white > 0.0).all():
+            values = ", ".join(f"{value:.4g}" for value in white)
+            raise ValueError(f"expected a matrix that gives daylight three signals above 0, found {values}")
+        if np.linalg.matrix_rank(np.array(matrix)) < 3:
+            raise ValueError("expected a matrix that can be inverted, found colours that look alike to the sensor")
+        return matrix
 
     @property
     def ideal(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...core.model import Model
 from ...core.user_text import UserPath, UserText
@@ -13,6 +13,7 @@ from ...procedural.scene.settings import SceneSettings
 from ..format.file_kinds import ALL, KINDS, NONE, FileKinds, costs
 from ..settings.options import FLAT, Words
 from ..settings.scene_ranges import LARGEST_SCENE
+from .scene_request import check_infrared
 
 #: As in CUDA_VISIBLE_DEVICES: a number, or the UUID of a GPU or of a MIG instance.
 Device = Annotated[str, Field(pattern="^([0-9]+|(GPU|MIG)-[0-9A-Za-z/-]+)$")]
@@ -65,3 +66,8 @@ class BuildDataset(Model):
     )
     address: str | None = Field(default=None, description="Address of the Ray cluster; by default one is started here")
     gpus: float = Field(default=0.0, ge=0.0, le=1.0, description="GPUs that a Ray task requests")
+
+    @model_validator(mode="after")
+    def _infrared_has_cameras(self) -> BuildDataset:
+        check_infrared(self.write, self.settings)
+        return self

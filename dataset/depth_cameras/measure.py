@@ -92,8 +92,12 @@ def _reasons(
     reason[hidden] = HIDDEN
     reason[np.isfinite(disparity)] = MEASURED
     # What is nearer than the largest disparity has none that could be found.
+    _, high = device.range
     near = ~np.isfinite(disparity) & (shift >= device.matching.disparities)
-    reason[(outside & ~hidden) | near] = OUT_OF_RANGE
+    far = ~np.isfinite(disparity) & (high < infrared.Z)
+    # What has no depth at all is behind nothing: it is far, whatever the right camera sees.
+    far &= ~hidden | np.isinf(infrared.Z)
+    reason[(outside & ~hidden) | near | far] = OUT_OF_RANGE
     return reason
 
 

@@ -25,6 +25,9 @@ class SceneOutline(Model):
     table: str = Field(description="Kind of the table, such as 'wood'")
     prints: tuple[str, ...] = Field(description="Kinds of the flat prints on the table, such as 'sheet'")
     redrawn: int = Field(ge=0, description="How often contents of its vessels did not fit, and were drawn again")
+    placed_again: int = Field(ge=0, description="How often its objects did not fit on the table, and were placed again")
+    depth_camera: str | None = Field(description="Name of the depth camera")
+    polarisation_camera: str | None = Field(description="Name of the polarisation camera")
 
 
 def read_outline(folder: Path) -> SceneOutline:
@@ -38,8 +41,14 @@ def read_outline(folder: Path) -> SceneOutline:
         "table": table.get("kind", "plain"),
         "prints": [_part(path, item, "kind", str) for item in _part(path, {"prints": [], **table}, "prints", list)],
         "redrawn": sum(_redrawn(path, vessel) for vessel in vessels),
+        "placed_again": data.get("placed_again", 0),
+        **{name: _device(path, data, name) for name in ("depth_camera", "polarisation_camera")},
     }
     return parsed(SceneOutline, parts, path)
+
+
+def _device(path: Path, data: dict[str, Any], name: str) -> str | None:
+    return None if data.get(name) is None else _part(f"{path}: {name}", _part(path, data, name, dict), "name", str)
 
 
 def _redrawn(path: Path, vessel: object) -> int:
@@ -49,7 +58,7 @@ def _redrawn(path: Path, vessel: object) -> int:
     return count
 
 
-def _part(path: Path, data: dict[str, Any], name: str, kind: type) -> Any:
+def _part(path: Path | str, data: dict[str, Any], name: str, kind: type) -> Any:
     if not isinstance(data.get(name), kind) or name not in data:
         raise InputError(f"{path}: {name}", "a part of a scene", type(data.get(name)).__name__)
     return data[name]

@@ -32,7 +32,7 @@ from ..depth_cameras.errors import DepthErrors, depth_errors
 from . import layout
 from .camera_file import CAMERA_SCHEMA, CameraFile, DepthCameraRecord
 from .polarisation_files import read_stokes
-from .sensor_files import read_sensor_depth
+from .sensor_files import IR_FILES, read_numbers, read_sensor_depth
 
 #: Scenes per row group of the index: with Syn-TODD's 57 views about 4,000 rows.
 SCENES_A_GROUP = 64
@@ -63,7 +63,11 @@ SCHEMA = pa.schema(
         ("noise_left", pa.float64()),
         ("noise_right", pa.float64()),
         ("sensor_depth", pa.string()),
+        ("sensor_valid", pa.string()),
+        ("ir_left", pa.string()),
+        ("ir_right", pa.string()),
         ("sensor_measured", pa.float64()),
+        ("sensor_reasons", pa.list_(pa.float64())),
         *((f"sensor_{name}", pa.list_(pa.float64())) for name in DepthErrors._fields),
         ("stokes", pa.string()),
         ("polarisation_degree", pa.list_(pa.float64())),
@@ -102,7 +106,11 @@ class ViewRow(Model):
     noise_right: float | None
     #: What a depth camera reported; absent without one. Lists run over objects, as those above; null: too few pixels.
     sensor_depth: str | None = _absent("relative path")
+    sensor_valid: str | None = _absent("relative path")
+    ir_left: str | None = _absent("relative path; absent where infrared pictures were not written")
+    ir_right: str | None = _absent("relative path; absent where infrared pictures were not written")
     sensor_measured: float | None = _absent("fraction of the pixels that have a depth")
+    sensor_reasons: tuple[float, ...] | None = _absent("fraction of the pixels with each of the reasons, by its number")
     sensor_missing: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
     sensor_right: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
     sensor_behind: tuple[float | None, ...] | None = _absent("fractions of `DepthErrors`")
@@ -168,16 +176,20 @@ def _with_polarisation(row: ViewRow, folder: Path, geometry: Geometry) -> ViewRo
 
 def _with_depth(row: ViewRow, folder: Path, geometry: Geometry, device: DepthCameraRecord) -> ViewRow:
     reported = read_sensor_depth(folder / layout.SENSOR_DEPTH, device.unit)
+    reasons = read_numbers(folder / layout.SENSOR_VALID)
+    counts = np.bincount(reasons.ravel(), minlength=len(device.reasons))
+    names = [layout.SENSOR_DEPTH, layout.SENSOR_VALID, *IR_FILES.values()]
     errors = [depth_errors(reported, geometry.Z, geometry.id == number) for number in row.object_ids]
     columns = {
         f"sensor_{name}": tuple(None if np.isnan(one[k]) else one[k] for one in errors)
         for k, name in enumerate(DepthErrors._fields)
     }
     values = {
-        "sensor_depth": f"{row.path}/{layout.SENSOR_DEPTH}",
         "sensor_measured": float(np.isfinite(reported).mean()),
+        "sensor_reasons": tuple((counts / reasons.size).tolist()),
     }
-    return row.model_copy(update=values | columns)
+    paths = {Path(name).stem: f"{row.path}/{name}" for name in names if (folder / name).is_file()}
+    return row.model_copy(update=paths | values | columns)
 
 
 def _sampling(frame: Frame) -> dict[str, Any]:

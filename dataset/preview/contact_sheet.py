@@ -11,17 +11,10 @@ import numpy as np
 from ...annotate.boxes import EDGES
 from ...annotate.labels import Labels, ObjectLabel
 from ...annotate.projection import project_camera
-from ...core.images import (
-    depth_colours,
-    difference_colours,
-    id_colour,
-    id_colours,
-    normal_colours,
-    polarisation_colours,
-)
+from ...core.images import depth_colours, id_colour, id_colours, normal_colours
 from ...procedural.description.camera import Camera
-from ...procedural.surroundings.colour import luminance
 from ...render.frame import Geometry
+from .sensor_cells import Cell, SensorPreview, sensor_cells, stokes_cells
 
 #: Largest number of rows of a sheet, so that it fits a screen.
 MAX_VIEWS = 5
@@ -31,14 +24,12 @@ _BACKGROUND, _TEXT_COLOUR, _EMPTY = (24, 24, 27), (225, 225, 228), (45, 45, 48)
 _AXES = ((235, 60, 60), (70, 205, 80), (80, 130, 255))
 _STATES = {"visible": (80, 225, 95), "through_glass": (70, 190, 255), "occluded": (240, 75, 65)}
 _COLUMNS = ("left", "depth Z", "normals", "instances", "boxes, axes xyz", "keypoints")
-_SENSOR_COLUMNS = ("sensor depth", "sensor depth - Z")
-_STOKES_COLUMNS = ("DoLP", "AoLP, as bright as DoLP")
-#: Difference of depths at the ends of its colours [m]: what a depth camera sees through glass is some 50 mm behind it.
-_DIFFERENCE = 0.05
 #: Font sizes of an instance's number; the first that fits its region is used. The last is the smallest readable one.
 _NUMBER_SIZES = (0.5, 0.42, 0.35, 0.3)
 #: Radius of a keypoint's disc, and width of the dark ring around it [px].
 _DISC, _RING = _CELL / 150, _CELL / 400
+#: Height of a line of a legend [px], and colour around its discs, so that dark ones are seen.
+_LINE, _RING_COLOUR = 16, (150, 150, 155)
 #: Drawing coordinates carry this many fractional bits, so overlays are not rounded to pixels.
 _SHIFT = 4
 
@@ -52,7 +43,7 @@ class PreviewRow:
     camera: Camera
     geometry: Geometry
     labels: Labels
-    sensor: np.ndarray | None = None  #: (H, W) float32, what a depth camera reports [m]; NaN for none
+    sensor: SensorPreview | None = None
     stokes: np.ndarray | None = None  #: (H, W, 4, 3) float32, Stokes vectors
 
 
@@ -66,22 +57,38 @@ def contact_sheet(title: str, rows: Sequence[PreviewRow]) -> np.ndarray:
 
     Columns: left picture; depth over the objects' range, bright is near; normals (x red, up green, towards the camera
     blue); instances with their ids; oriented boxes with the axes of each pose; keypoints by visibility. Where a row has
-    the depth of a sensor: that depth, in the colours of the true one, and the difference of the two. Where it has
-    Stokes vectors: degree of linear polarisation, and the angle as a hue.
+    the depth of a sensor: that depth, in the colours of the true one, the difference of the two, why there is none, and
+    the left infrared picture if it was written. Where it has Stokes vectors: degree of linear polarisation, and the
+    angle as a hue. All rows have the columns of the first one.
     """
-    columns = _COLUMNS
-    for name, more in (("sensor", _SENSOR_COLUMNS), ("stokes", _STOKES_COLUMNS)):
-        columns += more if any(getattr(row, name) is not None for row in rows) else ()
+    more = [_reported(row) for row in rows]
+    columns = (*_COLUMNS, *(cell.title for cell in more[0])) if rows else _COLUMNS
     bands = [_header(title, columns)]
-    for row in rows:
+    for row, reported in zip(rows, more, strict=True):
         cells = _cells(row)
         height = cells[0].shape[0]
         band = np.full((height + _GAP, _left(len(columns)), 3), _BACKGROUND, np.uint8)
         _text(band, row.name, (10, height // 2 + 5))
-        for column, cell in enumerate(cells):
+        for column, cell in enumerate([*cells, *(_shown(one, height) for one in reported)]):
             band[:height, _left(column) : _left(column) + _CELL] = cell
         bands.append(band)
     return np.concatenate(bands)
+
+
+def _reported(row: PreviewRow) -> list[Cell]:
+    """Return what cameras beside the colour cameras report of a view."""
+    found = [] if row.sensor is None else sensor_cells(row.geometry, row.sensor)
+    return found + ([] if row.stokes is None else stokes_cells(row.stokes))
+
+
+def _shown(cell: Cell, height: int) -> np.ndarray:
+    """Return a cell at the sheet's size; pictures of another shape are cut or stand on the background."""
+    picture = _resized(cell.picture, _CELL / cell.picture.shape[1], smooth=cell.smooth)[:height]
+    if cell.tag:
+        _tag(picture, cell.tag)
+    if cell.legend:
+        _draw_legend(picture, cell.legend)
+    return np.concatenate([picture, np.full((height - len(picture), _CELL, 3), _BACKGROUND, np.uint8)])
 
 
 def depth_caption(Z: np.ndarray, near: float, far: float) -> str:
@@ -128,26 +135,7 @@ def _cells(row: PreviewRow) -> list[np.ndarray]:
     for label in row.labels.objects:
         _draw_axes(boxes, label, camera, scale)
         _draw_keypoints(points, label, scale)
-    cells = [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
-    cells += [] if row.sensor is None else _sensor_cells(geometry, row.sensor, scale)
-    return cells + ([] if row.stokes is None else _stokes_cells(row.stokes, scale))
-
-
-def _stokes_cells(stokes: np.ndarray, scale: float) -> list[np.ndarray]:
-    """Return the degree of linear polarisation in grey, and the angle as a hue that is as bright as that."""
-    pictures = polarisation_colours(luminance(stokes)[..., None])
-    return [_resized(picture, scale) for picture in pictures]
-
-
-def _sensor_cells(geometry: Geometry, sensor: np.ndarray, scale: float) -> list[np.ndarray]:
-    """Return a sensor's depth in the colours of the true one, and how much farther it is: red behind, blue in front."""
-    _, (near, far) = depth_colours(geometry.Z, geometry.id)
-    reported = np.where(np.isfinite(sensor), sensor, np.inf)
-    colours, _ = depth_colours(reported, geometry.id, (near, far))
-    difference = difference_colours(sensor - geometry.Z, _DIFFERENCE)
-    cells = [_resized(colours, scale), _resized(difference, scale)]
-    _tag(cells[1], f"-{1e3 * _DIFFERENCE:g} mm to {1e3 * _DIFFERENCE:g} mm")
-    return cells
+    return [left, depth, _resized(normal_colours(geometry.normal), scale), ids, boxes, points]
 
 
 def _header(title: str, columns: tuple[str, ...]) -> np.ndarray:
@@ -243,6 +231,17 @@ def _tag(picture: np.ndarray, text: str) -> None:
     bottom = picture.shape[0]
     picture[max(0, bottom - height - 12) :, : width + 12] = _BACKGROUND
     _text(picture, text, (6, bottom - 7), 0.42)
+
+
+def _draw_legend(picture: np.ndarray, legend: tuple[tuple[str, tuple[int, int, int]], ...]) -> None:
+    """Write names with the discs of their colours in the lower left corner, from the bottom upwards."""
+    for line, (name, colour) in enumerate(legend[: (len(picture) - 8) // _LINE]):
+        (width, _), _ = cv2.getTextSize(name, cv2.FONT_HERSHEY_SIMPLEX, 0.4, 1)
+        bottom = len(picture) - line * _LINE
+        picture[bottom - _LINE : bottom, : width + 26] = _BACKGROUND
+        _disc(picture, (10 << _SHIFT, (bottom - 8) << _SHIFT), 2.0 * _DISC, _RING_COLOUR)
+        _disc(picture, (10 << _SHIFT, (bottom - 8) << _SHIFT), 1.6 * _DISC, colour)
+        _text(picture, name, (20, bottom - 4), 0.4)
 
 
 def _text(

@@ -39,6 +39,7 @@ class SceneFacts:
     meshes: tuple[str, ...]  #: file of each object that comes from a mesh file
     rest: Rest | None
     redrawn: int  #: contents of vessels that did not fit and were drawn again
+    placed_again: int  #: how often objects did not fit on the table and were placed again
     turbid: int  #: vessels whose liquid is turbid
     layered: int  #: vessels with more than one liquid
 
@@ -57,6 +58,7 @@ def scene_facts(scene: StoredScene) -> SceneFacts:
         meshes=tuple(item.origin.file for item in objects.objects if item.origin is not None),
         rest=views.rest,
         redrawn=outline.redrawn,
+        placed_again=outline.placed_again,
         turbid=sum(any(liquid.turbid for liquid in _liquids(item)) for item in bodies),
         layered=sum(bool(item.layers) for item in bodies),
     )
@@ -154,7 +156,11 @@ def _view_numbers(
                 yield from (("depth", float(depth)), ("visible", visible), ("seen_through", through))
         yield from (("spp", spp) for spp in (row.spp_left, row.spp_right) if spp is not None)
         yield from (("noise", noise) for noise in (row.noise_left, row.noise_right) if noise is not None)
-        yield from _sensor_numbers(row, {item.id for item in objects.objects if _is_vessel(item)})
+        bodies = {item.id for item in objects.objects if _is_vessel(item)}
+        yield from _sensor_numbers(row, bodies)
+        for number, degree in zip(row.object_ids, row.polarisation_degree or (), strict=False):
+            if number in bodies and degree is not None:
+                yield "polarisation_degree", degree
 
 
 def _sensor_numbers(row: ViewRow, vessels: set[int]) -> Iterator[tuple[str, float]]:
@@ -187,6 +193,12 @@ def _names(objects: ObjectsFile, outline: SceneOutline) -> Iterator[tuple[str, s
     yield "surroundings", f"{environment.kind}{picture}"
     yield from (("lamps", light.kind) for light in outline.lights)
     yield "tables", outline.table
+    for topic, device in (
+        ("depth_cameras", outline.depth_camera),
+        ("polarisation_cameras", outline.polarisation_camera),
+    ):
+        if device is not None:
+            yield topic, device
     yield from (("prints", kind) for kind in outline.prints or ("none",))
 
 

@@ -19,6 +19,7 @@ SECTIONS = {
     "light": "Light and exposure",
     "pictures": "Pictures",
     "sensor": "Depth camera",
+    "polarisation": "Polarisation",
     "work": "Time and size",
 }
 
@@ -73,7 +74,14 @@ QUANTITIES: dict[str, Quantity] = {
     "noise": Quantity(
         "pictures", "Noise before the denoiser", "%", 1e2, "log", note="relative error, estimated, of each picture"
     ),
-    "sensor_measured": Quantity("sensor", "Pixels with a depth", "%", 1e2, "percent", note="of a view"),
+    "sensor_measured": Quantity(
+        "sensor",
+        "Pixels with a depth",
+        "%",
+        1e2,
+        "percent",
+        note="of a view; vessels of fewer than 100 visible pixels have no numbers of their own",
+    ),
     "sensor_missing": Quantity(
         "sensor", "Missing on vessels", "%", 1e2, "percent", note="of a vessel's visible pixels"
     ),
@@ -83,6 +91,14 @@ QUANTITIES: dict[str, Quantity] = {
     "sensor_behind": Quantity("sensor", "Behind vessels", "%", 1e2, "percent", note="by more than 20 mm, likewise"),
     "sensor_front": Quantity("sensor", "In front of vessels", "%", 1e2, "percent", note="by more than 20 mm, likewise"),
     "sensor_rim": Quantity("sensor", "Missing at rims over inside", note="within 7 px of the silhouette, and the rest"),
+    "polarisation_degree": Quantity(
+        "polarisation",
+        "Degree of linear polarisation of vessels",
+        "%",
+        1e2,
+        "percent",
+        note="median over a vessel's visible pixels, of which there are at least 100",
+    ),
     "seconds": Quantity("work", "Time of a scene", "s", axis="log", note="of the attempt that made it"),
     "bytes": Quantity("work", "Size of a scene", "MB", 1e-6, "log", note="all files of its folder"),
 }
@@ -99,5 +115,7 @@ TOPICS: dict[str, tuple[str, str, str, str]] = {
     "surroundings": ("light", "Surroundings", "scene", ""),
     "lamps": ("light", "Lamps", "lamp", ""),
     "tables": ("light", "Tables", "scene", ""),
+    "depth_cameras": ("sensor", "Devices", "scene", ""),
+    "polarisation_cameras": ("polarisation", "Devices", "scene", ""),
     "prints": ("light", "Prints on tables", "", "flat things that are no objects, and scenes without any"),
 }

@@ -40,6 +40,7 @@ class Summary:
     meshes: Counter[str]  #: objects by mesh file
     piles: PileCounts
     redrawn: int  #: contents of vessels that did not fit, and were drawn again
+    placed_again: int  #: how often the objects of a scene did not fit on its table, and were placed again
     turbid: int  #: vessels with a turbid liquid
     layered: int  #: vessels with more than one liquid
     gallery: tuple[Thumbnail, ...]
@@ -60,6 +61,7 @@ class _Sums:
     meshes: Counter[str] = field(default_factory=Counter)
     piles: PileCounts = field(default_factory=PileCounts)
     redrawn: int = 0
+    placed_again: int = 0
     turbid: int = 0
     layered: int = 0
 
@@ -110,6 +112,7 @@ def summarise(dataset: Dataset, most: int, each: Each = iter) -> Summary:
         meshes=sums.meshes,
         piles=sums.piles,
         redrawn=sums.redrawn,
+        placed_again=sums.placed_again,
         turbid=sums.turbid,
         layered=sums.layered,
         gallery=tuple(gallery),
@@ -136,5 +139,6 @@ def _add(sums: _Sums, facts: SceneFacts) -> None:
     sums.meshes.update(facts.meshes)
     sums.piles = counted_in(sums.piles, facts.rest)
     sums.redrawn += facts.redrawn
+    sums.placed_again += facts.placed_again
     sums.turbid += facts.turbid
     sums.layered += facts.layered

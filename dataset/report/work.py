@@ -69,5 +69,6 @@ def drawn_again(summary: Summary) -> Iterator[str]:
         ("scenes that stand apart, as no pile came to rest", f"{piles.given_up:,}"),
         ("falls that were drawn again", f"{piles.fell_again:,}"),
         ("contents that did not fit their vessel", f"{summary.redrawn:,}"),
+        ("places of all objects, as they did not fit on the table", f"{summary.placed_again:,}"),
     ]
     yield card("piles", "What was drawn again", facts_table(facts))

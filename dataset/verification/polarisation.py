@@ -68,7 +68,8 @@ def record_faults(record: PolarisationRecord, device: PolarisationCamera, gain: 
     for name in ("name", "colour", "bits"):
         where = f"polarisation_camera {name}"
         found += unlike("polarisation", layout.CAMERA, where, str(getattr(device, name)), str(getattr(record, name)))
-    for name, expected in (("angles", device.angles), ("extinction_ratio", device.extinction_ratio), ("gain", gain)):
+    numbers = {"angles": device.angles, "extinction_ratio": device.extinction_ratio, "black_level": device.black_level}
+    for name, expected in (numbers | {"gain": gain}).items():
         where, stored = f"polarisation_camera {name}", getattr(record, name)
         found += unlike("polarisation", layout.CAMERA, where, expected, stored, 1e-9 * float(np.abs(expected).max()))
     return found

@@ -14,6 +14,7 @@ from ..reader import StoredScene
 from ..stored_view import StoredView
 from .description import media_faults, object_faults
 from .fault import Fault, unlike
+from .sensor_rows import sensor_row_faults
 from .triangles import triangles_of
 from .view import ViewChecks
 
@@ -47,6 +48,8 @@ def scene_label_faults(root: Path, scene_id: int, developed: bool = False) -> It
         yield from _lines(view.folder, checks.run())
         if not checks.wrong & {"objects", "counts", "fractions"}:
             yield from _lines(stored.folder, row_faults(rows[view.number], scene, view))
+        if not checks.wrong & {"sensor", "polarisation", "ids", "depth"}:
+            yield from _lines(stored.folder, sensor_row_faults(rows[view.number], view))
 
 
 class WrongLabelError(RuntimeError):

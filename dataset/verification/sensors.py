@@ -11,6 +11,7 @@ from ...procedural.description.time_of_flight import DepthDevice
 from ...render.frame import Geometry
 from ..format import layout
 from ..format.camera_file import DepthCameraRecord
+from ..format.sensor_files import read_numbers
 from ..stored_view import StoredView
 from .fault import Fault, at_pixels, unlike
 
@@ -48,7 +49,13 @@ def sensor_faults(view: StoredView, device: DepthDevice | None, geometry: Geomet
     for file, values in ((layout.SENSOR_DEPTH, depth), (layout.SENSOR_VALID, reason)):
         if values.shape != geometry.Z.shape:
             found.append(Fault("sensor", file, "size", str(geometry.Z.shape), str(values.shape)))
-    return found or [*_pixel_faults(record, depth, reason), *_table_faults(record, depth, geometry)]
+    if found:
+        return found
+    return [
+        *_pixel_faults(record, depth, reason),
+        *_table_faults(record, depth, geometry),
+        *_infrared_faults(view, record, device),
+    ]
 
 
 def record_faults(record: DepthCameraRecord, device: DepthDevice) -> list[Fault]:
@@ -60,6 +67,11 @@ def record_faults(record: DepthCameraRecord, device: DepthDevice) -> list[Fault]
     faults += unlike("sensor", file, "depth_camera K", device.K, record.K, EXACT)
     stereo = isinstance(device, DepthCamera)
     faults += unlike("sensor", file, "depth_camera kind", "stereo" if stereo else device.kind, record.kind)
+    own = device.imager if stereo else device
+    size = own.width, own.height
+    faults += unlike("sensor", file, "depth_camera size", size, (record.width, record.height))
+    if isinstance(device, DepthCamera):
+        faults += _exposure_faults(record, device)
     if faults:
         return faults
     places = {"camera_T_left": device.place}
@@ -71,6 +83,38 @@ def record_faults(record: DepthCameraRecord, device: DepthDevice) -> list[Fault]
         step[0, 3] = place
         faults += unlike("sensor", file, f"depth_camera {name}", step.copy(), getattr(record, name), EXACT)
     return faults
+
+
+def _exposure_faults(record: DepthCameraRecord, device: DepthCamera) -> list[Fault]:
+    """Check that time and gain are some that the device can have."""
+    (low, high), most = device.imager.exposure, device.imager.gain
+    time, gain = record.exposure, record.gain
+    margin = 1.0 + EXACT
+    if (
+        time is not None
+        and gain is not None
+        and low <= time * margin
+        and time <= high * margin
+        and gain <= most * margin
+    ):
+        return []
+    expected = f"{low:g} to {high:g} s and a gain of 1 to {most:g}"
+    return [Fault("sensor", layout.CAMERA, "depth_camera exposure, gain", expected, f"{time}, {gain}")]
+
+
+def _infrared_faults(view: StoredView, record: DepthCameraRecord, device: DepthDevice) -> list[Fault]:
+    """Check size and numbers of the infrared pictures, where there are any."""
+    found: list[Fault] = []
+    if not isinstance(device, DepthCamera):
+        return found
+    white = 2**device.imager.bits - 1
+    for name in (layout.IR_LEFT, layout.IR_RIGHT):
+        if not (view.folder / name).is_file():
+            continue
+        numbers = read_numbers(view.folder / name)
+        found += unlike("sensor", name, "size", str((record.height, record.width)), str(numbers.shape))
+        found += at_pixels("sensor", name, numbers > white, f"a number of {device.imager.bits} bits", numbers)
+    return found
 
 
 def _pixel_faults(record: DepthCameraRecord, depth: np.ndarray, reason: np.ndarray) -> list[Fault]:

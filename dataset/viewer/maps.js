@@ -2,6 +2,7 @@
 // Maps as colours, and their numbers at a pixel.
 
 const NOTHING = [45, 45, 48];
+const ABOVE = [178, 24, 43], BELOW = [33, 102, 172];
 const rgbOf = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
 
 // Return what gives the colour of a pixel's numbers, `at` being the first of them.
@@ -13,6 +14,20 @@ function colouring(map, data, ids, ramp) {
       if (data[at] === map.none) return NOTHING;
       const level = Math.min(1, Math.max(0, (data[at] * map.step - map.low) / span));
       return ramp[Math.round(255 * level)];
+    },
+    // Blue below 0, white at 0, red above, as `core.images.difference_colours`.
+    signed: (at) => {
+      if (data[at] === map.none) return NOTHING;
+      const level = Math.min(1, Math.max(-1, data[at] * map.step / map.high));
+      return (level > 0 ? ABOVE : BELOW).map((full) => 255 + Math.abs(level) * (full - 255));
+    },
+    // A half turn as all hues, as bright as the second number.
+    angle: (at) => {
+      const hue = data[at] * map.step / 30, bright = 255 * Math.pow(data[at + 1] / 255, 1 / 2.2);
+      return [5, 3, 1].map((n) => {
+        const k = (n + hue) % 6;
+        return bright * (1 - Math.max(0, Math.min(k, 4 - k, 1)));
+      });
     },
     vector: (at) => {
       const [x, y, z] = [data[at], data[at + 1], data[at + 2]];

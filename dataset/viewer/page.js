@@ -63,6 +63,8 @@ async function show() {
 
 // ---- picture
 
+// Columns and rows of a picture and of its maps; infrared cameras have sizes of their own.
+const sizeOf = (eye) => (view.sizes || {})[eye] || [view.width, view.height];
 const mapsOf = (eye) => view.maps.filter((map) => map.name.startsWith(`${eye}/`));
 const chosen = () => mapsOf(state.eye).find((map) => map.name === `${state.eye}/${state.map}`);
 
@@ -111,9 +113,9 @@ async function showPicture() {
     });
   document.querySelectorAll("#shape-list input").forEach((input) =>
     (input.checked = listed("show").has(input.parentElement.textContent)));
-  const stage = byId("stage");
-  stage.style.aspectRatio = `${view.width} / ${view.height}`;
-  stage.style.setProperty("--ratio", view.width / view.height);
+  const stage = byId("stage"), [width, height] = sizeOf(state.eye);
+  stage.style.aspectRatio = `${width} / ${height}`;
+  stage.style.setProperty("--ratio", width / height);
   byId("photo").src = view.pictures[state.eye];
   const map = chosen(), canvas = byId("map");
   canvas.hidden = !map;
@@ -146,21 +148,26 @@ function legend(map) {
     const text = (value) => `${Number(value.toPrecision(4))} ${map.unit}`;
     return [element("span", {}, text(map.low), element("i", {class: "ramp", style: `background:linear-gradient(90deg,${stops})`}), text(map.high))];
   }
+  if (map.kind === "signed") {
+    const stops = [BELOW, [255, 255, 255], ABOVE].map((colour) => `rgb(${colour})`), text = (value) => `${value} ${map.unit}`.trim();
+    return [element("span", {}, text(map.low), element("i", {class: "ramp", style: `background:linear-gradient(90deg,${stops})`}), text(map.high))];
+  }
   return {vector: ["red: right, green: up, blue: towards the camera"],
+    angle: ["hue: angle from the rows of the picture (red 0, cyan 90 deg), as bright as the degree"],
     flow: [`hue: direction (red right), full colour from ${map.high.toFixed(1)} px on`]}[map.kind] || [];
 }
 
 // The numbers of all maps at a pixel: `pixel` is column,row of the maps.
 async function read() {
-  const [column, row] = state.pixel.split(",").map(Number), list = byId("numbers");
-  if (state.pixel === "" || !(column >= 0 && column < view.width && row >= 0 && row < view.height)) {
+  const [column, row] = state.pixel.split(",").map(Number), list = byId("numbers"), [width, height] = sizeOf(state.eye);
+  if (state.pixel === "" || !(column >= 0 && column < width && row >= 0 && row < height)) {
     list.replaceChildren(element("p", {class: "soft"}, "Point at the picture to read its labels."));
     return;
   }
   const rows = [element("tr", {}, element("td", {}, "pixel"), element("td", {}, state.pixel.replace(",", ", ")))];
   const wanted = mapsOf(state.eye), found = await Promise.all(wanted.map((map) => values(map.data)));
   wanted.forEach((map, i) => {
-    const at = (row * view.width + column) * (map.data.shape[2] || 1);
+    const at = (row * width + column) * (map.data.shape[2] || 1);
     rows.push(element("tr", {"data-map": map.name, class: map === chosen() ? "on" : false},
       element("td", {}, map.title), element("td", {}, reading(map, found[i], at, names))));
   });
@@ -210,7 +217,9 @@ async function fillSpace() {
   if (scene.target) space.target = scene.target;
   const drawn = (camera, colour) => (camera ? frustum(camera, 0.1, colour) : []);
   const cameras = scene.cameras.flatMap((pair, i) => [
-    ...drawn(pair.left, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...drawn(pair.right, [110, 130, 170])]);
+    ...drawn(pair.left, i === Number(state.view) ? [250, 190, 50] : [150, 150, 160]), ...drawn(pair.right, [110, 130, 170]),
+    // Parts of a depth camera stand millimetres apart: small, so that they can be told apart.
+    ...(pair.rig || []).flatMap((part) => frustum(part, 0.03, part.name === "projector" ? [235, 80, 70] : [185, 105, 225]))]);
   space.setLines("cameras", cameras);
   const points = scene.bodies.filter((body) => body.keypoints).flatMap((body) => {
     const m = transposed(body.pose);
@@ -306,8 +315,8 @@ function begin() {
   byId("camera-list").addEventListener("change", (event) => set({camera: event.target.value}));
   const stage = byId("stage");
   stage.addEventListener("pointermove", (event) => {
-    const box = stage.getBoundingClientRect();
-    state.pixel = [(event.clientX - box.left) / box.width * view.width, (event.clientY - box.top) / box.height * view.height].map(Math.floor).join(",");
+    const box = stage.getBoundingClientRect(), [width, height] = sizeOf(state.eye);
+    state.pixel = [(event.clientX - box.left) / box.width * width, (event.clientY - box.top) / box.height * height].map(Math.floor).join(",");
     read();
   });
   document.addEventListener("keydown", (event) => {

@@ -27,8 +27,11 @@ from ..reader import StoredView
 from .bodies import scene_bodies, view_cloud
 from .choice import Choice
 from .converted import converted_cloud, converted_scene, converted_shapes, lacking
-from .label_maps import LabelMap, converted_maps, reduced, view_maps
+from .label_maps import converted_maps, view_maps
+from .map_numbers import LabelMap, reduced
 from .packing import packed
+from .rig import rig
+from .sensor_maps import infrared_pictures
 from .shapes import view_lines, view_shapes
 
 #: JPEG quality of the pictures [1, 0 to 100]: some 60 kB of 640x480 px, with errors below the pictures' noise.
@@ -137,7 +140,10 @@ def _scene(choice: Choice) -> dict[str, Any]:
     names |= {record.id: record.name for record in records}
     return {
         "bodies": scene_bodies(scene, records),
-        "cameras": [{eye: _pinhole(view.camera(), eye) for eye in EYES} for view in choice.views],
+        "cameras": [
+            {eye: _pinhole(view.camera(), eye) for eye in EYES} | {"rig": rig(view, scene.depth_camera)}
+            for view in choice.views
+        ],
         "colours": {number: id_colour(number) for number in names},
         "names": names,
         "objects": [{"id": record.id, "cells": _cells(record)} for record in records],
@@ -162,17 +168,27 @@ def _view(choice: Choice, place: int, width: int) -> dict[str, Any]:
     shapes = {"left": view_shapes(view.labels(), camera)}
     if (view.folder / layout.RIGHT_LABELS).is_file():
         shapes["right"] = view_shapes(view.labels("right"), camera)
+    pictures = {eye: _picture(view.picture(eye), shown, height) for eye in EYES}
+    infrared = {eye: _fitted(one, width) for eye, one in infrared_pictures(view).items()}
     return {
         "width": shown,
         "height": height,
         "size": [camera.width, camera.height],
-        "pictures": {eye: _picture(view.picture(eye), shown, height) for eye in EYES},
+        "pictures": pictures | {eye: _picture(one, *size) for eye, (one, size) in infrared.items()},
+        "sizes": {eye: size for eye, (_, size) in infrared.items()},
         "maps": [_map(one, shown, height) for one in maps],
         "absent": absent,
         "shapes": shapes,
         "lines": view_lines(view),
         "cloud": view_cloud(view, camera),
     }
+
+
+def _fitted(picture: np.ndarray, width: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return a grey picture with three channels, and its columns and rows on the page."""
+    rows, columns = picture.shape
+    shown = min(width, columns)
+    return np.repeat(picture[..., None], 3, axis=-1), (shown, max(1, round(rows * shown / columns)))
 
 
 def _converted_view(view: StoredView, made: Conversion, width: int) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...annotate.labels import Labels
 from ...core.errors import InputError
-from ...core.images import NOTHING, id_colour
+from ...core.images import NOTHING, difference_colours, hue_colours, id_colour, srgb_curve
 from ...procedural.description.camera import Camera
 from ...procedural.description.scene import TABLE_ID, Prop, Scene
 from ...render.frame import EYES, Eye
@@ -25,7 +25,9 @@ from ..format.dataset_file import DatasetFile
 from ..reader import StoredView
 from .bodies import MOST_TRIANGLES, simplified, view_points
 from .choice import Choice
-from .label_maps import LabelMap, reduced, view_maps
+from .label_maps import view_maps
+from .map_numbers import LabelMap, reduced
+from .sensor_maps import infrared_pictures
 
 #: Length of a camera's pyramid in the view [m], and radius of a point of a cloud [m].
 _PYRAMID, _POINT = 0.12, 0.001
@@ -199,9 +201,28 @@ def _log_view(
         if one.kind == "ids":  # a view of one map knows only what is logged at the map itself
             recording.log(f"world/{one.name}", rr.AnnotationContext(classes), static=True)
         _log_map(rr, recording, one, reduced(one, shown, height))
+    _log_infrared(rr, recording, view)
     points, colours, ids = view_points(view, camera)
     cloud = rr.Points3D(points, colors=colours, radii=_POINT, class_ids=ids)
     recording.log("world/cloud", cloud)
+
+
+def _log_infrared(rr: ModuleType, recording: Any, view: StoredView) -> None:
+    """Log the infrared pictures of a depth camera, each with its camera."""
+    device, pictures = view.depth_camera(), infrared_pictures(view)
+    if device is None:
+        return
+    for name, camera_T_infrared in (("left", device.camera_T_left), ("right", device.camera_T_right)):
+        picture = pictures.get(f"infrared {name}")
+        if picture is None or camera_T_infrared is None:
+            continue
+        entity, pose = f"world/infrared_{name}", view.camera().world_T_camera @ camera_T_infrared
+        K = np.array(device.K) + np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]])
+        recording.log(entity, rr.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3]))
+        size = [device.width, device.height]
+        pinhole = rr.Pinhole(image_from_camera=K, resolution=size, camera_xyz=rr.ViewCoordinates.RDF)
+        recording.log(entity, pinhole)
+        recording.log(f"{entity}/picture", rr.Image(picture, color_model="L"))
 
 
 def _pinhole(rr: ModuleType, camera: Camera, scale: float, width: int, height: int) -> Any:
@@ -254,7 +275,11 @@ def _log_map(rr: ModuleType, recording: Any, one: LabelMap, values: np.ndarray) 
 
 
 def _colours(one: LabelMap, values: np.ndarray) -> np.ndarray:
-    """Return directions and flow as colours, as `maps.js` has them, (H, W, 3) uint8."""
+    """Return directions, flow, signed numbers and angles as colours, as `maps.js` has them, (H, W, 3) uint8."""
+    if one.kind == "signed":
+        return difference_colours(np.where(values == one.none, np.nan, values * one.step), one.high)
+    if one.kind == "angle":
+        return hue_colours(values[..., 0] * one.step / 180.0, srgb_curve(values[..., 1] / 255.0))
     if one.kind == "vector":
         colours = 127.5 + values * np.array([1.0, -1.0, -1.0])
         return np.where((values == 0).all(axis=-1, keepdims=True), 45, colours).clip(0, 255).astype(np.uint8)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ...core.model import Model, Unit
+from ...core.model import Model
 
 _Row = tuple[float, float]
+#: Axes closer than this are one [deg]: no filter is placed better.
+_APART = 0.1
 
 
 class PolarisationCamera(Model):
@@ -27,13 +29,24 @@ class PolarisationCamera(Model):
     full_well: float = Field(gt=0.0, description="Electrons of a saturated pixel [e-]")
     read_noise: float = Field(ge=0.0, description="Standard deviation of the read noise [e-]")
     bits: int = Field(default=12, ge=6, le=16, description="Of the analogue-to-digital converter")
-    black_level: Unit = Field(default=0.0, description="Value of a pixel without light, as a fraction of the scale")
+    black_level: float = Field(
+        default=0.0, ge=0.0, lt=1.0, description="Value of a pixel without light, as a fraction of the scale"
+    )
     exposure: float = Field(
         default=2.0,
         gt=0.0,
         description="Exposure time over that of a camera without filters: these take half of unpolarised light",
     )
     samples: int = Field(ge=1, le=1_048_576, description="Light paths of each pixel that shows glass")
+
+    @model_validator(mode="after")
+    def _axes_tell_a_vector(self) -> PolarisationCamera:
+        """Require three different axes: intensity, and degree and angle of polarisation, are three unknowns."""
+        axes = np.sort(np.array(self.angles).ravel() % 180.0)
+        apart = np.diff(axes, append=axes[0] + 180.0)  # an axis that is turned by 180 degrees is the same
+        if np.count_nonzero(apart > _APART) < 3:
+            raise ValueError(f"angles: expected three different axes or more, modulo 180 degrees, found {self.angles}")
+        return self
 
     @property
     def axes(self) -> np.ndarray:

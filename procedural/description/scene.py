@@ -88,6 +88,12 @@ class Scene(Model):
     rest: Rest | None = Field(
         default=None, exclude_if=lambda rest: rest is None, description="How a pile came to rest, where there is one"
     )
+    placed_again: int = Field(
+        default=0,
+        ge=0,
+        exclude_if=lambda count: count == 0,
+        description="How often the places of all objects were drawn again, as they did not fit on the table",
+    )
     depth_camera: DepthDevice | None = Field(
         default=None, exclude_if=lambda device: device is None, description="Beside the left colour camera"
     )

@@ -91,12 +91,22 @@ def draw_positions(
     InputError
         If the objects do not fit on the table.
     """
+    shifts = find_positions(footprints, board, settings, rng)
+    if shifts is None:
+        raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
+    return shifts
+
+
+def find_positions(
+    footprints: Sequence[np.ndarray], board: np.ndarray, settings: PlacementSettings, rng: np.random.Generator
+) -> np.ndarray | None:
+    """Return what `draw_positions` returns, or None where the objects do not fit on the table."""
     order = sorted(range(len(footprints)), key=lambda i: -np.ptp(footprints[i], axis=0).max())
     for _ in range(_RESTARTS):
         shifts = _attempt(footprints, order, board, settings, rng)
         if shifts is not None:
             return shifts
-    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
+    return None
 
 
 def _attempt(

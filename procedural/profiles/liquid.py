@@ -12,6 +12,8 @@ from ...core.errors import InputError
 RIM_MARGIN = 2.5e-3
 #: Largest error of a level found from a volume [m].
 LEVEL_TOLERANCE = 1e-12
+#: By how much a volume may be above the most that fits [1]: sums of frusta in another order differ by 1e-12.
+ROUNDING = 1e-9
 
 
 def volume_below(inner: np.ndarray, level: float) -> float:
@@ -58,9 +60,10 @@ def level_of_volume(inner: np.ndarray, volume: float) -> float:
         Where the volume is not positive, or the level would be less than `RIM_MARGIN` below the rim's crown.
     """
     most = volume_below(inner, highest_contact(inner))
-    if not 0.0 < volume <= most:
+    if not 0.0 < volume <= (1.0 + ROUNDING) * most:
         raise InputError("liquid.volume", f"more than 0 and at most {most:.3e} m^3 (below the rim)", f"{volume:.3e}")
     bracket = (float(np.asarray(inner)[0, 1]), highest_contact(inner))
+    volume = min(volume, most)
     return root_scalar(lambda z: volume_below(inner, z) - volume, bracket=bracket, xtol=LEVEL_TOLERANCE).root
 
 

@@ -21,7 +21,7 @@ from ..optics.medium import Medium
 from ..optics.wetting import contact_angle
 from .curve import Curve, directions, simplified
 from .cuts import CONTACT_MERGE, normal_at
-from .liquid import highest_contact, level_of_volume, volume_below
+from .liquid import ROUNDING, highest_contact, level_of_volume, volume_below
 
 #: Smallest angle at which a surface meets the wall [rad], and its distance from a half turn at the other end. A facet
 #: of the wall leans by up to half of `curve.MAX_TURN` (5 degrees) from the normal that its vertices interpolate, so at
@@ -169,6 +169,8 @@ def _contact_height(inner: Curve, volume: float, liquid: _Capillary, fraction: f
     near = max(lowest, level - reach), min(highest, level + reach)
     low = near[0] if excess(near[0]) < 0.0 else lowest
     high = near[1] if excess(near[1]) >= 0.0 else highest
+    if -ROUNDING * volume <= excess(high) < 0.0:
+        return high
     if excess(high) < 0.0:
         raise InputError("liquid.volume", f"at most {volume + excess(high):.3e} m^3 (below the rim)", f"{volume:.3e}")
     return root_scalar(excess, bracket=(low, high), method="brentq", xtol=CONTACT_TOLERANCE).root

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.randomness import stream
 from ..description.rest import Rest
@@ -15,7 +17,7 @@ from ..physics.bodies import mechanics_of
 from ..physics.faults import placed_parts
 from ..physics.piles import pile_up
 from ..physics.sections import hull
-from ..placement.placement import CONTACT_GAP, draw_positions, footprint
+from ..placement.placement import CONTACT_GAP, find_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline
 from ..things.draw import prop_pose
@@ -26,11 +28,22 @@ from .supports import put_on_carriers
 #: Least angle between the axis of a vessel that lies and the vertical [rad]: it lies on its side or on a corner of its
 #: foot and its rim, and neither stands nor is it turned over.
 LEAST_TILT = np.radians(30.0)
+#: How often all that stands apart is turned and placed anew before it is said not to fit [1]: a napkin that is as long
+#: as a narrow table is deep fits lengthwise alone.
+_PLACEMENTS = 10
+
+
+class Arrangement(NamedTuple):
+    """The objects of a scene in their places."""
+
+    objects: list[SceneObject]
+    rest: Rest | None  #: how they came to rest where they fell
+    placed_again: int  #: how often all places were drawn again, as the objects did not fit
 
 
 def arranged(
     objects: Sequence[SceneObject], parts: Parts, table: Table, settings: SceneSettings, seed: int, scene_id: int
-) -> tuple[list[SceneObject], Rest | None]:
+) -> Arrangement:
     """Return the objects in their places with their parts behind them, and how they came to rest where they fell.
 
     Vessels stand upright, some of them on trays and plates, but empty ones lie with `physics.lying_probability`. Props
@@ -57,19 +70,20 @@ def arranged(
     """
     upright = [_stands(item, parts, settings, seed, scene_id) for item in objects]
     piled = stream(seed, scene_id, "physics").random() < settings.physics.piled_probability
-    board, poses, rest = outline(table), None, None
+    board, poses, rest, again = outline(table), None, None, 0
     if piled and not all(upright):
         poses, rest = pile_up(
             objects, upright, board, table.material, settings.physics, settings.placement, seed, scene_id, parts
         )
     if poses is None:
-        poses = _apart(objects, upright, board, settings, seed, scene_id, parts)
+        poses, again = _apart(objects, upright, board, settings, seed, scene_id, parts)
     placed, behind = [], []
     for item, pose in zip(objects, poses, strict=True):
         placed.append(item.model_copy(update={"world_T_object": pose}))
         behind += placed_parts(parts.get(item.name, ()), pose)
     first = FIRST_OBJECT_ID + len(placed)
-    return placed + [part.model_copy(update={"id": first + number}) for number, part in enumerate(behind)], rest
+    numbered = [part.model_copy(update={"id": first + number}) for number, part in enumerate(behind)]
+    return Arrangement(placed + numbered, rest, again)
 
 
 def _stands(item: SceneObject, parts: Parts, settings: SceneSettings, seed: int, scene_id: int) -> bool:
@@ -88,9 +102,28 @@ def _apart(
     seed: int,
     scene_id: int,
     parts: Parts,
-) -> list[np.ndarray]:
+) -> tuple[list[np.ndarray], int]:
+    """Return poses in which objects stand apart from each other, and how often they were drawn again."""
     meshes = [group_mesh(item, parts.get(item.name, ())) for item in objects]
-    streams = [stream(seed, scene_id, f"pose/{item.name}") for item in objects]
+    for again in range(_PLACEMENTS):
+        poses = _placed(objects, upright, meshes, board, settings, seed, scene_id, f"again-{again}/" if again else "")
+        if poses is not None:
+            return poses, again
+    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(objects)} that do not")
+
+
+def _placed(
+    objects: Sequence[SceneObject],
+    upright: Sequence[bool],
+    meshes: Sequence[Mesh],
+    board: np.ndarray,
+    settings: SceneSettings,
+    seed: int,
+    scene_id: int,
+    prefix: str,
+) -> list[np.ndarray] | None:
+    """Return poses in which objects stand apart, drawn from streams with a prefix; None where they do not fit."""
+    streams = [stream(seed, scene_id, f"{prefix}pose/{item.name}") for item in objects]
     poses = [_pose(*given) for given in zip(objects, meshes, upright, streams, strict=True)]
     carrier = put_on_carriers(objects, upright, meshes, poses, settings.placement, seed, scene_id)
     outlines = [footprint(mesh, pose) for mesh, pose in zip(meshes, poses, strict=True)]
@@ -98,7 +131,9 @@ def _apart(
     for number, below in carrier.items():
         groups[below].append(outlines[number])
     around = [hull(np.concatenate(some)) if len(some) > 1 else some[0] for some in groups.values()]
-    shifts = draw_positions(around, board, settings.placement, stream(seed, scene_id, "placement"))
+    shifts = find_positions(around, board, settings.placement, stream(seed, scene_id, f"{prefix}placement"))
+    if shifts is None:
+        return None
     shift_of = dict(zip(groups, shifts, strict=True))
     for number, pose in enumerate(poses):
         pose[:3, 3] += [*shift_of[carrier.get(number, number)], CONTACT_GAP]

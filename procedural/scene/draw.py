@@ -50,7 +50,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
     props = _props(settings.props, seed, scene_id, prop_count, FIRST_OBJECT_ID + vessel_count, files)
     kind, prints = (stream(seed, scene_id, f"table/{name}") for name in ("kind", "prints"))
     table = draw_table(stream(seed, scene_id, "table"), settings.table, files.table_textures, kind, prints)
-    objects, rest = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
+    objects, rest, placed_again = arranged([*vessels, *props], parts, table, settings, seed, scene_id)
 
     around = draw_surroundings(settings, seed, scene_id, files, table, objects)
     scene = Scene(
@@ -64,6 +64,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         cameras=around.cameras,
         picture=settings.picture,
         rest=rest,
+        placed_again=placed_again,
         depth_camera=depth_camera(settings.sensors.depth),
         polarisation_camera=polarisation_camera(settings.sensors.polarisation),
     )

@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from ...core.assets import asset
-from ...core.setting_errors import setting_error
+from ...core.errors import InputError
+from ...core.setting_errors import shortened
 from ..description.depth_camera import DepthCamera, InfraredImager, Matching, PatternProjector
 from ..description.time_of_flight import DepthDevice, TimeOfFlightCamera
-from .devices import LIKE, NONE, device_fields, is_device_file, named_device
+from .devices import LIKE, NONE, device_fields, is_device_file, named_device, own_device
 from .pattern_picture import pattern_picture
 from .time_of_flight import TIME_OF_FLIGHT_CAMERAS
 
+#: Value of `kind` of time-of-flight cameras; others have none.
+_TIMED = "tof"
 #: Where a figure that both devices share comes from.
 _SHARED = (
     "projector: 360 mW on average, class 1, 850 nm (D400 data sheet); 6,437 dots, as counted in the picture of its "
@@ -133,22 +134,36 @@ def depth_camera(name: str | Path, where: str = "sensors.depth") -> DepthDevice 
     if not is_device_file(text):
         return named_device(_DEVICES, text, where, f"{NONE}, or a YAML file")
     given, like = device_fields(text, where)
-    _take_picture(given, Path(text).parent)
     below = {} if like is None else named_device(_DEVICES, like, f"{text}: {LIKE}").model_dump()
-    kind = TimeOfFlightCamera if "tof" in (below.get("kind"), given.get("kind")) else DepthCamera
-    try:
-        return kind.model_validate(_merged(below | {"name": "own", "source": ""}, given))
-    except ValidationError as error:
-        raise setting_error(text, error, kind) from error
+    kind = _kind(text, given, below)
+    _take_picture(given, text)
+    fields = _merged(below | {"name": "own", "source": ""}, given)
+    return own_device(text, kind, fields, None if like else "l515" if kind is TimeOfFlightCamera else "d435")
 
 
-def _take_picture(given: dict, folder: Path) -> None:
+def _kind(path: str, given: dict, below: dict) -> type[DepthCamera] | type[TimeOfFlightCamera]:
+    """Return the model of a file's device: time of flight where the file or the device below it says so."""
+    kind = given.get("kind", below.get("kind"))
+    if kind is None:
+        return DepthCamera
+    if kind != _TIMED:
+        raise InputError(f"{path}: kind", f"{_TIMED} for time of flight, or none for stereo", shortened(kind))
+    if below and below.get("kind") != _TIMED:
+        raise InputError(f"{path}: kind", f"none with {LIKE}: {below['name']}, which is a stereo camera", _TIMED)
+    return TimeOfFlightCamera
+
+
+def _take_picture(given: dict, path: str) -> None:
     """Put the record of a pattern's picture in place of its path, which begins at the folder of the YAML file."""
     projector = given.get("projector")
-    if isinstance(projector, dict) and isinstance(projector.get("picture"), str):
-        path = folder / projector["picture"]
-        pattern_picture(path)
-        projector["picture"] = asset(path)
+    if not isinstance(projector, dict) or projector.get("picture") is None:
+        return
+    name = projector["picture"]
+    if not isinstance(name, str):
+        raise InputError(f"{path}: projector.picture", "the path of a picture", shortened(name))
+    picture = Path(path).parent / name
+    pattern_picture(picture)
+    projector["picture"] = asset(picture)
 
 
 def _merged(below: dict, above: dict) -> dict:

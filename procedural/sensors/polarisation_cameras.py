@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from ...core.setting_errors import setting_error
 from ..description.polarisation_camera import PolarisationCamera
-from .devices import LIKE, NONE, device_fields, is_device_file, named_device
+from .devices import LIKE, NONE, device_fields, is_device_file, named_device, own_device
 
 _SOURCE = (
     "axes of the filters: Sony's cell as cameras with it document it (90, 45; 135, 0 degrees from its first row on); "
@@ -59,7 +56,5 @@ def polarisation_camera(name: str | Path, where: str = "sensors.polarisation") -
         return named_device(POLARISATION_CAMERAS, text, where, f"{NONE}, or a YAML file")
     given, like = device_fields(text, where)
     below = {} if like is None else named_device(POLARISATION_CAMERAS, like, f"{text}: {LIKE}").model_dump()
-    try:
-        return PolarisationCamera.model_validate(below | {"name": "own", "source": ""} | given)
-    except ValidationError as error:
-        raise setting_error(text, error, PolarisationCamera) from error
+    fields = below | {"name": "own", "source": ""} | given
+    return own_device(text, PolarisationCamera, fields, None if like else _MONO.name)

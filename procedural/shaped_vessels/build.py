@@ -123,7 +123,8 @@ def shaped_glass(
     """
     chord_error = min(chord_error, FINE * glass.wall)
     section = half_section(outline, glass.fillet, glass.punt, chord_error)
-    inside = _inside(glass, outline.height, chord_error, 1.0)
+    # (The surfaces of two walls have the same columns: their chords make both walls thicker, not thinner.)
+    inside = _inside(glass, outline.height, chord_error * (0.5 if shape.gap else 1.0), 1.0)
     if shape.gap:
         solid, brim = double_walled(section, shape.form, inside, shape.gap, chord_error)
     else:

@@ -117,8 +117,10 @@ def trace_cached(tracing: CachedTracing, ray: mi.Ray3f) -> Radiance:
         for result, value in zip(found, (state.L, state.violations, state.depth), strict=True):
             dr.scatter(result, value, state.lane, mode=dr.ReduceMode.Permute)
         remaining = dr.compress(state.active)
-    dr.eval(found)
-    return Radiance(*found)
+    light, violations, segments = found
+    violations = dr.minimum(violations, 1)
+    dr.eval(light, violations, segments)
+    return Radiance(light, violations, segments)
 
 
 @syntax

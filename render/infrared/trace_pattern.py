@@ -82,7 +82,7 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
         depth += 1
         active = hit & (beta > 0.0) & (depth < _MAX_SURFACES)
 
-    return Radiance(mi.Color3f(L), violations, segments)
+    return Radiance(mi.Color3f(L), dr.minimum(violations, 1), segments)
 
 
 def opaque_lobe(

@@ -45,7 +45,9 @@ class Radiance:
     """The result of a wavefront of paths, one entry a path."""
 
     radiance: mi.Color3f
-    violations: mi.UInt32  #: segments whose medium is not the one on the near side of the surface at their end
+    #: 1 for a path with a segment whose medium is not the one on the near side of the surface at its end, else 0. (One
+    #: that slipped through a crack into a painted bottle is reflected in it dozens of times.)
+    violations: mi.UInt32
     segments: mi.UInt32
     #: In polarised variants s1, s2, s3 beside the radiance s0, in the frame with the x axis
     #: ``mi.mueller.stokes_basis(-ray.d)`` of the camera's ray; empty in other variants.
@@ -175,7 +177,7 @@ def trace(
         beta *= mi.Spectrum(dr.rcp(survival))
 
     s0, *others = to_output(L, carried, ray.wavelengths)
-    return Radiance(s0, violations, segments, tuple(others))
+    return Radiance(s0, dr.minimum(violations, 1), segments, tuple(others))
 
 
 def _initial_origin(origin: PathOrigin | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:

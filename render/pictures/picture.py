@@ -57,7 +57,7 @@ class NoisyImage:
     guides: Guides
     sampling: PictureNoise  #: mean samples per pixel, and the relative error (`Film.noise`)
     exposure: float  #: factor from radiance to displayed light, of which 1 is white
-    violations: float  #: fraction of segments whose medium is not the one on the near side of the surface at their end
+    violations: float  #: paths with a segment that ends in another medium than it started in, over all segments
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,18 +271,18 @@ def check_finite(radiance: np.ndarray, variance: np.ndarray, instance: np.ndarra
 
 
 def check_media(counts: np.ndarray, eye: Eye) -> None:
-    """Raise MediumError if more segments change their medium between two surfaces than hairline cracks explain.
+    """Raise MediumError if more paths change their medium between two surfaces than hairline cracks explain.
 
     Parameters
     ----------
     counts : (2,)
-        Number of such segments, and of all segments.
+        Number of such paths, and of all segments.
     eye : {"left", "right"}
         The picture's eye.
     """
     if counts[0] > max(FEW_VIOLATIONS, MAX_VIOLATIONS * counts[1]):
         raise MediumError(
-            f"{eye} picture: {counts[0]:.0f} of {counts[1]:.0f} segments end in another medium than they started in "
-            f"(at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing, its normal "
+            f"{eye} picture: {counts[0]:.0f} paths of {counts[1]:.0f} segments have one that ends in another medium "
+            f"than it started in (at most a fraction of {MAX_VIOLATIONS:g} may): an interface is missing, its normal "
             "is reversed, or a camera is inside a body"
         )

@@ -13,16 +13,20 @@ import pytest
 from glassware.annotate.keypoints import scene_keypoints
 from glassware.annotate.labels import Labels, annotate
 from glassware.dataset.depth_cameras.measure import REASONS
-from glassware.dataset.format.camera_file import depth_camera_record
+from glassware.dataset.format.camera_file import PolarisationRecord, depth_camera_record
 from glassware.dataset.format.dataset_file import DatasetFile, installed_versions
 from glassware.dataset.format.file_kinds import EARLIER_KINDS
+from glassware.dataset.format.pictures import write_png
+from glassware.dataset.format.polarisation_files import polarisation_numbers, read_stokes, write_stokes
 from glassware.dataset.pipeline import write
+from glassware.dataset.polarisation_cameras.mosaic import reported
 from glassware.dataset.reader import Dataset
 from glassware.dataset.settings.draw import draw
 from glassware.dataset.writer import finish_dataset, scene_writer, start_dataset
 from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.sensors.depth_cameras import depth_camera
-from glassware.render.frame import Frame
+from glassware.procedural.sensors.polarisation_cameras import polarisation_camera
+from glassware.render.frame import Frame, StokesPicture
 
 #: Name of a depth camera, whose depth is in millimetres.
 DEVICE = "d435"
@@ -115,6 +119,37 @@ def add_sensor_depth() -> Callable[[Path], Path]:
             cv2.imwrite(str(view.folder / "sensor_depth.png"), steps)
             camera = view.folder / "camera.json"
             camera.write_text(json.dumps(json.loads(camera.read_text()) | {"depth_camera": record}))
+        return root
+
+    return add
+
+
+@pytest.fixture(scope="session")
+def add_sensors(add_sensor_depth) -> Callable[[Path], Path]:
+    """(root) -> root: give each view of a data set the files of a depth camera and of a polarisation camera."""
+    device = polarisation_camera("imx250mzr")
+    assert device is not None
+    names = ("name", "angles", "colour", "extinction_ratio", "bits", "black_level")
+    record = PolarisationRecord(gain=0.5, **{name: getattr(device, name) for name in names})
+
+    def add(root: Path) -> Path:
+        for view in Dataset.open(add_sensor_depth(root)).views():
+            rng, shape = np.random.default_rng(view.number), view.geometry().Z.shape
+            depth = cv2.imread(str(view.folder / "sensor_depth.png"), cv2.IMREAD_UNCHANGED)
+            assert depth is not None
+            write_png(view.folder / "sensor_valid.png", np.where(depth > 0, 1, 2).astype(np.uint16))
+            for name in ("ir_left.png", "ir_right.png"):
+                write_png(view.folder / name, rng.integers(0, 255, (480, 848)).astype(np.uint16))
+            vector = rng.uniform(-0.3, 0.3, (*shape, 4, 3)).astype(np.float32)
+            vector[..., 0, :] = rng.uniform(0.6, 1.0, (*shape, 3))
+            write_stokes(view.folder / "stokes.exr", StokesPicture(vector, np.zeros((*shape, 4), np.float32)), 1.0)
+            vector = read_stokes(view.folder / "stokes.exr").vector
+            for name, numbers in zip(("dolp.png", "aolp.png"), polarisation_numbers(vector), strict=True):
+                write_png(view.folder / name, numbers)
+            write_png(view.folder / "polarisation_mosaic.png", reported(device, vector, record.gain, rng))
+            camera = view.folder / "camera.json"
+            more = {"polarisation_camera": record.model_dump(mode="json")}
+            camera.write_text(json.dumps(json.loads(camera.read_text()) | more))
         return root
 
     return add

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import glassware as gw
+from glassware.dataset.commands.build_dataset import main as build_dataset
 from glassware.dataset.commands.develop import main as develop
 from glassware.dataset.commands.render_scene import main as render_scene
 from glassware.dataset.verification.scene import scene_label_faults
@@ -22,6 +23,17 @@ def test_an_unknown_device_is_one_line_and_writes_nothing(tmp_path, capsys):
     line = capsys.readouterr().err.strip()
     assert "\n" not in line
     assert "sensors.depth: expected one of d415, d435, l515, none, or a YAML file (is it d435?), found 'd453'" in line
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("main", [render_scene, build_dataset])
+@pytest.mark.parametrize("device", ["none", "l515"])
+def test_infrared_pictures_need_a_camera_that_takes_them(tmp_path, capsys, main, device):
+    out = tmp_path / "out"
+    assert main(["--sensors.depth", device, "--write", "infrared", "--out", str(out)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "write: expected infrared with a stereo depth camera alone, such as sensors.depth d435, found" in line
+    assert line.endswith(f"sensors.depth {device}")
     assert not out.exists()
 
 

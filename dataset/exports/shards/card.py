@@ -10,18 +10,27 @@ from typing import Any
 
 import yaml
 
+from ....core.errors import InputError
 from ....procedural.scene.splits import Split
 from ..job import Job
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
+from .sensors import SENSOR_CONFIGS, SETTINGS, sensor_columns
 
-#: The configurations, in the order in which their shards are written.
-CONFIGS = ("pictures", "geometry", "labels")
+#: The configurations, in the order in which their shards are written; the last two where a data set has such cameras.
+CONFIGS = ("pictures", "geometry", *SENSOR_CONFIGS, "labels")
 #: Splits by the names that the Hub gives them.
 _HUB_SPLITS = {"train": "train", "val": "validation", "test": "test"}
+#: What a card says of them.
+_SENSOR_NOTES = {
+    "sensor": "`sensor_depth.png` is what a depth camera reports, in metres times `unit`, 0 for nothing, in the left "
+    "picture's pixels; `sensor_valid.png` says why, by its number among `reasons`.",
+    "polarisation": "`stokes.exr` has Stokes vectors that the left camera sees, and `polarisation_mosaic.png` what a "
+    "sensor with polarising filters reports.",
+}
 
 
 def columns(job: Job) -> dict[str, dict[str, Kind]]:
-    """Return the columns of each configuration with their types."""
+    """Return the columns of each configuration with their types; InputError for one that the data set has not."""
     own: dict[str, dict[str, Kind]] = {
         "pictures": {f"{eye}.png": "image" for eye in job.eyes()} | {"camera.json": CAMERA},
         "geometry": {
@@ -30,10 +39,15 @@ def columns(job: Job) -> dict[str, dict[str, Kind]]:
             "geometry.exr": "binary",
             "geometry.json": GEOMETRY,
         },
+        **sensor_columns(job),
         "labels": {"labels.json": {"objects": [OBJECT]}},
     }
+    lacking = next((name for name in job.options.labels or () if name not in own), None)
+    if lacking is not None:
+        expected = f"labels of cameras that the data set has; {lacking} needs --sensors.{SETTINGS[lacking]}"
+        raise InputError("--labels", expected, lacking)
     both: dict[str, Kind] = {"__key__": "string", "__url__": "string"}
-    return {config: both | own[config] for config in CONFIGS if job.has(config)}
+    return {config: both | own[config] for config in CONFIGS if config in own and job.has(config)}
 
 
 def card(job: Job, splits: Sequence[Split], scenes: int) -> str:
@@ -60,6 +74,7 @@ def card(job: Job, splits: Sequence[Split], scenes: int) -> str:
         f"{scenes} scenes of transparent objects, rendered and labelled by glassware (seed {head.seed}).",
         "Metres and radians, OpenCV camera axes; the centre of pixel (0, 0) is at 0. `depth.png` is the planar depth",
         "of the first surface in steps of `depth_step_mm`, 0 without one. Masks are COCO's compressed run lengths.",
+        *(_SENSOR_NOTES[name] for name in SENSOR_CONFIGS if name in configs),
         "",
         "`SHA256SUMS` has the digests of all shards, `croissant.json` describes them for programs.",
         "",

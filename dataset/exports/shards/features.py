@@ -43,6 +43,32 @@ OBJECT: Kind = {
     "keypoints": [{"u": "float64", "v": "float64", "Z": "float64", "state": "string"}],
 }
 GEOMETRY: Kind = {"depth_step_mm": "float64"}
+#: Of `camera.json`, as docs/format.md describes them.
+DEPTH_CAMERA: dict[str, Kind] = {
+    "name": "string",
+    "kind": "string",
+    "unit": "float64",
+    "range": ["float64"],
+    "K": _MATRIX,
+    "width": "int64",
+    "height": "int64",
+    "baseline": "float64",
+    "camera_T_left": _MATRIX,
+    "camera_T_right": _MATRIX,
+    "camera_T_projector": _MATRIX,
+    "exposure": "float64",
+    "gain": "float64",
+    "reasons": ["string"],
+}
+POLARISATION_CAMERA: dict[str, Kind] = {
+    "name": "string",
+    "angles": _MATRIX,
+    "colour": "bool",
+    "extinction_ratio": "float64",
+    "bits": "int64",
+    "black_level": "float64",
+    "gain": "float64",
+}
 
 
 def features_yaml(columns: dict[str, Kind]) -> list[dict[str, Any]]:

@@ -7,9 +7,11 @@
     SHA256SUMS                   digests of all shards, for `sha256sum --check`
     pictures/train-000000.tar    a shard for each scene; val- and test- for scenes of these splits
     geometry/train-000000.tar
+    sensor/train-000000.tar      of data sets with a depth camera
+    polarisation/train-000000.tar    of data sets with a polarisation camera
     labels/train-000000.tar
 
-A sample is a view; its key, such as ``000000_003``, is the same in the three configurations.
+A sample is a view; its key, such as ``000000_003``, is the same in all configurations.
 (github.com/webdataset/webdataset; huggingface.co/docs/datasets, "Structure your repository", "WebDataset".)
 """
 
@@ -35,6 +37,8 @@ from ..job import Exporter, Job, chosen_ids, chosen_labels
 from ..tar_files import write_tar
 from .card import CONFIGS, card, columns
 from .croissant import croissant
+from .features import Kind
+from .sensors import sensor_members
 
 #: Members of a sample by their endings.
 Members = Iterator[tuple[str, bytes]]
@@ -46,19 +50,23 @@ def place(job: Job, scene: StoredScene) -> Path:
 
 
 def write(job: Job, scene: StoredScene) -> None:
-    """Write the three shards of a scene."""
+    """Write the shards of a scene, one for each configuration."""
     objects = scene.objects()
     writers: dict[str, Callable[[StoredView], Members]] = {
         "pictures": partial(_pictures, job, scene),
         "geometry": _geometry,
         "labels": partial(_labels, job, objects),
     }
-    for config, members in writers.items():
-        if not job.has(config):
-            continue
+    for config, kinds in columns(job).items():
+        members = writers.get(config) or partial(sensor_members, config, own_members(kinds))
         shard = _shard(job, scene, config)
         shard.parent.mkdir(exist_ok=True)
         write_tar(shard, ((key_of(scene, view), members(view)) for view in scene.views))
+
+
+def own_members(kinds: dict[str, Kind]) -> list[str]:
+    """Return the columns that are members of a sample: its key and address are not."""
+    return [name for name in kinds if not name.startswith("__")]
 
 
 def key_of(scene: StoredScene, view: StoredView) -> str:

@@ -32,6 +32,10 @@ def test_a_camera_of_ones_own_begins_with_a_preset(tmp_path) -> None:
         ("like: fone", "like: expected one of ideal, d435, phone, webcam"),
         ("sensor: {full_well: 10}", "sensor.width: expected"),
         ("vignette: 1", "vignette"),
+        ("like: phone\nsensor: {black_level: 1}", "sensor.black_level: expected less than 1, found 1"),
+        ("like: phone\nsensor: {gain: [0, 0]}", "sensor.gain.0: expected greater than 0, found 0"),
+        ("xyz_to_sensor: [[1, 0, 0], [1, 0, 0], [0, 0, 1]]", "xyz_to_sensor: expected a matrix that can be inverted"),
+        ("xyz_to_sensor: [[0, 0, 0], [0, 1, 0], [0, 0, 1]]", "daylight three signals above 0, found 0, 1, 1.089"),
     ],
 )
 def test_a_wrong_file_is_one_line(tmp_path, text: str, line: str) -> None:

@@ -55,6 +55,22 @@ def test_reasons_say_what_is_true_of_pixels_without_a_match(planes):
     assert (found.reason == SATURATED).sum() > 500
 
 
+def test_surroundings_at_infinity_are_out_of_range_and_not_hidden(planes):
+    device = planes.small()
+    infrared = planes.plane(device, 0.6)
+    dots = infrared.dots[0].copy(), infrared.dots[1].copy()
+    lit, shared, Z = infrared.lit.copy(), infrared.shared.copy(), infrared.Z.copy()
+    for one in dots:
+        one[:60] = 0.0
+    lit[:60] = shared[:60] = False  # no point is there that anything could see
+    Z[:60] = np.inf
+    colour = planes.colour_camera(device)
+    seen = np.where(np.arange(colour.height)[:, None] < 60, np.inf, np.full((colour.height, colour.width), 0.6))
+    found = measured(device, replace(infrared, dots=dots, lit=lit, shared=shared, Z=Z), colour, seen, (1, 0, 0))
+    assert (found.reason[8:50, 60:300] == OUT_OF_RANGE).mean() > 0.95
+    assert (found.reason[70:, 60:300] == MEASURED).mean() > 0.95
+
+
 def test_registration_projects_with_parallax_and_leaves_a_shadow_on_the_left_of_what_is_in_front(planes):
     device = planes.small()
     colour = planes.colour_camera(device, focal=860.0)

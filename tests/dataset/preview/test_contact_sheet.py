@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from glassware.core.images import difference_colours, srgb8
+from glassware.core.images import difference_colours, reason_colours, srgb8
 from glassware.dataset.preview.contact_sheet import (
     PreviewRow,
     chosen_views,
@@ -13,6 +13,7 @@ from glassware.dataset.preview.contact_sheet import (
     normal_colours,
     number_position,
 )
+from glassware.dataset.preview.sensor_cells import SensorPreview
 
 
 def test_a_sheet_shows_at_most_five_views_evenly_spread():
@@ -103,19 +104,32 @@ def test_ids_of_neighbouring_objects_have_distinct_colours():
     assert len(np.unique(colours[0], axis=0)) == 16
 
 
-def test_a_sheet_of_a_depth_camera_shows_its_depth_and_how_far_it_lies_behind(made):
+def test_a_sheet_of_a_depth_camera_shows_its_depth_how_far_it_lies_behind_and_why_there_is_none(made):
     scene, _, views = made
     view = views[0]
     geometry, picture = view.frame.geometry, srgb8(view.frame.left, 1.0)
-    sensor = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
+    depth = np.where(np.isfinite(geometry.Z), geometry.Z, np.nan)
+    measured = np.isfinite(depth).astype(np.uint16)
 
-    def sheet(reported):
-        return contact_sheet("one", [PreviewRow("000", picture, scene.cameras[0], geometry, view.labels, reported)])
+    def sheet(sensor):
+        return contact_sheet("one", [PreviewRow("000", picture, scene.cameras[0], geometry, view.labels, sensor)])
 
-    plain, right, behind = sheet(None), sheet(sensor), sheet(sensor + 0.05)
-    assert right.shape[1] > plain.shape[1]
-    columns = np.flatnonzero((right != behind).any(axis=(0, 2)))
-    assert columns.min() >= plain.shape[1]
+    def reported(more=0.0, reason=measured, infrared=None):
+        return sheet(SensorPreview(depth + more, reason, ("unseen", "measured", "no_match"), infrared))
+
+    plain, right = sheet(None), reported()
+    cell = (right.shape[1] - plain.shape[1]) // 3
+    columns = np.flatnonzero((right != reported(0.05)).any(axis=(0, 2)))
+    assert plain.shape[1] <= columns.min()
+    assert columns.max() < plain.shape[1] + 2 * cell
+    lost = reported(reason=np.where(measured == 1, 2, 0).astype(np.uint16))
+    columns = np.flatnonzero((right != lost).any(axis=(0, 2)))
+    assert columns.min() >= plain.shape[1] + 2 * cell
+    # The colour of `no_match` is there, and a disc of it beside its name.
+    assert (lost[:, plain.shape[1] + 2 * cell :] == reason_colours(np.array(2))).all(axis=2).sum() > 100
+    infrared = reported(infrared=np.full((20, 40), 200, np.uint16))
+    assert infrared.shape[1] == right.shape[1] + cell
+    assert (infrared[:, right.shape[1] :] == 200).all(axis=2).sum() > 0.4 * cell * cell / 2
     assert difference_colours(np.array([[0.05, -0.05, 0.0, np.nan]]), 0.05)[0].tolist() == [
         [178, 24, 43],
         [33, 102, 172],

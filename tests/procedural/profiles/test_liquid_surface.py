@@ -200,3 +200,11 @@ def test_water_in_plastic_rises_or_sinks_as_at_a_plane_wall(wall, degrees):
     assert (surface.contact > surface.centre) == (degrees < 90.0)
     # The surface is convex where it sinks: its height falls all the way to the wall.
     assert (np.sign(np.diff(surface.top.points[:, 1])) == np.sign(90.0 - degrees)).all()
+
+
+def test_a_volume_that_is_the_most_up_to_rounding_fits():
+    for inner in (_tube(0.03, 0.1), _cone(0.02, 0.04, 0.1)):
+        most = most_volume(inner, WATER)
+        for excess in (0.0, 1e-13, 1e-10):
+            surface = surface_of_volume(inner, most * (1.0 + excess), WATER, CHORD)
+            assert surface.contact == pytest.approx(0.1 - RIM_MARGIN, abs=CHORD)

@@ -214,3 +214,26 @@ def test_a_scene_with_own_media_is_stored_whole(tmp_path):
     assert vessel.liquid is not None
     assert (vessel.glass.eta, vessel.liquid.medium.eta, vessel.liquid.medium.sigma_a) == (1.6, 1.43, (1.0, 2.0, 9.0))
     assert vessel.liquid == scene.vessels[0].liquid
+
+
+def test_objects_that_do_not_fit_as_they_were_turned_are_placed_again_and_counted():
+    # A napkin of 25 to 40 cm on a table that is 36 cm deep fits along the table alone, or not at all.
+    settings = SceneSettings.model_validate(
+        {
+            "vessel_count": (1, 1),
+            "prop_count": (1, 1),
+            "props": {"kinds": ["napkin"]},
+            "table": {"kinds": "plain", "length": (0.9, 0.9), "width": (0.36, 0.36)},
+            "vessels": {"categories": ["tumbler"], "fill_probability": 0.0},
+            "physics": {"piled_probability": 0.0},
+            "cameras": {"views": 1},
+        }
+    )
+    again = []
+    for number in range(12):
+        try:
+            again.append(draw_scene(settings, 5, number).placed_again)
+        except InputError as error:
+            assert "objects that fit on the table" in str(error)
+    assert sum(count > 0 for count in again) >= 2
+    assert again.count(0) >= 2

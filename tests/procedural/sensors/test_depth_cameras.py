@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
+import glassware as gw
 from glassware.core.errors import InputError
 from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.description.time_of_flight import DepthDevice, TimeOfFlightCamera
@@ -69,7 +70,11 @@ def test_a_time_of_flight_camera_has_the_field_of_its_data_sheet_and_may_be_chan
         ("like: l515\nerror: [-1, 0]\n", "error"),
         ("like: l515\nrange: [0.2, 100]\n", "16 bits"),
         ("like: l515\nbaseline: 0.05\n", "baseline"),
-        ("kind: tof\n", "place: expected a value"),
+        ("kind: tof\n", "place: expected a value, or like: l515 for all that the file leaves out, found none"),
+        ("", "baseline: expected a value, or like: d435 for all that the file leaves out, found none"),
+        ("kind: radar\n", "kind: expected tof for time of flight, or none for stereo, found 'radar'"),
+        ("like: d435\nkind: tof\n", "kind: expected none with like: d435, which is a stereo camera, found tof"),
+        ("like: d435\nprojector: {picture: 5}\n", "projector.picture: expected the path of a picture, found 5"),
     ],
 )
 def test_a_device_that_cannot_be_is_one_line(tmp_path, text, words):
@@ -104,3 +109,20 @@ def test_a_pattern_may_be_a_picture_and_one_that_cannot_be_read_is_one_line(tmp_
     assert pattern.density.sum() * pattern.step**2 == pytest.approx(device.projector.power, rel=1e-4)
     assert pattern.corner[0] == pytest.approx(-np.tan(0.5 * device.projector.field[0]))
     assert (pattern.density[:, 80:] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        ({"depth": "text.yaml"}, "sensors.depth: text.yaml: expected a mapping of settings, found str"),
+        ({"depth": "nothing.yaml"}, "sensors.depth: nothing.yaml: expected a readable file with YAML, found none"),
+        ({"polarisation": "text.yaml"}, "sensors.polarisation: text.yaml: expected a mapping of settings, found str"),
+        ({"depth": 5}, "sensors.depth: expected 'none', 'd415', 'd435' or 'l515', found 5"),
+    ],
+)
+def test_a_setting_names_the_file_beside_it_that_is_wrong(tmp_path, monkeypatch, given, line):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text.yaml").write_text("a text\n", encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        gw.draw(seed=1, sensors=given)
+    assert str(error.value) == f"draw: {line}"

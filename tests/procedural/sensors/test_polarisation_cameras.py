@@ -34,7 +34,9 @@ def test_a_file_changes_what_it_names_and_keeps_the_rest(tmp_path):
         ("like: imx250mzr\nextinction_ratio: 1\n", "extinction_ratio"),
         ("like: imx250mzr\nbits: 40\n", "bits"),
         ("like: imx250mzr\nsamples: 0\n", "samples"),
-        ("name: mine\n", "angles: expected a value"),
+        ("name: mine\n", "angles: expected a value, or like: imx250mzr for all that the file leaves out, found none"),
+        ("like: imx250mzr\nblack_level: 1\n", "black_level: expected less than 1, found 1"),
+        ("like: imx250mzr\nangles: [[0, 45], [180, 45]]\n", "angles: expected three different axes or more"),
     ],
 )
 def test_a_device_that_cannot_be_is_one_line(tmp_path, text, words):

@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from glassware.annotate.masks import decode_mask
+from glassware.core.errors import InputError
 from glassware.dataset.exports.run import export
 from glassware.dataset.reader import Dataset
 
@@ -75,9 +76,38 @@ def test_every_member_has_a_column_of_its_type_in_the_card(out):
                     _check(json.loads(data), features[ending])
 
 
-def test_the_three_configurations_have_the_same_keys(out):
+def test_all_configurations_have_the_same_keys(out):
     keys = [list(_samples(out / name / "train-000000.tar")) for name in ("pictures", "geometry", "labels")]
     assert keys == [["000000_000", "000000_001"]] * 3
+
+
+def test_depth_and_polarisation_cameras_have_shards_of_their_own(copy, add_sensors, tmp_path):
+    export(add_sensors(copy), "webdataset", tmp_path / "out")
+    (view,) = Dataset.open(copy).views()
+    kinds = {one["config_name"]: one["features"] for one in _card(tmp_path / "out")["dataset_info"]}
+    assert list(kinds) == ["pictures", "geometry", "sensor", "polarisation", "labels"]
+    for config, record in (("sensor", view.depth_camera()), ("polarisation", view.polarisation_camera())):
+        (shard,) = (tmp_path / "out" / config).iterdir()
+        (members,) = _samples(shard).values()
+        assert record is not None
+        described = {one["name"]: one for one in kinds[config]}
+        assert set(members) == {name for name in described if not name.startswith("__")}
+        stored = json.loads(members.pop(f"{config}.json"))
+        _check(stored, described[f"{config}.json"])
+        assert stored == record.model_dump(mode="json") | {n: v for n, v in stored.items() if v is None}
+        for name, content in members.items():
+            assert content == (view.folder / name).read_bytes(), name
+    assert "`sensor_depth.png` is what a depth camera reports" in (tmp_path / "out" / "README.md").read_text()
+    members = {
+        one["includes"] for one in json.loads((tmp_path / "out" / "croissant.json").read_text())["distribution"][5:]
+    }
+    assert {"*.ir_left.png", "*.stokes.exr", "*.sensor.json", "*.polarisation_mosaic.png"} <= members
+
+
+def test_labels_of_a_camera_that_the_data_set_has_not_are_refused_and_nothing_is_written(stored, tmp_path):
+    with pytest.raises(InputError, match=r"--labels: expected .* sensor needs --sensors\.depth d435, found sensor"):
+        export(stored, "webdataset", tmp_path / "out", labels=("pictures", "sensor"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_cameras_poses_masks_and_pictures_come_back(stored, out):
