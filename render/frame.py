@@ -97,6 +97,7 @@ class Infrared:
     Z: np.ndarray  #: (h, w) float32, planar depth of the left camera's first surfaces [m]; +inf for nothing
     lit: np.ndarray  #: (h, w) bool, whether nothing opaque is between them and the projector
     shared: np.ndarray  #: (h, w) bool, whether nothing opaque is between them and the right camera
+    daylight: bool = False  #: whether ambient light is daylight, a part of which is beyond red
 
 
 @dataclass(frozen=True, eq=False)

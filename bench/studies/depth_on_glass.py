@@ -34,6 +34,7 @@ from glassware.render.infrared import pictures, trace_pattern
 from glassware.render.infrared.media import at_wavelength
 from glassware.render.infrared.pattern import pattern_map
 from glassware.render.infrared.projected_light import projected_light
+from glassware.render.infrared.reflectances import infrared_reflectances
 from glassware.render.renderer import Renderer
 
 
@@ -85,9 +86,10 @@ def dots(renderer: Renderer, device: DepthCamera) -> tuple[np.ndarray, np.ndarra
     light = projected_light(pattern_map(device.projector, scene.seed, device.name), device.world_T_projector(camera))
     seeds = [stream_seed(scene.seed, scene.scene_id, f"sensors/0/dots/{eye}") for eye in EYES]
     pair = device.infrared_pair(camera)
-    left, right = (
-        pictures._dots(loaded, pair, eye, light, device, seed) for eye, seed in zip(EYES, seeds, strict=True)
-    )
+    with infrared_reflectances(renderer.loaded):
+        left, right = (
+            pictures._dots(loaded, pair, eye, light, device, seed) for eye, seed in zip(EYES, seeds, strict=True)
+        )
     return left, right
 
 

@@ -15,8 +15,8 @@ from ...render.frame import Infrared
 _PHOTON = 6.62607015e-34 * 299792458.0 * 1e9
 #: Luminance of one unit of the pictures' radiance [cd/m^2].
 _UNIT = 1000.0
-#: Fraction of the pixels that an exposure leaves below white [1]; assumed, as the control of the device is not known.
-_BELOW_WHITE = 0.95
+#: Halvings of the range in which an exposure is sought [1]: to 1e-9 of its logarithm.
+_HALVINGS = 30
 #: Standard deviation of rounding, in steps: 1 / sqrt(12).
 _ROUNDING = 12.0**-0.5
 
@@ -51,8 +51,9 @@ def infrared_pictures(infrared: Infrared, device: DepthCamera, rng: np.random.Ge
     imager = device.imager
     per_radiance = math.pi / (4.0 * imager.aperture**2) * imager.pitch**2 * imager.efficiency
     per_radiance *= device.projector.wavelength / _PHOTON  # electrons a second for one W/(m^2 sr)
+    efficacy = imager.daylight_efficacy if infrared.daylight else imager.efficacy
     rates = [
-        per_radiance * _blurred(dots + ambient * (_UNIT / imager.efficacy), imager.blur)
+        per_radiance * _blurred(dots + ambient * (_UNIT / efficacy), imager.blur)
         for dots, ambient in zip(infrared.dots, infrared.ambient, strict=True)
     ]
     time, gain = exposed(rates[0], imager)
@@ -67,13 +68,29 @@ def infrared_pictures(infrared: Infrared, device: DepthCamera, rng: np.random.Ge
 
 
 def exposed(rate: np.ndarray, imager: InfraredImager) -> tuple[float, float]:
-    """Return the exposure time [s] and the gain for electrons a second: the mean on target, and few white pixels."""
-    mean, bright = float(rate.mean()), float(np.quantile(rate, _BELOW_WHITE))
-    if mean <= 0.0:
-        return imager.exposure[1], imager.gain
-    wanted = min(imager.target * imager.full_well / mean, imager.full_well / max(bright, mean))
-    time = float(np.clip(wanted, *imager.exposure))
-    return time, float(np.clip(wanted / time, 1.0, imager.gain))
+    """Return the exposure time [s] and the gain for electrons a second.
+
+    They bring the mean of the pixels of a region to its target, as these pixels are: those that are white count as
+    white, however bright they are. A sunlit wall behind the table takes its part of the mean and no more.
+    """
+    rate = in_region(rate, imager.region) / imager.full_well
+    shortest, longest = imager.exposure[0], imager.exposure[1] * imager.gain
+    low, high = math.log(shortest), math.log(longest)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        dark = float(np.minimum(rate * math.exp(middle), 1.0).mean()) < imager.target
+        low, high = (middle, high) if dark else (low, middle)
+    wanted = min(max(math.exp(0.5 * (low + high)), shortest), longest)
+    time = min(wanted, imager.exposure[1])
+    return time, wanted / time
+
+
+def in_region(picture: np.ndarray, region: tuple[float, float, float, float]) -> np.ndarray:
+    """Return a part of a picture, one pixel at least; the edges are parts of its size."""
+    (rows, columns), (left, top, right, bottom) = picture.shape, region
+    first_row, first_column = min(int(top * rows), rows - 1), min(int(left * columns), columns - 1)
+    last_row, last_column = math.ceil(bottom * rows), math.ceil(right * columns)
+    return picture[first_row : max(last_row, first_row + 1), first_column : max(last_column, first_column + 1)]
 
 
 def _blurred(picture: np.ndarray, sigma: float) -> np.ndarray:

@@ -20,6 +20,8 @@ from .camera import Camera
 DISPARITY_STEP = 16
 #: Largest value of a 16-bit file.
 _LARGEST = 65535
+#: Of a picture's width or height.
+Part = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class InfraredImager(Model):
@@ -41,9 +43,21 @@ class InfraredImager(Model):
     exposure: Annotated[tuple[float, float], Ordered] = Field(description="Range of the exposure time [s]")
     gain: float = Field(default=1.0, ge=1.0, le=256.0, description="Largest analogue gain, where time does not suffice")
     target: float = Field(gt=0.0, lt=1.0, description="Mean of the pictures that exposure aims at, of the full scale")
-    efficacy: float = Field(
-        gt=0.0, description="Ambient light for each watt of it that the pixels see; it turns luminance to power [lm/W]"
+    region: tuple[Part, Part, Part, Part] = Field(
+        default=(0.0, 0.0, 1.0, 1.0),
+        description="Left, upper, right and lower edge of what exposure looks at, of the left picture's size",
     )
+    efficacy: float = Field(
+        gt=0.0, description="Light of lamps for each watt of it that the pixels see; it turns luminance to power [lm/W]"
+    )
+    daylight_efficacy: float = Field(default=150.0, gt=0.0, description="The same of daylight [lm/W]")
+
+    @model_validator(mode="after")
+    def _region_has_an_area(self) -> InfraredImager:
+        left, top, right, bottom = self.region
+        if not (left < right and top < bottom):
+            raise ValueError(f"region: expected left before right and upper before lower, found {self.region}")
+        return self
 
 
 class PatternProjector(Model):

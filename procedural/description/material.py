@@ -168,6 +168,26 @@ class Emission(Model):
     radiance: float = Field(gt=0.0, le=1e6, description="Of the colour 1 [kcd/m^2]")
 
 
+class NearInfrared(Model):
+    """How a surface reflects just beyond the visible range, from its colours (`materials.near_infrared`).
+
+    Some of the absorption of what it looks like is left there: nothing of a dye's, all of carbon black's.
+    """
+
+    neutral: float = Field(
+        ge=0.0, le=1.0, description="Part of the absorption that is left where the colour is grey or black"
+    )
+    chromatic: float = Field(ge=0.0, le=1.0, description="Part of it that is left where the colour is saturated")
+    bare: float = Field(gt=0.0, le=1.0, description="Reflectance of what is under all colour")
+    factor: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=2.0,
+        exclude_if=lambda factor: factor == 1.0,
+        description="Reflectance over that in the visible range, of metals",
+    )
+
+
 class OpaqueMaterial(Model):
     """An opaque surface: Disney's principled model (Burley 2012) without transmission."""
 
@@ -189,6 +209,11 @@ class OpaqueMaterial(Model):
     normal_map: NormalMap | None = Field(default=None, exclude_if=_is_none, description="Goes before a bump map")
     bump_map: BumpMap | None = Field(default=None, exclude_if=_is_none)
     emission: Emission | None = Field(default=None, exclude_if=_is_none, description="What shines by itself")
+    near_infrared: NearInfrared | None = Field(
+        default=None,
+        exclude_if=_is_none,
+        description="Reflectance in the light of a depth camera; none: the middle of what is usual for its name",
+    )
 
     @property
     def is_mapped(self) -> bool:

@@ -11,6 +11,7 @@ from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
 from .arrange import arranged
 from .asset_files import AssetFiles, asset_files, files_for
+from .draw_near_infrared import with_near_infrared
 from .draw_surroundings import draw_surroundings
 from .draw_vessels import draw_vessels
 from .settings import SceneSettings
@@ -67,6 +68,8 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         depth_camera=depth_camera(settings.sensors.depth),
         polarisation_camera=polarisation_camera(settings.sensors.polarisation),
     )
+    if scene.depth_camera is not None:
+        scene = with_near_infrared(scene, settings.sensors.carbon_black)
     return scene if settings.twin == "none" else twin_of(scene, settings.twin, settings, files)
 
 

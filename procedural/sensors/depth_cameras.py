@@ -20,11 +20,15 @@ _TIMED = "tof"
 _SHARED = (
     "projector: 360 mW on average, class 1, 850 nm (D400 data sheet); 6,437 dots, as counted in the picture of its "
     "pattern in SAPIEN; nearest depth f b / 126 (126 disparities are searched); millimetres, as the driver reports; "
-    "assumed: quantum efficiency with lens, full well and read noise of sensors of this size, target of the exposure, "
-    "width of a dot (three pixels of the depth stream), ambient light of 300 lm/W (white LEDs have 280 to 350; 400 to "
-    "1000 nm of daylight 150). Matching: windows of 9 px (ClearGrasp's settings of a D400), steps of 1/32 px; the "
+    "exposure by the mean of a region in the middle of the picture (Intel's tuning guide for the D400 series, and "
+    "librealsense issue 10940), of which half of each side is assumed; also assumed: quantum efficiency with lens, "
+    "full well and read noise of sensors of this size, target of the exposure, width of a dot (three pixels of the "
+    "depth stream), ambient light of 300 lm/W (white LEDs have 280 to 350; 400 to 1000 nm of daylight 150). Matching: "
+    "windows of 9 px (ClearGrasp's settings of a D400), steps of 1/32 px; the "
     "margin of the best match is fitted to how much ClearGrasp's captures lack on glass; the rest by OpenCV's advice"
 )
+# The middle half of the picture, across and down: exposure looks at it.
+_MIDDLE = (0.25, 0.25, 0.75, 0.75)
 # Matching of both devices; `_SHARED` says where its figures come from.
 _MATCHING = Matching(disparities=128, block=9, uniqueness=40, left_right=1, speckle=60, texture=2.0, step=1.0 / 32.0)
 #: By name.
@@ -49,6 +53,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             exposure=(1e-5, 0.033),
             gain=16.0,
             target=0.35,
+            region=_MIDDLE,
             efficacy=300.0,
         ),
         projector=PatternProjector(
@@ -86,6 +91,7 @@ DEPTH_CAMERAS: dict[str, DepthCamera] = {
             exposure=(1e-5, 0.033),
             gain=16.0,
             target=0.35,
+            region=_MIDDLE,
             efficacy=300.0,
         ),
         projector=PatternProjector(

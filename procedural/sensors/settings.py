@@ -32,6 +32,14 @@ class SensorSettings(Model):
         "colour), or a YAML file of a device of your own (docs/polarisation.md)",
     )
 
+    carbon_black: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1.0,
+        description="Probability that what is grey or black is so by carbon black, which is black to depth cameras as "
+        "well; none: by what it is made of",
+    )
+
     @field_validator("depth")
     @classmethod
     def _is_known(cls, depth: object) -> object:

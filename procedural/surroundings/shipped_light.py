@@ -32,6 +32,8 @@ _PLACES = {
     "sunrise": (2.0, 15.0),
     "sunset": (0.5, 5.0),
 }
+#: Those of them that were taken outdoors by day.
+_BY_DAY = ("city", "courtyard", "forest", "sunrise", "sunset")
 _LICENCE = "CC0-1.0"
 
 
@@ -70,3 +72,11 @@ def with_shipped_light(
     level = math.exp(rng.uniform(math.log(low), math.log(high)))
     strength = level / float(luminance(irradiance(bake_environment(drawn), 1.0, ())))
     return drawn.model_copy(update={"strength": strength})
+
+
+def is_shipped_by_day(environment: Environment) -> bool:
+    """Return whether an environment is a map of the package that was taken outdoors by day."""
+    if not isinstance(environment, PictureEnvironment):
+        return False
+    path = Path(environment.asset.path)
+    return path.stem in _BY_DAY and path.resolve() in {shipped.resolve() for shipped in shipped_maps()}

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...procedural.description.camera import Camera
 from ...procedural.description.time_of_flight import TimeOfFlightCamera
-from ...procedural.optics.medium import Medium, eta
+from ...procedural.optics.medium import Medium
 from .._mitsuba import dr, mi, syntax
 from ..frame import Beams
 from ..interfaces.dielectric import consistent_normal, transmission
@@ -32,7 +32,8 @@ from ..scene.surfaces import (
     surface_media,
     transmittance_rgb,
 )
-from .media import at_wavelength
+from .media import at_wavelength, infrared_index
+from .reflectances import infrared_reflectances
 from .trace_pattern import interface_lobe, opaque_lobe
 
 #: Nodes and weights of the Gauss-Hermite rule of three points: places in a Gaussian beam, in standard deviations [1].
@@ -81,7 +82,8 @@ def trace_beams(loaded: LoadedScene, view: int, device: TimeOfFlightCamera) -> B
         for y, v in zip(_NODES, _WEIGHTS, strict=True)
     ]
     rays = [(x, y, False) for x, y, _ in places] + [(0.0, 0.0, True)]
-    found = [_returned(infrared, camera, receiver, *one) for one in rays]
+    with infrared_reflectances(loaded):
+        found = [_returned(infrared, camera, receiver, *one) for one in rays]
     return Beams(
         camera=camera,
         weight=np.array([*(weight for *_, weight in places), 1.0], np.float32),
@@ -93,7 +95,7 @@ def trace_beams(loaded: LoadedScene, view: int, device: TimeOfFlightCamera) -> B
 
 def group_index(medium: Medium, nm: float) -> float:
     """Return the group index n - lambda dn/dlambda of a medium: the speed of light over that of a pulse in it [1]."""
-    below, at, above = (float(eta(medium, nm + step, outside="hold")) for step in (-_STEP, 0.0, _STEP))
+    below, at, above = (infrared_index(medium, nm + step) for step in (-_STEP, 0.0, _STEP))
     return at - nm * (above - below) / (2.0 * _STEP)
 
 

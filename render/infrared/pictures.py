@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import cv2
 import numpy as np
 
 from ...core.randomness import stream_seed
@@ -13,17 +10,21 @@ from ...procedural.description.depth_camera import DepthCamera
 from .._mitsuba import dr
 from ..frame import EYES, Eye, Infrared
 from ..labels.geometry import trace_geometry
-from ..pictures.picture import PATHS_PER_PASS, Tracer, camera_paths, check_media, denoise_image, trace_picture
+from ..pictures.picture import PATHS_PER_PASS, Tracer, camera_paths, check_media
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, pinhole
+from .ambient import is_daylight, trace_ambient
 from .media import at_wavelength
 from .pattern import pattern_map
 from .projected_light import ProjectedLight, projected_light, sees
+from .reflectances import infrared_reflectances
 from .trace_pattern import trace_pattern
 
-#: Samples of a pixel of ambient light [1], and how many infrared pixels across one of its has where there are dots [1]:
-#: it is smoother than they are, and would take longer than the colour pictures otherwise.
-_AMBIENT_SPP, _COARSER = 4, 2
+#: How many infrared pixels across one of ambient light has where there are dots [1]: it is smoother than they are, and
+#: would take longer than the colour pictures otherwise.
+_COARSER = 2
+#: Kinds of light, each with random numbers of its own.
+_LIGHT = ("dots", "ambient")
 
 
 def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: Tracer) -> Infrared:
@@ -38,7 +39,7 @@ def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: 
     device : DepthCamera
         The device.
     tracer : Tracer
-        The tracer of the scene's pictures: ambient light is theirs.
+        The tracer of the scene's pictures: ambient light is traced by it.
     """
     scene = loaded.description
     camera, seed = scene.cameras[view], scene.seed
@@ -46,18 +47,22 @@ def trace_infrared(loaded: LoadedScene, view: int, device: DepthCamera, tracer: 
     infrared = at_wavelength(loaded, device.projector.wavelength)
     world_T_projector = device.world_T_projector(camera)
     light = projected_light(pattern_map(device.projector, seed, device.name), world_T_projector)
-    dots, ambient = [], []
-    for eye in EYES:
-        seeds = [stream_seed(seed, scene.scene_id, f"sensors/{view}/{kind}/{eye}") for kind in ("dots", "ambient")]
-        dots.append(_dots(infrared, pair, eye, light, device, seeds[0]))
-        coarser = _COARSER if device.projector.power > 0.0 else 1
-        ambient.append(_ambient(loaded, (pair, eye), coarser, seeds[1], tracer))
+    seeds = {
+        kind: [stream_seed(seed, scene.scene_id, f"sensors/{view}/{kind}/{eye}") for eye in EYES] for kind in _LIGHT
+    }
+    with infrared_reflectances(loaded):
+        dots = [_dots(infrared, pair, eye, light, device, one) for eye, one in zip(EYES, seeds["dots"], strict=True)]
+    daylight, coarser = is_daylight(scene), _COARSER if device.projector.power > 0.0 else 1
+    ambient = [
+        trace_ambient(loaded, (pair, eye), coarser, one, tracer, daylight)
+        for eye, one in zip(EYES, seeds["ambient"], strict=True)
+    ]
     Z = trace_geometry(infrared, pair).Z
     points, hit = _points(Z, pair)
     lit, shared = np.zeros(Z.shape, bool), np.zeros(Z.shape, bool)
     lit[hit] = sees(infrared, world_T_projector[:3, 3], points)
     shared[hit] = sees(infrared, pair.world_T_right[:3, 3], points)
-    return Infrared(pair, (dots[0], dots[1]), (ambient[0], ambient[1]), Z, lit, shared)
+    return Infrared(pair, (dots[0], dots[1]), (ambient[0], ambient[1]), Z, lit, shared, daylight)
 
 
 def _dots(
@@ -86,34 +91,6 @@ def _pass(
     dr.eval(result.radiance.x, result.violations, result.segments)
     counts = np.array([np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)])
     return np.array(dr.block_sum(result.radiance.x, spp)), counts
-
-
-def _ambient(loaded: LoadedScene, seen: tuple[Camera, Eye], coarser: int, seed: int, tracer: Tracer) -> np.ndarray:
-    """Return the ambient light, (H, W) float32 in the unit of the pictures: the mean of their three channels.
-
-    It is rendered with a fraction 1 / `coarser` of the pixels across and down.
-    """
-    pair, eye = seen
-    scene = loaded.description
-    picture = scene.picture.model_copy(update={"spp": _AMBIENT_SPP, "noise": None})
-    quick = replace(loaded, description=scene.model_copy(update={"picture": picture}))
-    image = trace_picture(quick, _coarse(pair, coarser), eye, seed, tracer)
-    light = (denoise_image(image) if scene.picture.denoise else image.radiance).mean(axis=2)
-    rows, columns = (side * coarser for side in light.shape)
-    return cv2.resize(light, (columns, rows), interpolation=cv2.INTER_LINEAR)[: pair.height, : pair.width]
-
-
-def _coarse(camera: Camera, coarser: int) -> Camera:
-    """Return a camera whose pixels cover squares of another's; the last ones may reach beyond its picture."""
-    cx, cy = camera.centre
-    return camera.model_copy(
-        update={
-            "width": -(-camera.width // coarser),
-            "height": -(-camera.height // coarser),
-            "focal": camera.focal / coarser,
-            "centre": ((cx + 0.5) / coarser - 0.5, (cy + 0.5) / coarser - 0.5),
-        }
-    )
 
 
 def _points(Z: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:

@@ -95,8 +95,7 @@ def opaque_lobe(
 ) -> tuple[mi.Float, mi.Vector3f, mi.Float]:
     """Return BSDF times cosine towards the projector [1/sr], and a direction by BSDF sampling with its weight.
 
-    The reflectance in the infrared is the largest of the three colours': organic dyes and pigments absorb in a part of
-    the visible range and next to nothing beyond it, while black (carbon) and white stay what they are.
+    All channels are alike while surfaces have their reflectances in the infrared (`reflectances`).
     """
     bsdf, point = si.bsdf(ray), two_sided(si, ray)
     if loaded.surfaces.maps is not None:

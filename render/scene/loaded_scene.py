@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...core.mesh import as_trimesh
+from ...procedural.description.material import OpaqueMaterial
 from ...procedural.description.scene import Scene
 from .._mitsuba import mi
 from .bodies import Body, mitsuba_mesh, refined_for_cache, scene_bodies, to_world
@@ -49,6 +50,7 @@ class LoadedScene:
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
     without_glass: mi.Scene | None = None  #: the opaque shapes alone, where glass casts no shadows
+    materials: Mapping[str, OpaqueMaterial] = field(default_factory=dict)  #: of opaque shapes, by the shape's name
 
     @property
     def room(self) -> RoomEmitter | None:
@@ -109,7 +111,9 @@ def load(
     stored = None if room_light is None else in_channel(room_light.reshape(-1, 3), channel)
     bare = None if scene.picture.glass_shadows else _without_glass(mi_scene, by_id)
     emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel), bare)
-    return LoadedScene(scene, mi_scene, _robust(mi_scene), table, emitters, RAY_OFFSET * reach, opaque, bare)
+    materials = {f"body{i}": body.material for i, body in enumerate(bodies) if body.material is not None}
+    robust, offset = _robust(mi_scene), RAY_OFFSET * reach
+    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, bare, materials)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:

@@ -61,7 +61,7 @@ def lamp_surface(in_room: bool) -> Surface:
 def _surface(described: RoomBody, pose: np.ndarray, channel: int | None) -> RoomSurface:
     surface = Surface(0, ROOM_OBJECT, True, AIR, AIR, 0.0, label=ROOM_IDS[described.part])
     bsdf = mi.load_dict(opaque_bsdf(_MATT, in_channel(np.array(described.pixels), channel)))
-    return RoomSurface(described, Body(described.mesh, pose, bsdf, surface))
+    return RoomSurface(described, Body(described.mesh, pose, bsdf, surface, material=_MATT))
 
 
 def lit_emitter(

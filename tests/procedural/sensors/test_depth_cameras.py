@@ -59,6 +59,7 @@ def test_a_time_of_flight_camera_has_the_field_of_its_data_sheet_and_may_be_chan
     [
         ("like: d436\n", "like: expected one of d415, d435, l515 (is it d435?)"),
         ("like: d435\nbaseline: 0\n", "baseline"),
+        ("like: d435\nimager: {region: [0.5, 0.0, 0.4, 1.0]}\n", "region: expected left before right"),
         ("like: d435\nrange: [2, 1]\n", "range"),
         ("like: d435\nrange: [0.2, 100]\n", "16 bits"),
         ("like: d435\nmatching: {block: 8}\n", "odd"),

@@ -15,7 +15,7 @@ from glassware.procedural.scene.settings import SceneSettings
 from glassware.procedural.surroundings.hdri import usable_hdris
 from glassware.procedural.surroundings.photometry import photometry
 from glassware.procedural.surroundings.settings import EnvironmentSettings
-from glassware.procedural.surroundings.shipped_light import shipped_maps, with_shipped_light
+from glassware.procedural.surroundings.shipped_light import is_shipped_by_day, shipped_maps, with_shipped_light
 from glassware.procedural.surroundings.skies import draw_sky
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -73,3 +73,12 @@ def test_all_but_the_light_of_a_seed_stays_as_it_is() -> None:
         np.testing.assert_array_equal(before.interfaces[0].mesh.vertices, after.interfaces[0].mesh.vertices)
     for one, two in zip(plain.cameras, lit.cameras, strict=True):
         np.testing.assert_array_equal(one.world_T_camera, two.world_T_camera)
+
+
+def test_maps_of_rooms_and_nights_are_not_by_day(tmp_path) -> None:
+    by_day = {path.stem for path in shipped_maps() if is_shipped_by_day(PictureEnvironment(asset=asset(path)))}
+    assert by_day == {"city", "courtyard", "forest", "sunrise", "sunset"}
+    # A file of the user's own of the same name is none of them.
+    own = tmp_path / "city.exr"
+    own.write_bytes(shipped_maps()[0].read_bytes())
+    assert not is_shipped_by_day(PictureEnvironment(asset=asset(own)))
