@@ -24,6 +24,7 @@ from ..render.frame import Frame, LightCheck
 from ..render.renderer import Renderer
 from .format import layout
 from .format.dataset_file import installed_versions, new_head
+from .format.developed import margin_of
 from .format.file_kinds import KINDS, NONE, PAIR_KINDS, FileKinds, parse_kinds
 from .format.pictures import write_png
 from .format.views_table import ViewRow
@@ -78,7 +79,7 @@ def write_scene(
     light = renderer.surface_light() if scene.picture.keep_light else None
     with scene_writer(root, scene, points, renderer.light_check, light, files) as writer:
         for view in range(len(scene.cameras)):
-            frame = renderer.frame(view)
+            frame = renderer.frame(view, margin_of(scene, view))
             stopwatch.add(frame.seconds)
             with stopwatch.stage("labels"):
                 labels = label(scene, frame, renderer, points)

@@ -20,6 +20,7 @@ from ..core.assets import Asset
 from ..core.atomic_io import atomic_folder, remove_leftovers
 from ..core.errors import InputError, cause_of
 from ..core.json_file import json_text
+from ..core.margin import NO_MARGIN
 from ..core.model import Model
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
@@ -235,15 +236,18 @@ def write_view(
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
     depth_camera = write_sensor(folder, scene, frame, files)
+    wide = frame.oversize if development is None else None  # light that is developed later has no margin
+    pair, Z = ((frame.left, frame.right), frame.geometry.Z) if wide is None else ((wide.left, wide.right), wide.Z)
     left = write_developed(
         folder,
         scene.cameras[frame.view],
-        (frame.left, frame.right),
-        frame.geometry.Z,
+        pair,
+        Z,
         development or development_of(scene),
         (scene.scene_id, frame.view),
         depth_camera,
         write_polarisation(folder, scene, frame),
+        NO_MARGIN if wide is None else wide.margin,
     )
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)

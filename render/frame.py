@@ -10,6 +10,7 @@ from pydantic import Field
 
 from ..core.html import html_images
 from ..core.images import LINEAR, Tone, common_tone, depth_colours, id_colours, normal_colours, srgb8
+from ..core.margin import Sides
 from ..core.model import Model
 from ..procedural.description.camera import Camera
 
@@ -138,6 +139,19 @@ class LineOfSight:
     opaque_distance: np.ndarray  #: (n,) float64, to the first opaque surface [m]
 
 
+@dataclass(frozen=True, eq=False)
+class Oversize:
+    """The pictures of a view with a margin around its frame, which are those of the frame in its inside.
+
+    A lens that distorts sees parts of it (`dataset.cameras`).
+    """
+
+    margin: Sides  #: columns and rows beyond the left, the top, the right and the bottom border [px]
+    left: np.ndarray  #: (H + top + bottom, W + left + right, 3) float32
+    right: np.ndarray
+    Z: np.ndarray  #: float32, planar depth of the left camera's first surfaces [m]; +inf for nothing
+
+
 #: What was done about a region whose light from the irradiance cache is off: the whole scene is path traced, its
 #: object is, or others are and it is within the bound since then; null where nothing had to be done.
 Remedy = Literal["scene path traced", "object path traced", "other objects path traced"]
@@ -217,6 +231,7 @@ class Frame:
     infrared: Infrared | None = None  #: of the stereo depth camera; None without one
     beams: Beams | None = None  #: of the time-of-flight camera; None without one
     stokes: StokesPicture | None = None  #: of the left camera; None without a polarisation camera
+    oversize: Oversize | None = None  #: both pictures with a margin; None if not requested
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
     tone: Tone = LINEAR  #: white balance and highlights, for display
     scene: object | None = None  #: the `Scene` that was rendered; None in a frame made by hand

@@ -17,13 +17,15 @@ import numpy as np
 from ..core.arguments import check_type, described, number, whole_number
 from ..core.arguments import points as checked_points
 from ..core.errors import InputError
+from ..core.margin import NO_MARGIN, Sides
 from ..core.randomness import stream_seed
 from ..core.stopwatch import Stopwatch
+from ..procedural.description.camera import LONGEST_SIDE
 from ..procedural.description.depth_camera import DepthCamera
 from ..procedural.description.scene import Scene
 from ..procedural.description.time_of_flight import DepthDevice, TimeOfFlightCamera
 from ..procedural.scene.validate import check_scene
-from .backend.variant import SPAWN, activate, check_process
+from .backend.variant import SPAWN, activate, check_colours, check_process
 from .frame import (
     EYES,
     Beams,
@@ -62,7 +64,6 @@ class Renderer:
         Mitsuba variant, such as ``"llvm_ad_rgb"``; by default the best that works here and fits `scene.picture`.
     threads : int, optional
         Threads of the processor's kernels, 1 to `MOST_THREADS`; by default one per core. Pictures do not depend on it.
-
     on_stage : callable, optional
         Called with "loading" and, where the irradiance cache is filled, with "light", before each begins.
     on_draft : callable, optional
@@ -108,7 +109,7 @@ class Renderer:
         self._process, stopwatch = os.getpid(), Stopwatch()
         with _process_lock:
             self.variant = activate(variant, spectral=scene.picture.spectral, threads=threads)
-            _check_colours(self.variant, scene.picture.spectral)
+            check_colours(self.variant, scene.picture.spectral)
             # Imported here, so that importing this module loads neither Mitsuba nor the labels' and pictures' code.
             from .cache.draft import draft_picture
             from .cache.scene_cache import make_tracer, uses_cache
@@ -134,13 +135,15 @@ class Renderer:
         light = "paths" if self.light_check is None or self.light_check.mode == "path" else "irradiance cache"
         return f"Renderer({self.scene!r}, {self.variant}, {light})"
 
-    def frame(self, view: int) -> Frame:
+    def frame(self, view: int, margin: Sides = NO_MARGIN) -> Frame:
         """Render one view: both pictures, denoised, and the geometry that labels come from.
 
         Parameters
         ----------
         view : int
             Number of the camera in ``scene.cameras``.
+        margin : (int, int, int, int)
+            Columns and rows beyond left, top, right and bottom border of `Frame.oversize` [px]; it changes nothing else.
 
         Returns
         -------
@@ -150,11 +153,11 @@ class Renderer:
         Raises
         ------
         InputError
-            Where the scene has no such view.
+            Where the scene has no such view, or a side of the margin is not within 0 and `LONGEST_SIDE`.
         """
-        number = self._view(view)
+        left, top, right, bottom = (whole_number("margin", side, 0, LONGEST_SIDE) for side in margin)
         with self._active():
-            return self._rendered(number)
+            return self._rendered(self._view(view), (left, top, right, bottom))
 
     def geometry(self, view: int, eye: Eye = "left") -> Geometry:
         """Trace the straight rays through the pixel centres of one eye; that of the left one is in every frame as well.
@@ -338,9 +341,10 @@ class Renderer:
             activate(self.variant)
             yield
 
-    def _rendered(self, view: int) -> Frame:
+    def _rendered(self, view: int, margin: Sides) -> Frame:
         from .labels.geometry import trace_straight
         from .labels.refraction import trace_refraction
+        from .oversize import trace_oversize
         from .pictures.picture import denoise_image, trace_picture
 
         scene, stopwatch = self.scene, Stopwatch()
@@ -364,6 +368,8 @@ class Renderer:
         with stopwatch.stage("denoise"):
             eyes = (left, right)
             clean = [denoise_image(one, picture.fireflies) if picture.denoise else one.radiance for one in eyes]
+        with stopwatch.stage("margin"):
+            wide = trace_oversize(self.loaded, view, margin, eyes, clean, self._tracer) if any(margin) else None
         return Frame(
             view=view,
             left=clean[0],
@@ -378,6 +384,7 @@ class Renderer:
             infrared=infrared,
             beams=beams,
             stokes=stokes,
+            oversize=wide,
             exposure=camera.exposure,
             tone=camera.tone,
             scene=scene,
@@ -391,10 +398,3 @@ def _named(device: DepthDevice | None) -> str:
 def _check_eye(eye: object) -> None:
     if eye not in EYES:
         raise InputError("eye", "'left' or 'right'", described(eye))
-
-
-def _check_colours(variant: str, spectral: bool) -> None:
-    """Refuse a variant whose colours are not those that the scene asks for; monochrome ones are taken on request."""
-    if ("spectral" in variant) != spectral and "mono" not in variant:
-        kind, state = ("a spectral", "on") if spectral else ("an RGB", "off")
-        raise InputError("variant", f"{kind} variant, as picture.spectral is {state}", variant)

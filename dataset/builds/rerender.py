@@ -11,6 +11,7 @@ import numpy as np
 from ...annotate.keypoints import scene_keypoints
 from ...annotate.labels import label
 from ...core.errors import InputError
+from ...core.margin import NO_MARGIN
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.scene_file import load_scene, save_scene
 from ...procedural.scene.settings import SceneSettings
@@ -18,6 +19,7 @@ from ...render.backend.variant import activate
 from ...render.renderer import Renderer
 from ..format import layout
 from ..format.dataset_file import DatasetFile, installed_versions
+from ..format.developed import margin_of
 from ..pipeline import pair_labels, requested_mattes
 from ..writer import write_view
 
@@ -64,7 +66,8 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
         scene = load_scene(folder / layout.SCENE)
         renderer, points = Renderer(scene), scene_keypoints(scene)
         for view in views:
-            place, frame = again / layout.view_name(view), renderer.frame(view)
+            margin = margin_of(scene, view) if head.developed is None else NO_MARGIN
+            place, frame = again / layout.view_name(view), renderer.frame(view, margin)
             labels, stereo = label(scene, frame, renderer, points), pair_labels(head.files, frame, renderer, points)
             mattes = requested_mattes(head.files, frame, renderer)
             write_view(place, scene, frame, labels, head.files, head.developed, stereo, mattes)

@@ -12,10 +12,11 @@ import cv2
 import numpy as np
 
 from ...core.images import LINEAR, Tone, common_tone, srgb8
+from ...core.margin import NO_MARGIN, Sides, in_frame
 from ...core.randomness import stream
 from .colour import balance, encoded, from_sensor, to_sensor
 from .defocus import circle, defocused, focused_at, right_depth
-from .lens import Lens, falloff, warps
+from .lens import Lens, Warps, falloff, margins, warps
 from .model import ColourCamera
 from .sensor import demosaiced, exposed, mosaic, summed_pixels
 
@@ -25,15 +26,22 @@ _BRIGHTEST = 4.0
 
 @dataclass(frozen=True, eq=False)
 class PairLight:
-    """What a stereo pair sees, and its geometry."""
+    """What a stereo pair sees, and its geometry; the three arrays have the margin around the frame of H x W pixels."""
 
     left: np.ndarray  #: (H, W, 3) float32, linear Rec.709 radiance
     right: np.ndarray  #: the same of the right camera
     Z: np.ndarray  #: (H, W) float32, planar depth of the first surface of the left camera [m]; +inf without one
-    optics: Lens  #: fx, fy, cx, cy of both cameras [px]
+    optics: Lens  #: fx, fy, cx, cy of both cameras, in the frame's pixels [px]
     baseline: float  #: [m]
     exposure: float  #: factor from radiance to the linear value that saturates at 1
     tone: Tone = LINEAR  #: of the ideal camera; others have their own white balance and tone curve
+    margin: Sides = NO_MARGIN  #: rendered beyond the frame for the distortion of the lens (`lens.margins`)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the frame [px]."""
+        height, width = in_frame(self.left, self.margin).shape[:2]
+        return width, height
 
 
 @dataclass(frozen=True)
@@ -62,8 +70,9 @@ def develop(
         Of the random streams: ``camera/<view>`` and ``camera/<view>/<eye>``.
     """
     if camera.ideal:
-        tone = common_tone(light.tone, light.left, light.exposure)
-        return srgb8(light.left, light.exposure, tone), srgb8(light.right, light.exposure, tone)
+        left, right = (in_frame(picture, light.margin) for picture in (light.left, light.right))
+        tone = common_tone(light.tone, left, light.exposure)
+        return srgb8(left, light.exposure, tone), srgb8(right, light.exposure, tone)
     rng = stream(seed, scene_id, f"camera/{view}")
     control = _control(camera, light, rng)
     signals = []
@@ -75,13 +84,42 @@ def develop(
     return left, right
 
 
-def lost_pixels(camera: ColourCamera, optics: Lens, width: int, height: int) -> np.ndarray | None:
-    """Return the pixels of a camera's picture that the rendered one cannot fill, (H, W) bool; None without any."""
+def lost_pixels(
+    camera: ColourCamera, optics: Lens, width: int, height: int, margin: Sides = NO_MARGIN
+) -> np.ndarray | None:
+    """Return the pixels of a camera's picture that the rendered one cannot fill, (H, W) bool; None without any.
+
+    `margin` is what was rendered beyond the frame of `width` x `height` pixels.
+    """
     if camera.distortion.absent:
         return None
-    maps = warps(camera.distortion, optics, width, height)
+    maps = warps(
+        camera.distortion, optics, width, height, margin, _sensed_margin(camera, optics, width, height, margin)
+    )
     lost = maps.lost if camera.rectified else maps.outside
     return lost if lost.any() else None
+
+
+def rendered_margin(camera: ColourCamera, optics: Lens, width: int, height: int) -> Sides:
+    """Return what has to be rendered beyond the frame so that none of a camera's pixels is lost."""
+    return margins(camera.distortion, camera.rectified, optics, width, height)[0]
+
+
+def _sensed_margin(camera: ColourCamera, optics: Lens, width: int, height: int, margin: Sides) -> Sides:
+    """Return the margin of the lens' picture: what its frame's pixels need, or none where none was rendered."""
+    if margin == NO_MARGIN:
+        return NO_MARGIN
+    return margins(camera.distortion, camera.rectified, optics, width, height)[1]
+
+
+def _warps(camera: ColourCamera, light: PairLight) -> Warps:
+    sensed = _sensed_margin(camera, light.optics, *light.size, light.margin)
+    return warps(camera.distortion, light.optics, *light.size, light.margin, sensed)
+
+
+def _falloff(camera: ColourCamera, light: PairLight) -> np.ndarray:
+    sensed = _sensed_margin(camera, light.optics, *light.size, light.margin)
+    return falloff(camera.distortion, light.optics, *light.size, sensed)
 
 
 def _control(camera: ColourCamera, light: PairLight, rng: np.random.Generator) -> Control:
@@ -90,7 +128,7 @@ def _control(camera: ColourCamera, light: PairLight, rng: np.random.Generator) -
     return Control(
         exposure=_metered(camera, light) * 2**stops,
         gain=float(low * (high / low) ** rng.random()),
-        focus=camera.focus or focused_at(light.Z),
+        focus=camera.focus or focused_at(in_frame(light.Z, light.margin)),
     )
 
 
@@ -101,23 +139,22 @@ def _metered(camera: ColourCamera, light: PairLight) -> float:
     """
     if camera.brightest_median is None:
         return light.exposure
-    median = light.exposure * float(np.median(light.left.max(axis=2)))
+    median = light.exposure * float(np.median(in_frame(light.left, light.margin).max(axis=2)))
     return light.exposure * min(1.0, camera.brightest_median / max(median, 1e-9))
 
 
 def _through_lens(
     camera: ColourCamera, light: PairLight, control: Control, picture: np.ndarray, left: bool
 ) -> np.ndarray:
-    """Return the light that the lens puts on the sensor, (H, W, 3) float32."""
+    """Return the light that the lens puts on the sensor, (H, W, 3) float32, with the margin of the lens' picture."""
     fx = light.optics[0]
-    height, width = picture.shape[:2]
     if camera.aperture:
         Z = light.Z if left else right_depth(light.Z, fx * light.baseline)
         picture = defocused(picture, circle(Z, camera.aperture, control.focus, fx))
     if not camera.distortion.absent:
-        picture = warps(camera.distortion, light.optics, width, height).distort.applied(picture)
+        picture = _warps(camera, light).distort.applied(picture)
     if camera.falloff:
-        picture = picture * falloff(camera.distortion, light.optics, width, height) ** np.float32(camera.falloff)
+        picture = picture * _falloff(camera, light) ** np.float32(camera.falloff)
     return picture
 
 
@@ -125,34 +162,32 @@ def _sensed(
     camera: ColourCamera, light: PairLight, control: Control, picture: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
     """Return the colours of the sensor, demosaiced and corrected for shading, (H, W, 3) float32."""
-    height, width = picture.shape[:2]
     signal = cv2.transform(picture, (to_sensor(camera) * control.exposure).astype(np.float32))
     if camera.sensor is None:
         signal = np.clip(signal, 0, 1)
     else:
         signal = np.minimum(signal, _BRIGHTEST)
-        pixels = summed_pixels(camera.sensor, width)
+        pixels = summed_pixels(camera.sensor, light.size[0])
         if pixels is None:
             signal = demosaiced(exposed(mosaic(signal), camera.sensor, control.gain, rng))
         else:
             signal = exposed(signal, camera.sensor, control.gain, rng, pixels)
     if camera.falloff and camera.shading_correction:
         power = np.float32(-camera.falloff * camera.shading_correction)
-        signal = signal * falloff(camera.distortion, light.optics, width, height) ** power
+        signal = signal * _falloff(camera, light) ** power
     return signal
 
 
 def _processed(camera: ColourCamera, light: PairLight, gains: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """Return the 8-bit picture of demosaiced colours."""
-    height, width = signal.shape[:2]
+    """Return the 8-bit picture of demosaiced colours, (H, W, 3) uint8, the frame."""
     top = min(1.0, float(gains.min()))  # where the first channel saturates: brighter light is white
     balanced = np.clip(signal * (gains / top).astype(np.float32), 0, 1)
     picture = encoded(cv2.transform(balanced, from_sensor(camera)[1].astype(np.float32)), camera.contrast)
     if camera.jpeg_quality is not None:
         picture = _compressed(picture, camera.jpeg_quality)
     if camera.rectified and not camera.distortion.absent:
-        picture = warps(camera.distortion, light.optics, width, height).rectify.applied(picture)
-    lost = lost_pixels(camera, light.optics, width, height)
+        picture = _warps(camera, light).rectify.applied(picture)
+    lost = lost_pixels(camera, light.optics, *light.size, light.margin)
     if lost is not None:
         picture = np.where(lost[..., None], np.uint8(0), picture)
     return picture

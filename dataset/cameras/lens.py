@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import cast
 
 import cv2
 import numpy as np
 
 from ...core.errors import InputError
+from ...core.margin import NO_MARGIN, Sides, pixel_grid
 from .model import Coefficients, Distortion
 
 #: Focal lengths and principal point (fx, fy, cx, cy) [px].
@@ -21,6 +23,11 @@ _RESIDUAL = 1e-6
 _ALONG = 64
 #: Halvings by which the strongest distortion that does not fold is found, to a thousandth.
 _HALVINGS = 10
+#: Pixels of the lens' picture around one that is resampled which have a part in it: a neighbour of the bilinear
+#: filter, and two for its demosaicing.
+_BESIDE = 3
+#: Most pixels of the pinhole's picture that each of them may take [px]: more only at a fold.
+_MOST = 8
 
 #: Weight of pixels that were not rendered in one that is resampled, from which it counts as one of them.
 _MOSTLY = 0.5
@@ -41,11 +48,11 @@ class Warp:
 
 @dataclass(frozen=True, eq=False)
 class Warps:
-    """From pinhole to lens and back."""
+    """From pinhole to lens and back; (H, W) are those of the frame, and of each picture with its margin."""
 
     distort: Warp  #: for each pixel of the lens' picture, where the pinhole's has it
     rectify: Warp  #: for each pixel of the pinhole's picture, where the lens' has it
-    outside: np.ndarray  #: pixels of the lens' picture that the pinhole's does not have, (H, W) bool
+    outside: np.ndarray  #: pixels of the lens' picture that the pinhole's does not have, bool
     lost: np.ndarray  #: pixels of the rectified picture that the lens' does not have, (H, W) bool
 
 
@@ -113,38 +120,100 @@ def check_distortion(lens: Distortion, optics: Lens, width: int, height: int, wh
     raise InputError(f"{where}: distortion", f"{expected}, such as {nearest}", f"k1 {lens.k1:g}, k2 {lens.k2:g}")
 
 
-def warps(lens: Distortion, optics: Lens, width: int, height: int) -> Warps:
-    """Return the maps between the pictures of a pinhole and of a lens with the same intrinsics."""
-    return _warps(lens.coefficients, optics, width, height)
+def margins(lens: Distortion, rectified: bool, optics: Lens, width: int, height: int) -> tuple[Sides, Sides]:
+    """Return the margins that the pictures of a pinhole and of a lens need so that none of the frame's pixels is lost.
+
+    A rectified picture needs all that its own pixels are resampled from; the picture that keeps its distortion is the
+    frame, and needs the pinhole's picture as far as its border sees. The margins of the lens' picture are even: its
+    mosaic begins with the same colour.
+
+    Parameters
+    ----------
+    lens : Distortion
+        One that does not fold over inside the frame (`check_distortion`).
+    rectified : bool
+        Whether the picture is resampled to the pinhole's.
+    optics : Lens
+        Of the frame.
+    width, height : int
+        Of the frame [px].
+
+    Returns
+    -------
+    rendered, sensed : Sides
+        Of the pinhole's picture, and of the lens' [px].
+    """
+    return _margins(lens.coefficients, rectified, optics, width, height)
 
 
-def falloff(lens: Distortion, optics: Lens, width: int, height: int) -> np.ndarray:
+def warps(
+    lens: Distortion,
+    optics: Lens,
+    width: int,
+    height: int,
+    rendered: Sides = NO_MARGIN,
+    sensed: Sides = NO_MARGIN,
+) -> Warps:
+    """Return the maps between the pictures of a pinhole and of a lens with the same intrinsics.
+
+    Parameters
+    ----------
+    lens : Distortion
+        The lens.
+    optics : Lens
+        Of the frame.
+    width, height : int
+        Of the frame, which the rectified picture is [px].
+    rendered, sensed : Sides
+        Margins of the pinhole's and of the lens' picture around it.
+    """
+    return _warps(lens.coefficients, optics, width, height, rendered, sensed)
+
+
+def falloff(lens: Distortion, optics: Lens, width: int, height: int, sensed: Sides = NO_MARGIN) -> np.ndarray:
     """Return the cosine of the angle between each pixel's ray and the optical axis, (H, W, 1) float32.
 
     Its fourth power is the natural fall-off of illumination (Born and Wolf, Principles of Optics, section 4.8.1).
+    `sensed` is the margin of the lens' picture, which is returned with it.
     """
-    return _falloff(lens.coefficients, optics, width, height)
+    return _falloff(lens.coefficients, optics, width, height, sensed)
 
 
 # All views of a data set have the same maps.
 @lru_cache(maxsize=4)
-def _warps(coefficients: Coefficients, optics: Lens, width: int, height: int) -> Warps:
+def _margins(coefficients: Coefficients, rectified: bool, optics: Lens, width: int, height: int) -> tuple[Sides, Sides]:
     lens = Distortion.of(coefficients)
-    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1)
-    slopes = _slopes(pixels, optics)
-    distort = _warp(undistorted(slopes, lens), optics)
-    rectify = _warp(distorted(slopes, lens), optics)
+    if lens.absent:
+        return NO_MARGIN, NO_MARGIN
+    border = _slopes(_border(width, height), optics)
+    if not rectified:
+        return _reach(_pixels(undistorted(border, lens), optics), width, height), NO_MARGIN
+    ends = _pixels(distorted(border, lens), optics)
+    around = [ends + np.array([x, y]) for x in (-_BESIDE, 0, _BESIDE) for y in (-_BESIDE, 0, _BESIDE)]
+    sensed = tuple(side + side % 2 for side in _reach(np.concatenate(around), width, height))
+    needed = [_pixels(undistorted(_slopes(points, optics), lens), optics) for points in around]
+    rendered = tuple(min(side, _MOST * _BESIDE) for side in _reach(np.concatenate(needed), width, height))
+    return cast(Sides, rendered), cast(Sides, sensed)
+
+
+@lru_cache(maxsize=4)
+def _warps(coefficients: Coefficients, optics: Lens, width: int, height: int, rendered: Sides, sensed: Sides) -> Warps:
+    lens = Distortion.of(coefficients)
+    rays = undistorted(_slopes(pixel_grid(width, height, sensed), optics), lens)
+    distort = _warp(_pixels(rays, optics), width, height, rendered)
+    seen = distorted(_slopes(pixel_grid(width, height, NO_MARGIN), optics), lens)
+    rectify = _warp(_pixels(seen, optics), width, height, sensed)
     outside = ~distort.inside
     lost = ~rectify.inside | (rectify.applied(outside.astype(np.float32)) > _MOSTLY)
     return Warps(distort, rectify, outside, lost)
 
 
 @lru_cache(maxsize=4)
-def _falloff(coefficients: Coefficients, optics: Lens, width: int, height: int) -> np.ndarray:
-    lens = Distortion.of(coefficients)
-    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1)
-    slopes = undistorted(_slopes(pixels, optics), lens)
-    return (1 / np.sqrt(1 + (slopes**2).sum(axis=-1, keepdims=True))).astype(np.float32)
+def _falloff(coefficients: Coefficients, optics: Lens, width: int, height: int, sensed: Sides) -> np.ndarray:
+    slopes = undistorted(_slopes(pixel_grid(width, height, sensed), optics), Distortion.of(coefficients))
+    cosine = 1 / np.sqrt(1 + (slopes**2).sum(axis=-1, keepdims=True))
+    # Corners of a margin that no ray reaches; none of the frame's pixels is resampled from them.
+    return np.nan_to_num(cosine, nan=1.0).astype(np.float32)
 
 
 def _jacobian(points: np.ndarray, lens: Distortion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -171,10 +240,23 @@ def _border(width: int, height: int) -> np.ndarray:
     return np.concatenate([*rows, *columns])
 
 
-def _warp(slopes: np.ndarray, optics: Lens) -> Warp:
-    height, width = slopes.shape[:2]
+def _pixels(slopes: np.ndarray, optics: Lens) -> np.ndarray:
     fx, fy, cx, cy = optics
-    x, y = slopes[..., 0] * fx + cx, slopes[..., 1] * fy + cy
+    return slopes * np.array([fx, fy]) + np.array([cx, cy])
+
+
+def _reach(points: np.ndarray, width: int, height: int) -> Sides:
+    """Return how many pixels the farthest of points (..., 2) lie beyond each border; those that are NaN are nowhere."""
+    (left, top), (right, bottom) = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    beyond = np.ceil(np.array([-left, -top, right - (width - 1), bottom - (height - 1)]))
+    return cast(Sides, tuple(int(side) for side in np.maximum(beyond, 0)))
+
+
+def _warp(points: np.ndarray, width: int, height: int, margin: Sides) -> Warp:
+    """Return the map to points, (H, W, 2) in the frame's pixels, of a picture with a margin."""
+    left, top, right, bottom = margin
+    x, y = points[..., 0] + left, points[..., 1] + top
     # A pixel covers half a pixel around its centre; there the border pixels' own values count.
-    inside = (x >= -0.5) & (x <= width - 0.5) & (y >= -0.5) & (y <= height - 0.5)
-    return Warp(x.astype(np.float32), y.astype(np.float32), inside)
+    inside = (x >= -0.5) & (x <= left + width + right - 0.5) & (y >= -0.5) & (y <= top + height + bottom - 0.5)
+    x, y = (np.nan_to_num(values, nan=-1.0).astype(np.float32) for values in (x, y))
+    return Warp(x, y, inside)

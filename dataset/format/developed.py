@@ -9,10 +9,11 @@ import numpy as np
 from ...annotate.labels import Rle
 from ...annotate.masks import encode_mask
 from ...core.json_file import json_text
+from ...core.margin import NO_MARGIN, Sides
 from ...procedural.description.camera import Camera
 from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
-from ..cameras.develop import PairLight, develop, lost_pixels
+from ..cameras.develop import PairLight, develop, lost_pixels, rendered_margin
 from ..cameras.lens import Lens, check_distortion
 from ..cameras.presets import CAMERAS
 from . import layout
@@ -30,6 +31,7 @@ def write_developed(
     place: tuple[int, int],
     depth_camera: DepthCameraRecord | None = None,
     polarisation_camera: PolarisationRecord | None = None,
+    margin: Sides = NO_MARGIN,
 ) -> np.ndarray:
     """Write ``left.png``, ``right.png`` and ``camera.json`` of a view into its folder; return the left picture.
 
@@ -51,13 +53,15 @@ def write_developed(
         The depth camera beside the left one.
     polarisation_camera : PolarisationRecord, optional
         The polarisation camera in its place.
+    margin : Sides
+        What `pair` and `Z` have beyond the frame of H x W pixels, for the distortion of the lens.
     """
     optics = optics_of(camera)
-    light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone)
+    light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone, margin)
     left, right = develop(development.camera, light, development.seed, *place)
     write_png(folder / "left.png", left)
     write_png(folder / "right.png", right)
-    lost = lost_pixels(development.camera, optics, camera.width, camera.height)
+    lost = lost_pixels(development.camera, optics, camera.width, camera.height, margin)
     lens = development.camera
     record = camera_file(camera).model_copy(
         update={
@@ -75,6 +79,12 @@ def write_developed(
 def development_of(scene: Scene) -> Development:
     """Return the camera that a scene's pictures are built with, and its seed."""
     return Development(camera=CAMERAS[scene.picture.camera], seed=scene.seed)
+
+
+def margin_of(scene: Scene, view: int) -> Sides:
+    """Return what has to be rendered beyond the frame of a view for the lens of the camera that it is built with."""
+    camera = scene.cameras[view]
+    return rendered_margin(development_of(scene).camera, optics_of(camera), camera.width, camera.height)
 
 
 def check_camera(settings: SceneSettings) -> None:

@@ -40,6 +40,13 @@ def check_process() -> None:
         raise InputError("backend", f"a process of its own; {SPAWN}", found)
 
 
+def check_colours(variant: str, spectral: bool) -> None:
+    """Raise InputError for a variant whose colours are not those that a scene asks for; monochrome ones are taken."""
+    if ("spectral" in variant) != spectral and "mono" not in variant:
+        kind, state = ("a spectral", "on") if spectral else ("an RGB", "off")
+        raise InputError("variant", f"{kind} variant, as picture.spectral is {state}", variant)
+
+
 def activate(variant: str | None = None, spectral: bool | None = None, threads: int | None = None) -> str:
     """Set a Mitsuba variant that has been proven to work here; safe to call again.
 
