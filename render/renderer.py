@@ -143,7 +143,7 @@ class Renderer:
         view : int
             Number of the camera in ``scene.cameras``.
         margin : (int, int, int, int)
-            Columns and rows beyond left, top, right and bottom border of `Frame.oversize` [px]; it changes nothing else.
+            Columns and rows beyond the left, top, right and bottom border that `Frame.oversize` has [px].
 
         Returns
         -------

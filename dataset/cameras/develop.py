@@ -151,7 +151,9 @@ def _through_lens(
     if camera.aperture:
         Z = light.Z if left else right_depth(light.Z, fx * light.baseline)
         picture = defocused(picture, circle(Z, camera.aperture, control.focus, fx))
-    if not camera.distortion.absent:
+    if camera.distortion.absent:
+        picture = in_frame(picture, light.margin)
+    else:
         picture = _warps(camera, light).distort.applied(picture)
     if camera.falloff:
         picture = picture * _falloff(camera, light) ** np.float32(camera.falloff)
