@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -11,27 +12,36 @@ from ..core.randomness import stream_seed
 from ..procedural.description.camera import Camera
 from .frame import EYES, Eye, Oversize
 from .labels.geometry import trace_geometry
-from .pictures.film import Film
-from .pictures.guides import trace_guides
-from .pictures.picture import (
-    PATH_TRACER,
-    NoisyImage,
-    Source,
-    Tracer,
-    add_even,
-    check_finite,
-    check_media,
-    denoise_image,
-)
+from .pictures.guides import Guides
+from .pictures.picture import NoisyImage, Tracer, denoise_image, trace_picture
 from .scene.loaded_scene import LoadedScene
-from .scene.rays import pinhole
+
+#: Rows and columns of a picture with a margin.
+Region = tuple[slice, slice]
 
 
-def with_margin(camera: Camera, margin: Sides) -> Camera:
-    """Return a camera of the same pose and focal lengths that sees a margin around the frame."""
+def strips(camera: Camera, margin: Sides) -> list[tuple[Region, Camera]]:
+    """Return the margin in strips above, below, left and right of the frame, each with the camera that sees it alone.
+
+    Strips without a pixel are left out. The corners belong to those above and below. Regions are those of the picture
+    with its margin.
+    """
     left, top, right, bottom = margin
-    (cx, cy), size = camera.centre, (camera.width + left + right, camera.height + top + bottom)
-    return camera.model_copy(update={"width": size[0], "height": size[1], "centre": (cx + left, cy + top)})
+    width, height = left + camera.width + right, top + camera.height + bottom
+    frame, across = (top, top + camera.height), (left, left + camera.width)
+    areas = (
+        ((0, top), (0, width)),
+        ((frame[1], height), (0, width)),
+        (frame, (0, left)),
+        (frame, (across[1], width)),
+    )
+    cx, cy = camera.centre
+    found = []
+    for (y, below), (x, beyond) in areas:
+        if below > y and beyond > x:
+            place = {"width": beyond - x, "height": below - y, "centre": (cx + left - x, cy + top - y)}
+            found.append(((slice(y, below), slice(x, beyond)), camera.model_copy(update=place)))
+    return found
 
 
 def trace_oversize(
@@ -40,7 +50,8 @@ def trace_oversize(
     margin: Sides,
     noisy: Sequence[NoisyImage],
     clean: Sequence[np.ndarray],
-    tracer: Tracer = PATH_TRACER,
+    Z: np.ndarray,
+    tracer: Tracer,
 ) -> Oversize:
     """Return both pictures of a view with a margin, and the left camera's depth.
 
@@ -56,68 +67,46 @@ def trace_oversize(
         Around the frame.
     noisy, clean : two of NoisyImage, two of (H, W, 3) float32
         The frame of the left and the right eye (`pictures.picture.trace_picture`), and its final picture.
+    Z : (H, W) float32
+        Planar depth of the frame, left eye [m].
     tracer : Tracer
         That of the frame.
     """
     scene, pictures = loaded.description, []
     camera = scene.cameras[view]
     for eye, inner, done in zip(EYES, noisy, clean, strict=True):
-        seed = stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin")
-        image = trace_margin(loaded, camera, eye, seed, margin, inner, tracer)
+        image = _with_margin(loaded, view, eye, margin, inner, tracer)
         picture = denoise_image(image, scene.picture.fireflies) if scene.picture.denoise else image.radiance.copy()
         in_frame(picture, margin)[:] = done
         pictures.append(picture)
-    left, right = pictures
-    return Oversize(margin, left, right, trace_geometry(loaded, with_margin(camera, margin)).Z)
+    parts = [(region, trace_geometry(loaded, part).Z) for region, part in strips(camera, margin)]
+    return Oversize(margin, *pictures, Z=_joined(Z, margin, parts))
 
 
-def trace_margin(
-    loaded: LoadedScene,
-    camera: Camera,
-    eye: Eye,
-    seed: int,
-    margin: Sides,
-    inner: NoisyImage,
-    tracer: Tracer = PATH_TRACER,
+def _with_margin(
+    loaded: LoadedScene, view: int, eye: Eye, margin: Sides, inner: NoisyImage, tracer: Tracer
 ) -> NoisyImage:
-    """Render the margin around one eye's frame, with as many samples a pixel as the frame has on average.
+    """Return a noisy picture with its margin, whose noise is drawn from streams of its own."""
+    scene, images = loaded.description, []
+    for number, (region, part) in enumerate(strips(scene.cameras[view], margin)):
+        seed = stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin/{number}")
+        images.append((region, trace_picture(loaded, part, eye, seed, tracer)))
 
-    Parameters
-    ----------
-    loaded : LoadedScene
-        The scene.
-    camera : Camera
-        The stereo pair, without the margin.
-    eye : {"left", "right"}
-        Which of the two.
-    seed : int
-        Of the margin's samples, another one than the frame's.
-    margin : Sides
-        Around the frame.
-    inner : NoisyImage
-        The frame (`pictures.picture.trace_picture`), which the result has in its inside.
-    tracer : Tracer
-        That of the frame.
+    def joined(name: str) -> np.ndarray:
+        return _joined(getattr(inner, name), margin, [(region, getattr(image, name)) for region, image in images])
 
-    Raises
-    ------
-    MediumError, LightError
-        As `pictures.picture.trace_picture`.
-    """
-    wide = with_margin(camera, margin)
-    guides = trace_guides(loaded, wide, eye)
-    outside = np.ones((wide.height, wide.width), bool)
-    in_frame(outside, margin)[:] = False
-    film = Film(outside.size)
-    source = Source(loaded, pinhole(wide, eye), camera.exposure, seed, tracer)
-    counts = add_even(source, film, outside.ravel(), inner.sampling.spp)
-    check_media(counts, eye)
-    shape = (wide.height, wide.width, 3)
-    with np.errstate(invalid="ignore", over="ignore"):  # the frame has no samples here, and is filled in next
-        radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
-    in_frame(radiance, margin)[:] = inner.radiance
-    in_frame(variance, margin)[:] = inner.variance
-    check_finite(radiance, variance, guides.instance, eye)
-    return NoisyImage(
-        radiance, variance, guides, inner.sampling, camera.exposure, violations=float(counts[0] / counts[1])
-    )
+    def guide(name: str) -> np.ndarray:
+        parts = [(region, getattr(image.guides, name)) for region, image in images]
+        return _joined(getattr(inner.guides, name), margin, parts)
+
+    guides = Guides(**{item.name: guide(item.name) for item in fields(Guides)})
+    return NoisyImage(joined("radiance"), joined("variance"), guides, inner.sampling, inner.exposure, inner.violations)
+
+
+def _joined(frame: np.ndarray, margin: Sides, parts: Sequence[tuple[Region, np.ndarray]]) -> np.ndarray:
+    """Return an array of a frame, (H, W, ...), with its margin's parts around it."""
+    left, top, right, bottom = margin
+    whole = np.pad(frame, ((top, bottom), (left, right), *[(0, 0)] * (frame.ndim - 2)))
+    for region, values in parts:
+        whole[region] = values
+    return whole

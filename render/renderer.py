@@ -351,7 +351,7 @@ class Renderer:
         camera, picture = scene.cameras[view], scene.picture
         seeds: dict[Eye, int] = {eye: stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}") for eye in EYES}
         with stopwatch.stage("picture"):
-            left, right = (trace_picture(self.loaded, camera, eye, seed, self._tracer) for eye, seed in seeds.items())
+            eyes = [trace_picture(self.loaded, camera, eye, seed, self._tracer) for eye, seed in seeds.items()]
         with stopwatch.stage("geometry"):
             geometry, layers = trace_straight(self.loaded, camera, picture.layers)
         with stopwatch.stage("refraction"):
@@ -366,19 +366,19 @@ class Renderer:
         with stopwatch.stage("polarisation"):
             stokes = None if scene.polarisation_camera is None else self.stokes(view)
         with stopwatch.stage("denoise"):
-            eyes = (left, right)
             clean = [denoise_image(one, picture.fireflies) if picture.denoise else one.radiance for one in eyes]
         with stopwatch.stage("margin"):
-            wide = trace_oversize(self.loaded, view, margin, eyes, clean, self._tracer) if any(margin) else None
+            frames = (eyes, clean, geometry.Z)
+            wide = trace_oversize(self.loaded, view, margin, *frames, self._tracer) if any(margin) else None
         return Frame(
             view=view,
             left=clean[0],
             right=clean[1],
-            left_noisy=left.radiance if picture.denoise else None,
-            right_noisy=right.radiance if picture.denoise else None,
+            left_noisy=eyes[0].radiance if picture.denoise else None,
+            right_noisy=eyes[1].radiance if picture.denoise else None,
             geometry=geometry,
             seconds=stopwatch.seconds,
-            sampling=(left.sampling, right.sampling),
+            sampling=(eyes[0].sampling, eyes[1].sampling),
             layers=layers if picture.layers else None,
             refraction=refraction,
             infrared=infrared,
