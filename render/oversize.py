@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from .pictures.guides import Guides
 from .pictures.picture import NoisyImage, Tracer, denoise_image, trace_picture
 from .scene.loaded_scene import LoadedScene
 
+#: Part of the frame beside the margin that the denoiser sees with it [px]: four times the widest window of its
+#: corrections (`pictures.denoise`).
+_AROUND = 32
 #: Rows and columns of a picture with a margin.
 Region = tuple[slice, slice]
 
@@ -55,7 +59,7 @@ def trace_oversize(
 ) -> Oversize:
     """Return both pictures of a view with a margin, and the left camera's depth.
 
-    The denoiser sees frame and margin together, but the frame stays what it is without.
+    The denoiser sees the margin with a part of the frame, but the frame stays what it is without.
 
     Parameters
     ----------
@@ -76,7 +80,10 @@ def trace_oversize(
     camera = scene.cameras[view]
     for eye, inner, done in zip(EYES, noisy, clean, strict=True):
         image = _with_margin(loaded, view, eye, margin, inner, tracer)
-        picture = denoise_image(image, scene.picture.fireflies) if scene.picture.denoise else image.radiance.copy()
+        picture = image.radiance.copy()
+        if scene.picture.denoise:
+            for region, _ in strips(camera, margin):
+                picture[region] = _denoised(image, region, scene.picture.fireflies)
         in_frame(picture, margin)[:] = done
         pictures.append(picture)
     parts = [(region, trace_geometry(loaded, part).Z) for region, part in strips(camera, margin)]
@@ -101,6 +108,17 @@ def _with_margin(
 
     guides = Guides(**{item.name: guide(item.name) for item in fields(Guides)})
     return NoisyImage(joined("radiance"), joined("variance"), guides, inner.sampling, inner.exposure, inner.violations)
+
+
+def _denoised(image: NoisyImage, region: Region, fireflies: Literal["keep", "remove"]) -> np.ndarray:
+    """Return a region of a picture without noise, by what is up to `_AROUND` around it."""
+    around = tuple(slice(max(part.start - _AROUND, 0), part.stop + _AROUND) for part in region)
+    guides = Guides(**{item.name: getattr(image.guides, item.name)[around] for item in fields(Guides)})
+    seen = replace(image, radiance=image.radiance[around], variance=image.variance[around], guides=guides)
+    rows, columns = (
+        slice(part.start - seen.start, part.stop - seen.start) for part, seen in zip(region, around, strict=True)
+    )
+    return denoise_image(seen, fireflies)[rows, columns]
 
 
 def _joined(frame: np.ndarray, margin: Sides, parts: Sequence[tuple[Region, np.ndarray]]) -> np.ndarray:
