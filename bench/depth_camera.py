@@ -32,6 +32,9 @@ from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.surroundings.colour import luminance
+from glassware.procedural.surroundings.environments import bake_environment
+from glassware.procedural.surroundings.metering import irradiance
 from glassware.render.renderer import Renderer
 
 #: Objects of fewer pixels are left out: of 1280 x 720 in the captures, of half of that in the simulation.
@@ -44,6 +47,10 @@ BAND = 20
 FARTHEST = 1.05
 #: Clear plastics and glass, as the captured objects are made of.
 CLEAR = ("PET=2", "acrylic=1", "polycarbonate=1", "soda-lime glass=1")
+#: Illuminance of the tables [klx]: that of offices (EN 12464-1). Drawn rooms have up to 5, where the sun shines in.
+OFFICE = 0.5
+#: Unit of the captures' depth [m] (their camera's settings), and the farthest depth that 16 bits hold in it [m].
+UNIT, FARTHEST_REPORTED = 1e-4, 6.5
 
 
 @dataclass(frozen=True)
@@ -160,9 +167,26 @@ def simulated(run: Run, console: Console) -> Figures:
 
 
 def drawn(wanted: SceneSettings, run: Run) -> Iterator[Scene]:
-    """Yield the scenes."""
+    """Yield the scenes, with the captures' light and unit."""
     for number in range(run.scenes):
-        yield draw_scene(wanted, run.seed, number)
+        scene = as_bright_as_an_office(draw_scene(wanted, run.seed, number))
+        device = scene.depth_camera
+        assert isinstance(device, DepthCamera)
+        device = device.model_copy(update={"unit": UNIT, "range": (device.range[0], FARTHEST_REPORTED)})
+        yield scene.model_copy(update={"depth_camera": device})
+
+
+def as_bright_as_an_office(scene: Scene) -> Scene:
+    """Return a scene whose light is as much brighter or darker as puts `OFFICE` on the table."""
+    around = scene.environment
+    factor = OFFICE / float(luminance(irradiance(bake_environment(around), around.strength, scene.lights)))
+    lights = [
+        light.model_copy(update={"radiance": tuple(factor * value for value in light.radiance)})
+        for light in scene.lights
+    ]
+    cameras = [one.model_copy(update={"exposure": one.exposure / factor}) for one in scene.cameras]
+    environment = around.model_copy(update={"strength": factor * around.strength})
+    return scene.model_copy(update={"environment": environment, "lights": tuple(lights), "cameras": tuple(cameras)})
 
 
 def touches_border(mask: np.ndarray) -> bool:
