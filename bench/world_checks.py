@@ -37,8 +37,8 @@ from glassware.procedural.placement.overlap import Solid, overlap
 
 #: Largest deviation of the thinnest wall from what the vessel says, and of volumes [1].
 WALL, VOLUME = 0.05, 0.01
-#: Vertical lines of the Monte Carlo integral of a volume along each side of its box, and of a second one where the first
-#: is off by more than a fraction of the bound [1].
+#: Lines of the Monte Carlo integral of a volume along each side of its box, and of a second one where the first is off
+#: by more than a fraction of the bound [1].
 LINES, MORE_LINES, UNSURE = 48, 192, 0.7
 #: Rays into the glass of a wall that seems too thick or too thin, and quantile of their lengths that is its thickness.
 RAYS, _SHORTEST = 2500, 0.002

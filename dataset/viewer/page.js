@@ -287,13 +287,15 @@ function drawSpace() {
 // ---- objects
 
 function showObjects() {
+  const numbers = view.numbers || {titles: [], rows: {}};
   const seen = Object.fromEntries((view.shapes.left || []).map((one) => [one.id, one.fractions]));
   const percent = (one, key) => (one ? `${(100 * one[key]).toFixed(1)} %` : "-");
   const rows = scene.objects.map((one) => element("tr", {},
     element("td", {}, element("i", {style: `background:rgb(${colours[one.id]})`}), `${one.id}`),
     ...one.cells.map((text) => element("td", {}, text)),
-    ...["visible", "seen_through", "occluded"].map((key) => element("td", {}, percent(seen[one.id], key)))));
-  const titles = ["id", ...head.columns, "visible", "through glass", "occluded"];
+    ...["visible", "seen_through", "occluded"].map((key) => element("td", {}, percent(seen[one.id], key))),
+    ...(numbers.rows[one.id] || []).map((text) => element("td", {}, text))));
+  const titles = ["id", ...head.columns, "visible", "through glass", "occluded", ...numbers.titles];
   byId("object-table").replaceChildren(element("tr", {}, ...titles.map((title) => element("th", {}, title))), ...rows);
 }
 

@@ -23,12 +23,14 @@ from ..format import layout
 from ..format.conversion import Conversion
 from ..format.dataset_file import DatasetFile
 from ..format.objects_file import ObjectRecord
+from ..format.views_table import scene_views
 from ..reader import StoredView
 from .bodies import scene_bodies, view_cloud
 from .choice import Choice
 from .converted import converted_cloud, converted_scene, converted_shapes, lacking
 from .label_maps import converted_maps, view_maps
 from .map_numbers import LabelMap, reduced
+from .object_numbers import object_numbers
 from .packing import packed
 from .rig import rig
 from .sensor_maps import infrared_pictures
@@ -168,6 +170,8 @@ def _view(choice: Choice, place: int, width: int) -> dict[str, Any]:
     shapes = {"left": view_shapes(view.labels(), camera)}
     if (view.folder / layout.RIGHT_LABELS).is_file():
         shapes["right"] = view_shapes(view.labels("right"), camera)
+    rows = scene_views(choice.scene.folder.parent.parent, choice.scene.scene_id).views
+    row = next(row for row in rows if row.view == view.number)
     pictures = {eye: _picture(view.picture(eye), shown, height) for eye in EYES}
     infrared = {eye: _fitted(one, width) for eye, one in infrared_pictures(view).items()}
     return {
@@ -178,6 +182,7 @@ def _view(choice: Choice, place: int, width: int) -> dict[str, Any]:
         "sizes": {eye: size for eye, (_, size) in infrared.items()},
         "maps": [_map(one, shown, height) for one in maps],
         "absent": absent,
+        "numbers": object_numbers(row),
         "shapes": shapes,
         "lines": view_lines(view),
         "cloud": view_cloud(view, camera),

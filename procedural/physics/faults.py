@@ -19,9 +19,13 @@ from .world import contacts, place, poses, put_away
 _LOST = 0.05
 #: Tilt at which a filled vessel is upset [rad], whatever follows.
 _SPILT = 0.1
-#: Largest tilt of a filled vessel at rest [rad], which is then made upright: at a height of 0.3 m the rim moves by as
-#: much as the gap of contacts.
-_UPRIGHT = 3e-4
+#: Height of a filled vessel over its place on the table, beyond the gap of contacts, that says that it stands on
+#: something else [m].
+_HIGH = 3e-4
+#: Most that a filled vessel may lean at rest, as the way of its farthest point when it is made upright [m]: where an
+#: object touches it, and where none is nearer than the sum of both gaps. No point crosses the gap. On soft contacts a
+#: full bottle of four corners leans by a third of a milliradian.
+_UPRIGHT, _UPRIGHT_ALONE = CONTACT_GAP, 2.0 * CONTACT_GAP
 
 
 def is_spoilt(case: Case, there: np.ndarray, every: np.ndarray) -> bool:
@@ -64,7 +68,14 @@ def unsteady(run: Run, restless: np.ndarray) -> list[int]:
 
 
 def _upset(case: Case, current: np.ndarray) -> list[int]:
-    return [number for number in case.filled if tilt(current[number]) > _UPRIGHT]
+    return [number for number in case.filled if _leans(case, number, current[number])]
+
+
+def _leans(case: Case, number: int, pose: np.ndarray) -> bool:
+    """Return whether a vessel leans by more than can be made upright."""
+    touched = any(number in pair and -1 not in pair for pair in contacts(case.world))
+    way = tilt(pose) * float(np.ptp(case.bodies[number].parts.hull, axis=0).max())
+    return way > (_UPRIGHT if touched else _UPRIGHT_ALONE)
 
 
 def _is_over_table(case: Case, number: int, pose: np.ndarray) -> bool:
@@ -85,7 +96,7 @@ def made_upright(case: Case, found: np.ndarray) -> str:
     for number in case.filled:
         pose = found[number].copy()
         standing = CONTACT_GAP - float(case.bodies[number].parts.hull[:, 2].min())
-        if tilt(pose) > _UPRIGHT or abs(pose[2, 3] - standing) > CONTACT_GAP + _UPRIGHT:
+        if _leans(case, number, pose) or abs(pose[2, 3] - standing) > CONTACT_GAP + _HIGH:
             return f"upset {case.objects[number].name}, which holds a liquid"
         found[number] = turn_about_z(float(np.arctan2(pose[1, 0], pose[0, 0])))
         found[number, :3, 3] = [*pose[:2, 3], standing]

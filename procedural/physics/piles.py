@@ -27,8 +27,8 @@ from .world import RigidBody, build_world, contacts, is_broken, let_go, poses, r
 
 #: How often each object that falls may fall again on average [1] before the whole pile is drawn anew.
 _FALLS_AGAIN = 1.5
-#: Simulated time of all attempts after which a pile that nobody asked for is given up [s]: some 10 s of one core.
-_LONGEST_UNASKED = 30.0
+#: Simulated time of all attempts after which a pile that nobody asked for is given up [s]: some 5 s of one core.
+_LONGEST_UNASKED = 20.0
 #: Growth of the disc after something left the table, which has to land nearer, and after something did not come to rest
 #: or overlaps, which has to land where there is more room [1].
 _NEARER, _WIDER = 0.8, 1.2

@@ -30,7 +30,7 @@ from .supports import put_on_carriers
 LEAST_TILT = np.radians(30.0)
 #: How often all that stands apart is turned and placed anew before it is said not to fit [1]: a napkin that is as long
 #: as a narrow table is deep fits lengthwise alone.
-_PLACEMENTS = 10
+_PLACEMENTS = 5
 
 
 class Arrangement(NamedTuple):

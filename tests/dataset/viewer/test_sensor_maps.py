@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import re
 
 import numpy as np
@@ -66,6 +67,23 @@ def test_stokes_vectors_are_on_the_page(saved, page, unpack):
     np.testing.assert_allclose(unpack(s0["data"]) * s0["step"], light[..., 0], atol=0.501 * s0["step"])
     np.testing.assert_array_equal(unpack(maps["left/mosaic"]["data"]), view.polarisation_mosaic())
     assert maps["left/mosaic"]["high"] == 4095.0
+
+
+def test_each_object_has_its_numbers_of_the_index(copy, add_sensors, tmp_path, page):
+    path = add_sensors(copy) / "scenes" / "000000" / "views.json"
+    data = json.loads(path.read_text("utf-8"))
+    (row,) = data["views"]
+    count = len(row["object_ids"])
+    for k, name in enumerate(("missing", "right", "behind", "front", "rim")):
+        row[f"sensor_{name}"] = [None, *(0.1 * k + 0.01 * i for i in range(1, count))]
+    row |= {"sensor_depth": "x", "sensor_measured": 0.5}
+    path.write_text(json.dumps(data), "utf-8")
+    assert main([str(copy), "--save", str(tmp_path / "page.html")]) == 0
+    numbers = page(tmp_path / "page.html").record("view-0-0")["numbers"]
+    assert len(numbers["titles"]) == 5
+    first, second = (numbers["rows"][str(number)] for number in row["object_ids"][:2])
+    assert first == ["-"] * 5
+    assert second == ["1.0 %", "11.0 %", "21.0 %", "31.0 %", "0.41"]
 
 
 def test_the_parts_of_a_depth_camera_stand_in_3d_where_its_record_says(saved, page):
