@@ -227,7 +227,7 @@ def main(run: Run) -> None:
         "right near the silhouette": lambda one: spread([item[0] for item in one.bands]),
         "right further inside": lambda one: spread([item[1] for item in one.bands]),
         "background missing": lambda one: spread(one.background_missing),
-        "background error [mm]": lambda one: spread([1e3 * value for value in one.background_error]),
+        "background error (mm)": lambda one: spread([1e3 * value for value in one.background_error]),
     }
     for name, row in rows.items():
         table.add_row(name, *(row(one) for one in columns.values()))
