@@ -127,11 +127,12 @@ def _change_scene(files: Files, folder: Path, factor: float) -> None:
 
 
 def _changed_scene(data: dict, factor: float) -> None:
-    """Change the exposure, put prints on the table, and say that contents were drawn again."""
+    """Change the exposure, put prints on the table, and say that contents and places were drawn again."""
     data["table"]["prints"] = [{"kind": kind} for kind in ("mat", "sheet", "sheet")[: int(factor)]]
     for camera in data["cameras"]:
         camera["exposure"] *= factor
     data["vessels"][0].update(redrawn=2, category=MARKUP)
+    data["placed_again"] = 3
 
 
 def _changed_objects(data: dict, factor: float) -> None:
