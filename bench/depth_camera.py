@@ -49,6 +49,8 @@ FARTHEST = 1.05
 CLEAR = ("PET=2", "acrylic=1", "polycarbonate=1", "soda-lime glass=1")
 #: Illuminance of the tables [klx]: that of offices (EN 12464-1). Drawn rooms have up to 5, where the sun shines in.
 OFFICE = 0.5
+#: Difference that has its full colour in pictures [m].
+SHOWN = 0.05
 #: Unit of the captures' depth [m] (their camera's settings), and the farthest depth that 16 bits hold in it [m].
 UNIT, FARTHEST_REPORTED = 1e-4, 6.5
 
@@ -195,7 +197,10 @@ def touches_border(mask: np.ndarray) -> bool:
 
 
 def save(path: Path, frame, sensor, Z: np.ndarray) -> None:
-    """Write the picture, the left infrared picture, the true and the reported depth."""
+    """Write the picture and the left infrared picture, and below the true depth, the reported one and the difference.
+
+    The difference is red where the report lies behind the first surface, blue where it lies in front of it.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     low, high = np.nanpercentile(Z, [1, 99])
     colour = srgb8(frame.left, frame.exposure, frame.tone)
@@ -208,7 +213,17 @@ def save(path: Path, frame, sensor, Z: np.ndarray) -> None:
         depths.append(one)
     infrared = cv2.resize(sensor.infrared.left.astype(np.uint8), size, interpolation=cv2.INTER_AREA)
     above = np.hstack([colour, np.repeat(infrared[..., None], 3, axis=2)])
-    write_png(path, np.ascontiguousarray(np.vstack([above, np.hstack(depths)])))
+    below = np.hstack([*depths, _signed(sensor.metres - Z)])
+    height = round(above.shape[1] / below.shape[1] * below.shape[0])
+    below = cv2.resize(below, (above.shape[1], height), interpolation=cv2.INTER_NEAREST)
+    write_png(path, np.ascontiguousarray(np.vstack([above, below])))
+
+
+def _signed(error: np.ndarray) -> np.ndarray:
+    """Return differences of depth as colours, (H, W, 3) uint8: red from 0 up to `SHOWN`, blue below, black for none."""
+    part = np.clip(np.nan_to_num(error) / SHOWN, -1.0, 1.0)[..., None]
+    colours = 255.0 * (1.0 - np.abs(part) * np.where(part > 0.0, [0.3, 0.92, 0.85], [0.9, 0.55, 0.3]))
+    return np.where(np.isnan(error)[..., None], 0, colours).astype(np.uint8)
 
 
 def main(run: Run) -> None:
