@@ -32,6 +32,9 @@ from glassware.procedural.description.depth_camera import DepthCamera
 from glassware.procedural.description.scene import Scene
 from glassware.procedural.scene.draw import draw_scene
 from glassware.procedural.scene.settings import SceneSettings
+from glassware.procedural.surroundings.colour import luminance
+from glassware.procedural.surroundings.environments import bake_environment
+from glassware.procedural.surroundings.metering import irradiance
 from glassware.render.renderer import Renderer
 
 #: Objects of fewer pixels are left out: of 1280 x 720 in the captures, of half of that in the simulation.
@@ -44,6 +47,12 @@ BAND = 20
 FARTHEST = 1.05
 #: Clear plastics and glass, as the captured objects are made of.
 CLEAR = ("PET=2", "acrylic=1", "polycarbonate=1", "soda-lime glass=1")
+#: Illuminance of the tables [klx]: that of offices (EN 12464-1). Drawn rooms have up to 5, where the sun shines in.
+OFFICE = 0.5
+#: Difference that has its full colour in pictures [m].
+SHOWN = 0.05
+#: Unit of the captures' depth [m] (their camera's settings), and the farthest depth that 16 bits hold in it [m].
+UNIT, FARTHEST_REPORTED = 1e-4, 6.5
 
 
 @dataclass(frozen=True)
@@ -160,9 +169,26 @@ def simulated(run: Run, console: Console) -> Figures:
 
 
 def drawn(wanted: SceneSettings, run: Run) -> Iterator[Scene]:
-    """Yield the scenes."""
+    """Yield the scenes, with the captures' light and unit."""
     for number in range(run.scenes):
-        yield draw_scene(wanted, run.seed, number)
+        scene = as_bright_as_an_office(draw_scene(wanted, run.seed, number))
+        device = scene.depth_camera
+        assert isinstance(device, DepthCamera)
+        device = device.model_copy(update={"unit": UNIT, "range": (device.range[0], FARTHEST_REPORTED)})
+        yield scene.model_copy(update={"depth_camera": device})
+
+
+def as_bright_as_an_office(scene: Scene) -> Scene:
+    """Return a scene whose light is as much brighter or darker as puts `OFFICE` on the table."""
+    around = scene.environment
+    factor = OFFICE / float(luminance(irradiance(bake_environment(around), around.strength, scene.lights)))
+    lights = [
+        light.model_copy(update={"radiance": tuple(factor * value for value in light.radiance)})
+        for light in scene.lights
+    ]
+    cameras = [one.model_copy(update={"exposure": one.exposure / factor}) for one in scene.cameras]
+    environment = around.model_copy(update={"strength": factor * around.strength})
+    return scene.model_copy(update={"environment": environment, "lights": tuple(lights), "cameras": tuple(cameras)})
 
 
 def touches_border(mask: np.ndarray) -> bool:
@@ -171,7 +197,10 @@ def touches_border(mask: np.ndarray) -> bool:
 
 
 def save(path: Path, frame, sensor, Z: np.ndarray) -> None:
-    """Write the picture, the left infrared picture, the true and the reported depth."""
+    """Write the picture and the left infrared picture, and below the true depth, the reported one and the difference.
+
+    The difference is red where the report lies behind the first surface, blue where it lies in front of it.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     low, high = np.nanpercentile(Z, [1, 99])
     colour = srgb8(frame.left, frame.exposure, frame.tone)
@@ -184,7 +213,17 @@ def save(path: Path, frame, sensor, Z: np.ndarray) -> None:
         depths.append(one)
     infrared = cv2.resize(sensor.infrared.left.astype(np.uint8), size, interpolation=cv2.INTER_AREA)
     above = np.hstack([colour, np.repeat(infrared[..., None], 3, axis=2)])
-    write_png(path, np.ascontiguousarray(np.vstack([above, np.hstack(depths)])))
+    below = np.hstack([*depths, _signed(sensor.metres - Z)])
+    height = round(above.shape[1] / below.shape[1] * below.shape[0])
+    below = cv2.resize(below, (above.shape[1], height), interpolation=cv2.INTER_NEAREST)
+    write_png(path, np.ascontiguousarray(np.vstack([above, below])))
+
+
+def _signed(error: np.ndarray) -> np.ndarray:
+    """Return differences of depth as colours, (H, W, 3) uint8: red from 0 up to `SHOWN`, blue below, black for none."""
+    part = np.clip(np.nan_to_num(error) / SHOWN, -1.0, 1.0)[..., None]
+    colours = 255.0 * (1.0 - np.abs(part) * np.where(part > 0.0, [0.3, 0.92, 0.85], [0.9, 0.55, 0.3]))
+    return np.where(np.isnan(error)[..., None], 0, colours).astype(np.uint8)
 
 
 def main(run: Run) -> None:
@@ -203,7 +242,7 @@ def main(run: Run) -> None:
         "right near the silhouette": lambda one: spread([item[0] for item in one.bands]),
         "right further inside": lambda one: spread([item[1] for item in one.bands]),
         "background missing": lambda one: spread(one.background_missing),
-        "background error [mm]": lambda one: spread([1e3 * value for value in one.background_error]),
+        "background error (mm)": lambda one: spread([1e3 * value for value in one.background_error]),
     }
     for name, row in rows.items():
         table.add_row(name, *(row(one) for one in columns.values()))

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...core.mesh import Mesh
 
@@ -17,10 +18,10 @@ from ...core.mesh import Mesh
 Height = Callable[[np.ndarray], np.ndarray]
 #: Halvings of an edge in search of the surface [1]: an edge of 10 mm ends in pieces of 1e-15 m.
 _HALVINGS = 44
-#: Distance from the end of an edge within which the line goes through that end [m]. Nearer, the line's points on two
-#: edges that leave a vertex at a small angle (a rod's, 0.04 rad) are 1e-8 m apart, which is a step of single precision:
-#: the same points in the frame of a rod and in that of its vessel would be one point here and two there.
-_AT_VERTEX = 5e-6
+#: Distance within which points of the line are one [m]. On edges that leave a vertex just beside the surface they may
+#: be 1e-8 m apart, a step of single precision: in the frames of a rod and of its vessel they would be one here and two
+#: there.
+_ONE_POINT = 2e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +116,8 @@ def _with_cuts(
     foot, head = foot[first], head[first]
     start, end = (mesh.vertices[ends].astype(np.float64) for ends in (foot, head))
     along = _crossing(start, end, height)[:, None]
-    points = np.where(along == 1.0, end, start + along * (end - start))  # the end itself, not rounded
-    vertices = np.concatenate([mesh.vertices, points.astype(np.float32)])
+    points = start + along * (end - start)
+    vertices = np.concatenate([mesh.vertices, points[_first_near(points)].astype(np.float32)])
     normals, uv = mesh.normals, mesh.uv
     if normals is not None:
         mixed = normals[foot] + along * (normals[head] - normals[foot])
@@ -127,16 +128,23 @@ def _with_cuts(
     return (vertices, normals, uv), len(mesh.vertices) + number.reshape(one.shape)
 
 
+def _first_near(points: np.ndarray) -> np.ndarray:
+    """Return for each point (n, 3) the first one that a chain of points, each near the next, leads to, (n,)."""
+    first = np.arange(len(points))
+    pairs = cKDTree(points).query_pairs(_ONE_POINT, output_type="ndarray")
+    for one, other in sorted(map(tuple, pairs.tolist())):
+        first[first == max(first[one], first[other])] = min(first[one], first[other])
+    return first
+
+
 def _crossing(start: np.ndarray, end: np.ndarray, height: Height) -> np.ndarray:
-    """Return where edges reach the surface, as fractions of their lengths from the lower end: 0 and 1 near an end."""
+    """Return where edges reach the surface, as fractions of their lengths from the lower end."""
     least, most = np.zeros(len(start)), np.ones(len(start))
     for _ in range(_HALVINGS):
         middle = 0.5 * (least + most)
         under = height(start + middle[:, None] * (end - start)) < 0.0
         least, most = np.where(under, middle, least), np.where(under, most, middle)
-    found, length = 0.5 * (least + most), np.linalg.norm(end - start, axis=1)
-    found = np.where(found * length < _AT_VERTEX, 0.0, found)
-    return np.where((1.0 - found) * length < _AT_VERTEX, 1.0, found)
+    return 0.5 * (least + most)
 
 
 def _rings(vertices: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -14,8 +14,9 @@ from ..cavities.split import whole
 from ..optics.medium import AIR, Medium
 from .bodies import GlassBody, Prop, PropPart, SceneObject
 
-#: Points of such an object that are nearer to one of the vessel's are that one [m]: both lie on the line where it
-#: meets a liquid's surface, and each is rounded to single precision in the frame of its own object.
+#: Points on the borders of such an object's pieces that are nearer to one of the vessel's are that one [m]: both lie on
+#: the line where it meets a liquid's surface, and each is rounded to single precision in the frame of its own object.
+#: (Its other points stay, however near they are: a triangle between one and the line would be lost.)
 _SAME = 1e-6
 
 
@@ -99,5 +100,15 @@ def _moved(mesh: Mesh, a_T_mesh: np.ndarray) -> Mesh:
 
 def _snapped(mesh: Mesh, places: np.ndarray, near: cKDTree) -> Mesh:
     distance, index = near.query(mesh.vertices)
-    same = (distance < _SAME)[:, None]
+    same = ((distance < _SAME) & _on_border(mesh))[:, None]
     return replace(mesh, vertices=np.where(same, places[index], mesh.vertices))
+
+
+def _on_border(mesh: Mesh) -> np.ndarray:
+    """Return which vertices lie on an edge of one triangle, (n,) bool; vertices at one position count as one."""
+    _, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    index = index.reshape(-1)
+    corners = index[mesh.faces]
+    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    ends, count = np.unique(edges, axis=0, return_counts=True)
+    return np.isin(index, ends[count == 1])

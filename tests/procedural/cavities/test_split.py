@@ -33,7 +33,7 @@ def test_points_of_the_line_are_one_or_far_enough_apart_to_stay_two_in_another_f
         assert len(halves.rings) == 1
         ring = halves.rings[0].astype(np.float64)
         assert np.linalg.norm(ring - np.roll(ring, -1, axis=0), axis=1).min() > 1e-7
-        assert np.abs(ring[:, 2] - level).max() < 5.1e-6
+        assert np.abs(ring[:, 2] - level).max() < 3e-7
 
 
 def test_both_halves_together_are_the_body(leaning_rod):
