@@ -13,9 +13,11 @@ from ..core.randomness import stream_seed
 from ..procedural.description.camera import Camera
 from .frame import EYES, Eye, Oversize
 from .labels.geometry import trace_geometry
-from .pictures.guides import Guides
-from .pictures.picture import NoisyImage, Tracer, denoise_image, trace_picture
+from .pictures.film import Film
+from .pictures.guides import Guides, trace_guides
+from .pictures.picture import NoisyImage, Source, Tracer, add_even, check_finite, check_media, denoise_image
 from .scene.loaded_scene import LoadedScene
+from .scene.rays import pinhole
 
 #: Part of the frame beside the margin that the denoiser sees with it [px]: four times the widest window of its
 #: corrections (`pictures.denoise`).
@@ -24,28 +26,28 @@ _AROUND = 32
 Region = tuple[slice, slice]
 
 
-def strips(camera: Camera, margin: Sides) -> list[tuple[Region, Camera]]:
-    """Return the margin in strips above, below, left and right of the frame, each with the camera that sees it alone.
+def with_margin(camera: Camera, margin: Sides) -> Camera:
+    """Return a camera of the same pose and focal lengths that sees a margin around the frame."""
+    left, top, right, bottom = margin
+    (cx, cy), width, height = camera.centre, camera.width + left + right, camera.height + top + bottom
+    return camera.model_copy(update={"width": width, "height": height, "centre": (cx + left, cy + top)})
 
-    Strips without a pixel are left out. The corners belong to those above and below. Regions are those of the picture
-    with its margin.
+
+def strips(camera: Camera, margin: Sides) -> list[Region]:
+    """Return the margin in strips above, below, left and right of the frame, of which the first two have the corners.
+
+    Regions are those of the picture with its margin. Strips without a pixel are left out.
     """
     left, top, right, bottom = margin
     width, height = left + camera.width + right, top + camera.height + bottom
-    frame, across = (top, top + camera.height), (left, left + camera.width)
+    rows, every = slice(top, height - bottom), slice(0, width)
     areas = (
-        ((0, top), (0, width)),
-        ((frame[1], height), (0, width)),
-        (frame, (0, left)),
-        (frame, (across[1], width)),
+        (top, (slice(0, top), every)),
+        (bottom, (slice(height - bottom, height), every)),
+        (left, (rows, slice(0, left))),
+        (right, (rows, slice(width - right, width))),
     )
-    cx, cy = camera.centre
-    found = []
-    for (y, below), (x, beyond) in areas:
-        if below > y and beyond > x:
-            place = {"width": beyond - x, "height": below - y, "centre": (cx + left - x, cy + top - y)}
-            found.append(((slice(y, below), slice(x, beyond)), camera.model_copy(update=place)))
-    return found
+    return [region for thickness, region in areas if thickness]
 
 
 def trace_oversize(
@@ -82,32 +84,39 @@ def trace_oversize(
         image = _with_margin(loaded, view, eye, margin, inner, tracer)
         picture = image.radiance.copy()
         if scene.picture.denoise:
-            for region, _ in strips(camera, margin):
+            for region in strips(camera, margin):
                 picture[region] = _denoised(image, region, scene.picture.fireflies)
         in_frame(picture, margin)[:] = done
         pictures.append(picture)
-    parts = [(region, trace_geometry(loaded, part).Z) for region, part in strips(camera, margin)]
-    return Oversize(margin, *pictures, Z=_joined(Z, margin, parts))
+    depth = trace_geometry(loaded, with_margin(camera, margin)).Z
+    in_frame(depth, margin)[:] = Z
+    return Oversize(margin, *pictures, Z=depth)
 
 
 def _with_margin(
     loaded: LoadedScene, view: int, eye: Eye, margin: Sides, inner: NoisyImage, tracer: Tracer
 ) -> NoisyImage:
-    """Return a noisy picture with its margin, whose noise is drawn from streams of its own."""
-    scene, images = loaded.description, []
-    for number, (region, part) in enumerate(strips(scene.cameras[view], margin)):
-        seed = stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin/{number}")
-        images.append((region, trace_picture(loaded, part, eye, seed, tracer)))
+    """Return a noisy picture with its margin, which has as many samples a pixel as the frame has on average.
 
-    def joined(name: str) -> np.ndarray:
-        return _joined(getattr(inner, name), margin, [(region, getattr(image, name)) for region, image in images])
-
-    def guide(name: str) -> np.ndarray:
-        parts = [(region, getattr(image.guides, name)) for region, image in images]
-        return _joined(getattr(inner.guides, name), margin, parts)
-
-    guides = Guides(**{item.name: guide(item.name) for item in fields(Guides)})
-    return NoisyImage(joined("radiance"), joined("variance"), guides, inner.sampling, inner.exposure, inner.violations)
+    Its noise is drawn from a stream of its own. All of it is traced at once: of so few rays, each run of a kernel takes
+    longer than the rays.
+    """
+    scene, wide = loaded.description, with_margin(loaded.description.cameras[view], margin)
+    outside = np.ones((wide.height, wide.width), bool)
+    in_frame(outside, margin)[:] = False
+    guides = trace_guides(loaded, wide, eye, outside)
+    for item in fields(Guides):
+        in_frame(getattr(guides, item.name), margin)[:] = getattr(inner.guides, item.name)
+    film, seed = Film(outside.size), stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin")
+    source = Source(loaded, pinhole(wide, eye), wide.exposure, seed, tracer)
+    counts = add_even(source, film, outside.ravel(), inner.sampling.spp)
+    check_media(counts, eye)
+    shape = (wide.height, wide.width, 3)
+    with np.errstate(invalid="ignore", over="ignore"):  # the frame has no samples here, and is filled in next
+        radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
+    in_frame(radiance, margin)[:], in_frame(variance, margin)[:] = inner.radiance, inner.variance
+    check_finite(radiance, variance, guides.instance, eye)
+    return NoisyImage(radiance, variance, guides, inner.sampling, wide.exposure, float(counts[0] / counts[1]))
 
 
 def _denoised(image: NoisyImage, region: Region, fireflies: Literal["keep", "remove"]) -> np.ndarray:
@@ -119,12 +128,3 @@ def _denoised(image: NoisyImage, region: Region, fireflies: Literal["keep", "rem
         slice(part.start - seen.start, part.stop - seen.start) for part, seen in zip(region, around, strict=True)
     )
     return denoise_image(seen, fireflies)[rows, columns]
-
-
-def _joined(frame: np.ndarray, margin: Sides, parts: Sequence[tuple[Region, np.ndarray]]) -> np.ndarray:
-    """Return an array of a frame, (H, W, ...), with its margin's parts around it."""
-    left, top, right, bottom = margin
-    whole = np.pad(frame, ((top, bottom), (left, right), *[(0, 0)] * (frame.ndim - 2)))
-    for region, values in parts:
-        whole[region] = values
-    return whole

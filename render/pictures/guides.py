@@ -87,7 +87,7 @@ class _GuideSample:
     background: mi.Bool
 
 
-def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guides:
+def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left", chosen: np.ndarray | None = None) -> Guides:
     """Return the guides of one eye, and which pixels show glass or polished surfaces.
 
     Parameters
@@ -98,6 +98,8 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         The stereo pair.
     eye : {"left", "right"}
         Which of the two.
+    chosen : (H, W) bool, optional
+        The pixels whose guides are wanted; those of others mean nothing. All by default.
 
     Returns
     -------
@@ -106,17 +108,22 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         shorter than 1 behind glass.
     """
     view, shape = pinhole(camera, eye), (camera.height, camera.width)
-    every = np.arange(camera.width * camera.height, dtype=np.uint32)
-    values, ranges = _pixel_guides(loaded, view, camera.exposure, every, slice(0, _FIRST_RAYS))
+    wanted = np.ones(shape, bool) if chosen is None else chosen
+    every = np.flatnonzero(wanted).astype(np.uint32)
+    first, spread = _pixel_guides(loaded, view, camera.exposure, every, slice(0, _FIRST_RAYS))
+    values, ranges = np.zeros((len(first), wanted.size), first.dtype), np.zeros(wanted.size, spread.dtype)
+    values[:, every], ranges[every] = first, spread
     unsure = cv2.dilate((ranges > _MAX_RANGE).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
     # Pixels of the surroundings alone are not denoised (`denoise.denoised`); those beside objects may show one.
     objects = cv2.dilate((values[-1] < _FIRST_RAYS).astype(np.uint8).reshape(shape), np.ones((3, 3), np.uint8))
-    more_rays = (unsure.ravel() > 0) & (objects.ravel() > 0)
-    pixel, counts = every[more_rays], np.full(len(every), float(_FIRST_RAYS))
+    more_rays = (unsure.ravel() > 0) & (objects.ravel() > 0) & wanted.ravel()
+    pixel, counts = np.flatnonzero(more_rays).astype(np.uint32), np.full(wanted.size, float(_FIRST_RAYS))
     if len(pixel):
         more = slice(_FIRST_RAYS, _FIRST_RAYS + _MORE_RAYS)
         values[:, pixel] += _pixel_guides(loaded, view, camera.exposure, pixel, more)[0]
         counts[pixel] += _MORE_RAYS
+    instance = np.zeros(wanted.size, np.uint32)
+    instance[every] = _centre_instances(loaded, view, every)
     albedo, normal, glass, polished, background = np.split((values / counts).astype(np.float32).T, (3, 6, 7, 8), axis=1)
     return Guides(
         albedo=albedo.reshape(*shape, 3),
@@ -124,7 +131,7 @@ def trace_guides(loaded: LoadedScene, camera: Camera, eye: Eye = "left") -> Guid
         glass=glass.reshape(shape) > 0.0,
         polished=polished.reshape(shape) > 0.0,
         background=background.reshape(shape) == 1.0,
-        instance=_centre_instances(loaded, view, every).reshape(shape),
+        instance=instance.reshape(shape),
     )
 
 

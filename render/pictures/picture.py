@@ -106,7 +106,7 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     """
     picture, pixels = loaded.description.picture, camera.width * camera.height
     guides = trace_guides(loaded, camera, eye)
-    source = _Source(loaded, pinhole(camera, eye), camera.exposure, seed, tracer)
+    source = Source(loaded, pinhole(camera, eye), camera.exposure, seed, tracer)
     film, counts, spp = Film(pixels), np.zeros(2, np.int64), 0
     max_spp = _max_spp(picture)
     while spp < max_spp:
@@ -153,7 +153,7 @@ def _is_adaptive(picture: Picture, batch_spp: int) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _Source:
+class Source:
     """Where the samples of one picture come from."""
 
     loaded: LoadedScene
@@ -163,7 +163,7 @@ class _Source:
     tracer: Tracer
 
 
-def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> np.ndarray:
+def _add_batch(source: Source, film: Film, guides: Guides, batch_spp: int) -> np.ndarray:
     """Add a batch of samples to the film, `batch_spp` a pixel on average; return the violations and the segments."""
     group_size, every = max(1, batch_spp // _GROUPS), np.ones(guides.glass.size, np.int64)
     if _is_adaptive(source.loaded.description.picture, batch_spp):
@@ -175,11 +175,17 @@ def _add_batch(source: _Source, film: Film, guides: Guides, batch_spp: int) -> n
         wanted = group_counts(guides.glass, guides.polished, weights, batch_spp / group_size, noise)
         rest = remaining_counts(wanted, first, int((counts - first).sum()))
         return found + _add_weighted(source, film, rest, group_size)
-    found = _add_groups(source, film, batch_spp // group_size * every, group_size)
-    return found + _add_groups(source, film, every, batch_spp % group_size)
+    return add_even(source, film, every, batch_spp)
 
 
-def _add_weighted(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
+def add_even(source: Source, film: Film, chosen: np.ndarray, spp: int) -> np.ndarray:
+    """Add as many samples to each chosen pixel; return the violations and the segments."""
+    group_size, every = max(1, spp // _GROUPS), chosen.astype(np.int64)
+    found = _add_groups(source, film, spp // group_size * every, group_size)
+    return found + _add_groups(source, film, every, spp % group_size)
+
+
+def _add_weighted(source: Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
     """Add a number of groups to each pixel; return the violations and the segments."""
     # In pixels with many groups, larger groups estimate the variance as well and are fewer to add.
     factor = source.tracer.weights.max_factor
@@ -196,7 +202,7 @@ def _glass_noise(film: Film, guides: Guides, samples: np.ndarray, exposure: floa
     return displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure)
 
 
-def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
+def _add_groups(source: Source, film: Film, counts: np.ndarray, group_size: int) -> np.ndarray:
     """Trace groups of samples in passes that fit into memory; return the violations and the segments."""
     found, sums = np.zeros(2, np.int64), []
     if group_size == 0 or not counts.any():
@@ -216,7 +222,7 @@ def _add_groups(source: _Source, film: Film, counts: np.ndarray, group_size: int
     return found
 
 
-def _trace_pass(source: _Source, pixel: np.ndarray, index: np.ndarray, group_size: int) -> Radiance:
+def _trace_pass(source: Source, pixel: np.ndarray, index: np.ndarray, group_size: int) -> Radiance:
     """Trace groups of `group_size` samples, given the pixel and the first sample of each."""
     picture: Picture = source.loaded.description.picture
     max_samples = _max_spp(picture) * (source.tracer.weights.max_factor if _is_adaptive(picture, picture.spp) else 1)

@@ -23,7 +23,7 @@ def frames(backend):
     side = 2 * ABOVE * ((WIDTH - 1) / 2 + BEYOND) / WIDTH
     table = board((side, side, 0.03), matte((0.0, 0.0, 0.0)))
     view = camera((0.0, 0.0, ABOVE), width=WIDTH, height=HEIGHT)
-    picture = Picture(spp=4, denoise=False, light="path", layers=0, refraction=False)
+    picture = Picture(spp=4, light="path", layers=0, refraction=False)
     renderer = Renderer(scene([], [view], table=table, picture=picture))
     with pytest.raises(InputError, match=r"margin: expected .*, found -1"):
         renderer.frame(0, (-1, 0, 0, 0))
