@@ -13,6 +13,7 @@ from glassware.procedural.contents.settings import STANDING
 from glassware.procedural.optics.draw import LIQUID_WEIGHTS, glass_names
 from glassware.procedural.optics.turbid import TURBID
 from glassware.procedural.props.kinds import DEFAULT_KINDS
+from glassware.procedural.props.shapes import SHAPES
 from glassware.procedural.tables.kinds import DEFAULT_TABLES
 from glassware.procedural.vessels.settings import CATEGORIES
 
@@ -25,7 +26,7 @@ EXPECTED: dict[str, Sequence[str]] = {
     "contents": ("ice cube", "beads", "bubbles", "layers", "turbid", *STANDING),
     "glasses": tuple(glass_names()),
     "liquids": (*(name for name in LIQUID_WEIGHTS if not name.startswith("dyed") and "sugar" not in name), *TURBID),
-    "props": tuple(name.partition("=")[0] for name in DEFAULT_KINDS if not name.endswith("=0")),
+    "props": (*(name.partition("=")[0] for name in DEFAULT_KINDS if not name.startswith("shape")), *SHAPES),
     "tables": tuple(name.partition("=")[0] for name in DEFAULT_TABLES),
 }
 #: What a scene's record is, as `world.py` writes it.
@@ -118,6 +119,8 @@ def _kinds(drawn: Sequence[Record], what: str) -> str:
     counts: Counter[str] = Counter()
     for record in drawn:
         counts.update(record["kinds"][what])
+    if not counts:
+        return "none is drawn"
     missing = [name for name in EXPECTED[what] if not counts[name]]
     rarest = min((counts[name], name) for name in EXPECTED[what])
     return f"{len(counts)}, {_listed(missing)}; rarest: {rarest[1]} ({rarest[0]})"
