@@ -117,6 +117,7 @@ def add_sensor_depth() -> Callable[[Path], Path]:
             steps = np.where(np.isfinite(Z) & (Z < 60.0), np.rint(1000.0 * Z), 0.0).astype(np.uint16)
             steps[::5] = 0
             cv2.imwrite(str(view.folder / "sensor_depth.png"), steps)
+            cv2.imwrite(str(view.folder / "sensor_valid.png"), np.where(steps > 0, 1, 2).astype(np.uint16))
             camera = view.folder / "camera.json"
             camera.write_text(json.dumps(json.loads(camera.read_text()) | {"depth_camera": record}))
         return root
