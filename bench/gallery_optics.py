@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 
 import imageio.v3 as iio
 import numpy as np
@@ -36,14 +37,14 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=320, help="of each picture [px]; its height is 3/4 of it")
     parser.add_argument("--spp", type=int, default=96, help="samples per pixel")
     given = parser.parse_args()
-    pictures = [_picture(_scene(given, **changes)) for changes in PICTURES]
-    iio.imwrite(given.path, sheet([*pictures, _picture(_scene(given, twin="opaque"))], 3))
+    pictures = [_picture(_scene(given, changes)) for changes in PICTURES]
+    iio.imwrite(given.path, sheet([*pictures, _picture(_scene(given, {}, "opaque"))], 3))
 
 
-def _scene(given: argparse.Namespace, twin: str = "none", **picture: object) -> Scene:
+def _scene(given: argparse.Namespace, picture: Mapping[str, object], twin: str = "none") -> Scene:
     camera = {"views": 1, "width": given.width, "height": 3 * given.width // 4, "distance": (0.45, 0.5)}
     basic = {"spp": given.spp, "light": "path", "layers": 0, "refraction": False, "fireflies": "remove"}
-    return gw.draw(seed=given.seed, cameras=camera, picture=basic | picture, twin=twin, **SETTINGS)
+    return gw.draw(seed=given.seed, cameras=camera, picture={**basic, **picture}, twin=twin, **SETTINGS)
 
 
 def _picture(scene: Scene) -> np.ndarray:

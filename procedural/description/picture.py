@@ -73,16 +73,26 @@ class Picture(Model):
     )
     dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
 
+    @property
+    def simplified(self) -> dict[str, str]:
+        """What is simplified in the optics of pictures: settings by name, as they were given."""
+        found = {
+            "glass_shadows": "" if self.glass_shadows else "no",
+            "air_gap": "yes" if self.air_gap else "",
+            "refractivity": "" if self.refractivity == 1.0 else f"{self.refractivity:g}",
+        }
+        return {name: value for name, value in found.items() if value}
+
     @model_validator(mode="after")
     def _fit_together(self) -> Picture:
         if self.dispersion and not self.spectral:
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
         if self.light == "shared" and self.spectral:
             raise ValueError("light: expected path or auto where spectral is on, found shared")
-        for name, needs_paths in (("glass_shadows", not self.glass_shadows), ("air_gap", self.air_gap)):
-            if needs_paths and (self.light == "shared" or self.keep_light):
-                found = "keep_light on" if self.keep_light else "light shared"
-                raise ValueError(f"{name}: expected its default where light is stored, found {found}")
+        for name, true in (("glass_shadows", "yes"), ("air_gap", "no")):
+            if name in self.simplified and (self.light == "shared" or self.keep_light):
+                cause = "keep_light" if self.keep_light else "light shared"
+                raise ValueError(f"{name}: expected {true} with {cause}, found {self.simplified[name]}")
         if self.keep_light and (self.light == "path" or self.spectral):
             found = "path" if self.light == "path" else "spectral on"
             raise ValueError(f"keep_light: expected light to be stored, found {found}")

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ...core.errors import InputError
 from ...core.model import Model, Ordered
 from ...core.units import Length
 from ...core.user_text import UserPath
@@ -74,4 +75,16 @@ class SceneSettings(Model):
     def _volumes_fit(self) -> SceneSettings:
         if self.vessel_dir is None or self.vessels.file_probability < 1.0:  # files have the sizes that they have
             check_volumes(self.vessels)
+        return self
+
+    @model_validator(mode="after")
+    def _cameras_see_true_optics(self) -> SceneSettings:
+        """Refuse depth and polarisation cameras beside simplified optics, which they would follow in part alone."""
+        cameras = {"depth": self.sensors.depth, "polarisation": self.sensors.polarisation}
+        with_camera = next((name for name, device in cameras.items() if device != "none"), None)
+        simplified = self.picture.simplified
+        if simplified and with_camera is not None:
+            name, found = next(iter(simplified.items()))
+            true = {"glass_shadows": "yes", "air_gap": "no", "refractivity": "1"}[name]
+            raise InputError(f"picture.{name}", f"{true} with sensors.{with_camera}", found)
         return self

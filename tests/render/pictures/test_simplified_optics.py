@@ -7,6 +7,7 @@ import pytest
 
 from glassware.procedural.description.picture import Picture
 from glassware.procedural.description.scene import Scene
+from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.labels.geometry import trace_geometry
 from glassware.render.pictures.picture import NoisyImage, trace_picture
 from glassware.render.scene.loaded_scene import load
@@ -66,6 +67,20 @@ def test_half_the_refractivity_is_a_glass_of_another_index(backend, optical_benc
         scene.model_copy(update={"picture": Picture(spp=8, light="path", adaptive=False)}) for scene in (real, weak)
     )
     np.testing.assert_allclose(_picture(real, refractivity=0.5).radiance, _picture(weak).radiance, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("sensors", [{"depth": "d435"}, {"polarisation": "imx250mzr"}])
+@pytest.mark.parametrize(
+    ("picture", "line"),
+    [
+        ({"air_gap": True}, "picture.air_gap: expected no with sensors"),
+        ({"refractivity": 0.5}, "picture.refractivity: expected 1 with sensors"),
+        ({"glass_shadows": False}, "picture.glass_shadows: expected yes with sensors"),
+    ],
+)
+def test_cameras_that_would_follow_simplified_optics_in_part_are_refused(sensors, picture, line):
+    with pytest.raises(ValueError, match=line):
+        SceneSettings.model_validate({"sensors": sensors, "picture": picture})
 
 
 def test_labels_know_nothing_of_simplified_optics(filled):
