@@ -172,11 +172,12 @@ def _value(report: Any, path: tuple[str, ...]) -> float | None:
 
 
 def _real_iou(folder: Path) -> float | None:
-    """Return the mean overlap with the true mask over real frames, in windows at the focal length of the training."""
+    """Return the mean overlap with the true mask over real frames, in windows where weights know a focal length."""
     path = folder / "real" / "report.json"
     if not path.exists():
         return None
-    return mean(frame["mask_iou"] for frame in json.loads(path.read_text())["ways"]["windows x 1"].values())
+    ways = json.loads(path.read_text())["ways"]
+    return mean(frame["mask_iou"] for frame in ways.get("windows x 1", ways["whole"]).values())
 
 
 def _cell(values: list[float | None], factor: float, digits: int) -> str:
