@@ -7,16 +7,11 @@ glass; below, half of the index less one, none of it, and the painted twin.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Mapping
 
 import imageio.v3 as iio
 import numpy as np
-from gallery_seeds import sheet
-
-import glassware as gw
-from glassware.core.images import srgb8
-from glassware.procedural.description.scene import Scene
+from gallery_seeds import rendered, sheet
 
 #: What the pictures differ in: settings of `Picture`.
 PICTURES = ({}, {"air_gap": True}, {"glass_shadows": False}, {"refractivity": 0.5}, {"refractivity": 0.0})
@@ -37,19 +32,14 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=320, help="of each picture [px]; its height is 3/4 of it")
     parser.add_argument("--spp", type=int, default=96, help="samples per pixel")
     given = parser.parse_args()
-    pictures = [_picture(_scene(given, changes)) for changes in PICTURES]
-    iio.imwrite(given.path, sheet([*pictures, _picture(_scene(given, {}, "opaque"))], 3))
+    pictures = [_rendered(given, changes) for changes in PICTURES]
+    iio.imwrite(given.path, sheet([*pictures, _rendered(given, {}, "opaque")], 3))
 
 
-def _scene(given: argparse.Namespace, picture: Mapping[str, object], twin: str = "none") -> Scene:
-    camera = {"views": 1, "width": given.width, "height": 3 * given.width // 4, "distance": (0.45, 0.5)}
-    basic = {"spp": given.spp, "light": "path", "layers": 0, "refraction": False, "fireflies": "remove"}
-    return gw.draw(seed=given.seed, cameras=camera, picture={**basic, **picture}, twin=twin, **SETTINGS)
-
-
-def _picture(scene: Scene) -> np.ndarray:
-    sys.stdout.write(f"{scene}: {', '.join(str(item.category) for item in scene.objects)}\n")
-    return srgb8(np.asarray(gw.Renderer(scene).frame(0).left, np.float32), scene.cameras[0].exposure)
+def _rendered(given: argparse.Namespace, changes: Mapping[str, object], twin: str = "none") -> np.ndarray:
+    picture = {"fireflies": "remove", **changes}
+    camera = {"distance": (0.45, 0.5)}
+    return rendered(given.seed, given.width, given.spp, cameras=camera, picture=picture, twin=twin, **SETTINGS)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import process_time
+from types import MappingProxyType
+from typing import Any
 
 import imageio.v3 as iio
 import numpy as np
@@ -21,6 +23,7 @@ from glassware.core.images import srgb8
 
 #: Pictures in a row [1].
 ACROSS = 3
+EMPTY: Mapping[str, object] = MappingProxyType({})
 
 
 def main() -> None:
@@ -33,26 +36,35 @@ def main() -> None:
     parser.add_argument("--across", type=int, default=ACROSS, help="pictures in a row")
     parser.add_argument("--assets", type=Path, help="folder with hdri, meshes and textures")
     request = parser.parse_args()
-    files = {} if request.assets is None else of_files(request.assets)
+    files: dict[str, Any] = {} if request.assets is None else of_files(request.assets)
     pictures: list[np.ndarray] = []
     for seed in range(request.seeds[0], request.seeds[1] + 1):
         pictures.append(rendered(seed, request.width, request.spp, "shared", **files))
         iio.imwrite(request.path, sheet(pictures, request.across))
 
 
-def of_files(folder: Path) -> dict[str, object]:
+def of_files(folder: Path) -> dict[str, Any]:
     """Return the settings that use the files of a folder's subfolders."""
     light = {"hdri_dir": folder / "hdri"}
     return {"environment": light, "mesh_dir": folder / "meshes", "texture_dir": folder / "textures"}
 
 
-def rendered(seed: int, width: int, spp: int, light: str = "path", **settings: object) -> np.ndarray:
+def rendered(
+    seed: int,
+    width: int,
+    spp: int,
+    light: str = "path",
+    *,
+    cameras: Mapping[str, object] = EMPTY,
+    picture: Mapping[str, object] = EMPTY,
+    **settings: object,
+) -> np.ndarray:
     """Return the picture of a seed, (H, W, 3) uint8, with some more settings; path-traced or with `light` stored."""
     start = process_time()
     scene = gw.draw(
         seed=seed,
-        cameras={"views": 1, "width": width, "height": 3 * width // 4},
-        picture={"spp": spp, "light": light, "layers": 0, "refraction": False},
+        cameras={"views": 1, "width": width, "height": 3 * width // 4, **cameras},
+        picture={"spp": spp, "light": light, "layers": 0, "refraction": False, **picture},
         **settings,
     )
     drawn = process_time()

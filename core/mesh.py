@@ -73,6 +73,16 @@ def some_faces(mesh: Mesh, faces: slice, name: str) -> Mesh:
     return Mesh(name, mesh.vertices[used], index.reshape(-1, 3), normals, uv, colours)
 
 
+def on_border(mesh: Mesh) -> np.ndarray:
+    """Return which vertices lie on an edge of one triangle, (n,) bool; vertices at one position count as one."""
+    _, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    index = index.reshape(-1)
+    corners = index[mesh.faces]
+    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    ends, count = np.unique(edges, axis=0, return_counts=True)
+    return np.isin(index, ends[count == 1])
+
+
 def check_closed(where: str, mesh: Mesh) -> None:
     """Refuse a mesh that does not enclose a volume.
 

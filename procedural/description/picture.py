@@ -8,6 +8,10 @@ from pydantic import Field, model_validator
 
 from ...core.model import Model
 
+#: Settings of optics as they are in nature, and those that only the path tracer can simplify.
+_TRUE_OPTICS = {"glass_shadows": True, "air_gap": False, "refractivity": 1.0}
+PATHS_ALONE = ("glass_shadows", "air_gap")
+
 
 class Picture(Model):
     """How the pictures are computed."""
@@ -74,14 +78,14 @@ class Picture(Model):
     dispersion: bool = Field(default=False, description="Whether indices depend on the wavelength; needs `spectral`")
 
     @property
-    def simplified(self) -> dict[str, str]:
-        """What is simplified in the optics of pictures: settings by name, as they were given."""
-        found = {
-            "glass_shadows": "" if self.glass_shadows else "no",
-            "air_gap": "yes" if self.air_gap else "",
-            "refractivity": "" if self.refractivity == 1.0 else f"{self.refractivity:g}",
+    def simplified(self) -> dict[str, tuple[str, str]]:
+        """What is simplified in the optics of pictures: by setting, what is true and what was given."""
+        choices = {
+            "glass_shadows": ("yes", "yes" if self.glass_shadows else "no"),
+            "air_gap": ("no", "yes" if self.air_gap else "no"),
+            "refractivity": ("1", f"{self.refractivity:g}"),
         }
-        return {name: value for name, value in found.items() if value}
+        return {name: choice for name, choice in choices.items() if getattr(self, name) != _TRUE_OPTICS[name]}
 
     @model_validator(mode="after")
     def _fit_together(self) -> Picture:
@@ -89,10 +93,10 @@ class Picture(Model):
             raise ValueError("dispersion: expected spectral to be on as well, found it off")
         if self.light == "shared" and self.spectral:
             raise ValueError("light: expected path or auto where spectral is on, found shared")
-        for name, true in (("glass_shadows", "yes"), ("air_gap", "no")):
-            if name in self.simplified and (self.light == "shared" or self.keep_light):
+        for name, (true, found) in self.simplified.items():
+            if name in PATHS_ALONE and (self.light == "shared" or self.keep_light):
                 cause = "keep_light" if self.keep_light else "light shared"
-                raise ValueError(f"{name}: expected {true} with {cause}, found {self.simplified[name]}")
+                raise ValueError(f"{name}: expected {true} with {cause}, found {found}")
         if self.keep_light and (self.light == "path" or self.spectral):
             found = "path" if self.light == "path" else "spectral on"
             raise ValueError(f"keep_light: expected light to be stored, found {found}")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...core.mesh import Mesh, joined, some_faces
+from ...core.mesh import Mesh, joined, on_border, some_faces
 from ..cavities.split import whole
 from ..optics.medium import AIR, Medium
 from .bodies import GlassBody, Prop, PropPart, SceneObject
@@ -100,15 +100,5 @@ def _moved(mesh: Mesh, a_T_mesh: np.ndarray) -> Mesh:
 
 def _snapped(mesh: Mesh, places: np.ndarray, near: cKDTree) -> Mesh:
     distance, index = near.query(mesh.vertices)
-    same = ((distance < _SAME) & _on_border(mesh))[:, None]
+    same = ((distance < _SAME) & on_border(mesh))[:, None]
     return replace(mesh, vertices=np.where(same, places[index], mesh.vertices))
-
-
-def _on_border(mesh: Mesh) -> np.ndarray:
-    """Return which vertices lie on an edge of one triangle, (n,) bool; vertices at one position count as one."""
-    _, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    index = index.reshape(-1)
-    corners = index[mesh.faces]
-    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    ends, count = np.unique(edges, axis=0, return_counts=True)
-    return np.isin(index, ends[count == 1])

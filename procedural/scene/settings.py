@@ -84,7 +84,6 @@ class SceneSettings(Model):
         with_camera = next((name for name, device in cameras.items() if device != "none"), None)
         simplified = self.picture.simplified
         if simplified and with_camera is not None:
-            name, found = next(iter(simplified.items()))
-            true = {"glass_shadows": "yes", "air_gap": "no", "refractivity": "1"}[name]
+            name, (true, found) = next(iter(simplified.items()))
             raise InputError(f"picture.{name}", f"{true} with sensors.{with_camera}", found)
         return self

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.errors import InputError
-from ...core.mesh import Mesh, check_closed, volume_of
+from ...core.mesh import Mesh, check_closed, on_border, volume_of
 from ..description.scene import (
     GlassBody,
     Interface,
@@ -192,8 +192,4 @@ def _rim_height(surface: Mesh, inner: np.ndarray | None) -> float:
 
 def _border(surface: Mesh) -> np.ndarray:
     """Return the points on a surface's border, (n, 3) [m]."""
-    positions, index = np.unique(surface.vertices, axis=0, return_inverse=True)
-    corners = index.reshape(-1)[surface.faces]
-    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    border, count = np.unique(edges, axis=0, return_counts=True)
-    return positions[np.unique(border[count == 1])]
+    return np.unique(surface.vertices[on_border(surface)], axis=0)

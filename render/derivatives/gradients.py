@@ -16,6 +16,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...procedural.description.camera import Camera
+from ...procedural.description.picture import PATHS_ALONE
 from .._mitsuba import dr, mi
 from ..frame import Eye
 from ..pictures.integrator import Radiance, trace
@@ -163,9 +164,9 @@ def _column(name: str, values: np.ndarray, shape: tuple[int, ...], most: float) 
 def _checked(loaded: LoadedScene) -> Slots:
     if not (mi.is_rgb and dr.is_diff_v(mi.Float)) or mi.is_polarized:
         raise InputError("derivatives", "an RGB variant with AD, such as llvm_ad_rgb", mi.variant())
-    picture = loaded.description.picture
-    if not picture.glass_shadows or picture.air_gap:
-        raise InputError("picture.glass_shadows, picture.air_gap", "their defaults for derivatives", "others")
+    for name, (true, found) in loaded.description.picture.simplified.items():
+        if name in PATHS_ALONE:
+            raise InputError(f"picture.{name}", f"{true} for derivatives", found)
     return slots_of(loaded)
 
 

@@ -59,7 +59,7 @@ def _past_glass(loaded: LoadedScene) -> tuple[Meet, MediaAt]:
 
     Shadow rays pass it as well (`Emitters.occluders`).
     """
-    scene, bare = loaded.mi_scene, loaded.without_glass
+    scene, bare = loaded.mi_scene, loaded.emitters.occluders
     if bare is None:
         return lambda ray, coherent, active, direct: scene.ray_intersect_preliminary(ray, coherent, active), _as_it_is
 

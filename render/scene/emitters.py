@@ -18,7 +18,7 @@ class Emitters:
 
     scene: mi.Scene
     room: RoomEmitter | None = None  #: the room, where it is in its place; paths end at its surfaces
-    occluders: mi.Scene | None = None  #: what casts shadows, where that is not all of the scene
+    occluders: mi.Scene | None = None  #: the opaque shapes alone, where glass casts no shadows
 
 
 def sample_emitter(

@@ -49,7 +49,6 @@ class LoadedScene:
     emitters: Emitters
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
-    without_glass: mi.Scene | None = None  #: the opaque shapes alone, where glass casts no shadows
     materials: Mapping[str, OpaqueMaterial] = field(default_factory=dict)  #: of opaque shapes, by the shape's name
 
     @property
@@ -113,7 +112,7 @@ def load(
     emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel), bare)
     materials = {f"body{i}": body.material for i, body in enumerate(bodies) if body.material is not None}
     robust, offset = _robust(mi_scene), RAY_OFFSET * reach
-    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, bare, materials)
+    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, materials)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:
