@@ -93,8 +93,13 @@ def draw_positions(
     """
     shifts = find_positions(footprints, board, settings, rng)
     if shifts is None:
-        raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(footprints)} that do not")
+        raise crowded(len(footprints))
     return shifts
+
+
+def crowded(count: int) -> InputError:
+    """Return the error of a number of objects that do not fit on the table."""
+    return InputError("vessel_count, prop_count", "objects that fit on the table", f"{count} that do not")
 
 
 def find_positions(

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.errors import InputError
 from ...core.mesh import Mesh
 from ...core.randomness import stream
 from ..description.rest import Rest
@@ -17,7 +16,7 @@ from ..physics.bodies import mechanics_of
 from ..physics.faults import placed_parts
 from ..physics.piles import pile_up
 from ..physics.sections import hull
-from ..placement.placement import CONTACT_GAP, find_positions, footprint
+from ..placement.placement import CONTACT_GAP, crowded, find_positions, footprint
 from ..placement.resting import lowered, resting_pose, resting_turn, turn_about_z
 from ..surroundings.table import outline
 from ..things.draw import prop_pose
@@ -109,7 +108,7 @@ def _apart(
         poses = _placed(objects, upright, meshes, board, settings, seed, scene_id, f"again-{again}/" if again else "")
         if poses is not None:
             return poses, again
-    raise InputError("vessel_count, prop_count", "objects that fit on the table", f"{len(objects)} that do not")
+    raise crowded(len(objects))
 
 
 def _placed(
