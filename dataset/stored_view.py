@@ -40,6 +40,7 @@ from .format.objects_file import OBJECTS_SCHEMA, ObjectsFile
 from .format.partial_labels import PARTIAL_LABELS_SCHEMA, PartialLabels
 from .format.pictures import read_png
 from .format.polarisation_files import read_stokes
+from .format.raw_files import read_raw
 from .format.ray_files import read_layers, read_refraction
 from .format.sensor_files import IR_FILES, read_numbers, read_sensor_depth
 from .polarisation_cameras.mosaic import signal_of, stokes_of_mosaic
@@ -111,6 +112,13 @@ class StoredView:
         if ("noisy.R" if noisy else "R") not in channels:
             raise _absent(path, kind)
         return stacked(channels, "noisy.RGB" if noisy else "RGB", path).astype(np.float32, copy=False)
+
+    def raw(self, eye: Eye = "left") -> np.ndarray:
+        """Return what the camera's sensor makes of the light, (H, W, 3) float32: raw red, green and blue.
+
+        It needs the setting `sensors.sensitivities` and ``--write radiance``.
+        """
+        return read_raw(self.folder, _checked_eye(eye), self.camera_record().sensitivities)
 
     def geometry(self, eye: Eye = "left") -> Geometry:
         """Return the geometry of one camera; the silhouettes come from the masks of its labels.

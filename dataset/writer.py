@@ -39,6 +39,7 @@ from .format.matte_files import write_mattes
 from .format.objects_file import ObjectsFile, objects_file
 from .format.pictures import stored_radiance, write_png
 from .format.polarisation_files import write_polarisation
+from .format.raw_files import sensor_colour, write_raw
 from .format.ray_files import write_layers, write_refraction
 from .format.sensor_files import write_sensor
 from .format.views_table import SceneViews, ViewRow, read_scene_views, view_row, with_sensors, write_views_table
@@ -236,8 +237,10 @@ def write_view(
         if channels:
             write_exr(folder / f"{eye}.exr", channels)
     depth_camera = write_sensor(folder, scene, frame, files)
+    write_raw(folder, scene, frame, files)
     wide = frame.oversize if development is None else None  # light that is developed later has no margin
-    pair, Z = ((frame.left, frame.right), frame.geometry.Z) if wide is None else ((wide.left, wide.right), wide.Z)
+    seen = frame if wide is None else wide
+    pair, Z = seen.raw or (seen.left, seen.right), frame.geometry.Z if wide is None else wide.Z
     left = write_developed(
         folder,
         scene.cameras[frame.view],
@@ -248,6 +251,7 @@ def write_view(
         depth_camera,
         write_polarisation(folder, scene, frame),
         NO_MARGIN if wide is None else wide.margin,
+        None if seen.raw is None else sensor_colour(scene),
     )
     write_exr(folder / layout.GEOMETRY, _channels(frame.geometry))
     write_png(folder / layout.INSTANCES, frame.geometry.id)

@@ -150,6 +150,7 @@ class Oversize:
     left: np.ndarray  #: (H + top + bottom, W + left + right, 3) float32
     right: np.ndarray
     Z: np.ndarray  #: float32, planar depth of the left camera's first surfaces [m]; +inf for nothing
+    raw: tuple[np.ndarray, np.ndarray] | None = None  #: `Frame.raw` of this size; None without a sensor
 
 
 #: What was done about a region whose light from the irradiance cache is off: the whole scene is path traced, its
@@ -231,6 +232,9 @@ class Frame:
     infrared: Infrared | None = None  #: of the stereo depth camera; None without one
     beams: Beams | None = None  #: of the time-of-flight camera; None without one
     stokes: StokesPicture | None = None  #: of the left camera; None without a polarisation camera
+    #: (H, W, 3) float32 each: what the sensors of the left and the right camera make of the same light, raw red, green
+    #: and blue in the unit of radiance (`procedural.description.sensitivities`); None without sensitivities
+    raw: tuple[np.ndarray, np.ndarray] | None = None
     oversize: Oversize | None = None  #: both pictures with a margin; None if not requested
     exposure: float = 1.0  #: factor from radiance to the linear value that sRGB encodes, for display
     tone: Tone = LINEAR  #: white balance and highlights, for display

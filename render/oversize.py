@@ -11,11 +11,22 @@ import numpy as np
 from ..core.margin import Sides, in_frame
 from ..core.randomness import stream_seed
 from ..procedural.description.camera import Camera
+from ..procedural.description.scene import Scene
 from .frame import EYES, Eye, Oversize
 from .labels.geometry import trace_geometry
 from .pictures.film import Film
 from .pictures.guides import Guides, trace_guides
-from .pictures.picture import NoisyImage, Source, Tracer, add_even, check_finite, check_media, denoise_image
+from .pictures.picture import (
+    NoisyImage,
+    Source,
+    Tracer,
+    add_even,
+    channels_of,
+    check_finite,
+    check_media,
+    denoise_image,
+    film_pictures,
+)
 from .scene.loaded_scene import LoadedScene
 from .scene.rays import pinhole
 
@@ -58,6 +69,7 @@ def trace_oversize(
     clean: Sequence[np.ndarray],
     Z: np.ndarray,
     tracer: Tracer,
+    raw: Sequence[np.ndarray] | None = None,
 ) -> Oversize:
     """Return both pictures of a view with a margin, and the left camera's depth.
 
@@ -77,20 +89,29 @@ def trace_oversize(
         Planar depth of the frame, left eye [m].
     tracer : Tracer
         That of the frame.
+    raw : two of (H, W, 3) float32, optional
+        The frame's final raw response, where the scene has a sensor.
     """
-    scene, pictures = loaded.description, []
+    scene, pictures, seen = loaded.description, [], []
     camera = scene.cameras[view]
-    for eye, inner, done in zip(EYES, noisy, clean, strict=True):
+    for number, (eye, inner) in enumerate(zip(EYES, noisy, strict=True)):
         image = _with_margin(loaded, view, eye, margin, inner, tracer)
-        picture = image.radiance.copy()
-        if scene.picture.denoise:
-            for region in strips(camera, margin):
-                picture[region] = _denoised(image, region, scene.picture.fireflies)
-        in_frame(picture, margin)[:] = done
-        pictures.append(picture)
+        pictures.append(_finished(image, scene, camera, margin, clean[number]))
+        if image.of_sensor is not None and raw is not None:
+            seen.append(_finished(image.of_sensor, scene, camera, margin, raw[number]))
     depth = trace_geometry(loaded, with_margin(camera, margin)).Z
     in_frame(depth, margin)[:] = Z
-    return Oversize(margin, *pictures, Z=depth)
+    return Oversize(margin, *pictures, Z=depth, raw=(seen[0], seen[1]) if seen else None)
+
+
+def _finished(image: NoisyImage, scene: Scene, camera: Camera, margin: Sides, done: np.ndarray) -> np.ndarray:
+    """Return a picture with its margin denoised around the frame, which is `done`."""
+    picture = image.radiance.copy()
+    if scene.picture.denoise:
+        for region in strips(camera, margin):
+            picture[region] = _denoised(image, region, scene.picture.fireflies)
+    in_frame(picture, margin)[:] = done
+    return picture
 
 
 def _with_margin(
@@ -107,16 +128,18 @@ def _with_margin(
     guides = trace_guides(loaded, wide, eye, outside)
     for item in fields(Guides):
         in_frame(getattr(guides, item.name), margin)[:] = getattr(inner.guides, item.name)
-    film, seed = Film(outside.size), stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin")
+    film = Film(outside.size, channels_of(loaded))
+    seed = stream_seed(scene.seed, scene.scene_id, f"render/{view}/{eye}/margin")
     source = Source(loaded, pinhole(wide, eye), wide.exposure, seed, tracer)
     counts = add_even(source, film, outside.ravel(), inner.sampling.spp)
     check_media(counts, eye)
-    shape = (wide.height, wide.width, 3)
-    with np.errstate(invalid="ignore", over="ignore"):  # the frame has no samples here, and is filled in next
-        radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
-    in_frame(radiance, margin)[:], in_frame(variance, margin)[:] = inner.radiance, inner.variance
-    check_finite(radiance, variance, guides.instance, eye)
-    return NoisyImage(radiance, variance, guides, inner.sampling, wide.exposure, float(counts[0] / counts[1]))
+    pictures = film_pictures(film, (wide.height, wide.width))  # the frame has no samples here, and is filled in next
+    frames = [(inner.radiance, inner.variance), *([] if inner.raw is None else [inner.raw])]
+    for (radiance, variance), (light, spread) in zip(pictures, frames, strict=True):
+        in_frame(radiance, margin)[:], in_frame(variance, margin)[:] = light, spread
+        check_finite(radiance, variance, guides.instance, eye)
+    raw = pictures[1] if len(pictures) > 1 else None
+    return NoisyImage(*pictures[0], guides, inner.sampling, wide.exposure, float(counts[0] / counts[1]), raw)
 
 
 def _denoised(image: NoisyImage, region: Region, fireflies: Literal["keep", "remove"]) -> np.ndarray:

@@ -52,8 +52,7 @@ MAX_LAYERS = 64
 class Renderer:
     """Renders the views of one scene.
 
-    Several renderers may live side by side, of other scenes and other variants. One may be used from any thread; calls
-    from several threads wait for each other.
+    Several renderers, of any scenes and variants, may live side by side. Calls from several threads wait.
 
     Parameters
     ----------
@@ -345,7 +344,7 @@ class Renderer:
         from .labels.geometry import trace_straight
         from .labels.refraction import trace_refraction
         from .oversize import trace_oversize
-        from .pictures.picture import denoise_image, trace_picture
+        from .pictures.picture import final_pictures, trace_picture
 
         scene, stopwatch = self.scene, Stopwatch()
         camera, picture = scene.cameras[view], scene.picture
@@ -366,10 +365,10 @@ class Renderer:
         with stopwatch.stage("polarisation"):
             stokes = None if scene.polarisation_camera is None else self.stokes(view)
         with stopwatch.stage("denoise"):
-            clean = [denoise_image(one, picture.fireflies) if picture.denoise else one.radiance for one in eyes]
+            clean, raw = final_pictures(eyes, picture)
         with stopwatch.stage("margin"):
             frames = (eyes, clean, geometry.Z)
-            wide = trace_oversize(self.loaded, view, margin, *frames, self._tracer) if any(margin) else None
+            wide = trace_oversize(self.loaded, view, margin, *frames, self._tracer, raw) if any(margin) else None
         return Frame(
             view=view,
             left=clean[0],
@@ -384,6 +383,7 @@ class Renderer:
             infrared=infrared,
             beams=beams,
             stokes=stokes,
+            raw=raw,
             oversize=wide,
             exposure=camera.exposure,
             tone=camera.tone,

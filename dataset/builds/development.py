@@ -18,6 +18,7 @@ from ..format.dataset_file import DatasetFile, Development, read_head, write_hea
 from ..format.developed import optics_of, write_developed
 from ..format.exr import channel, read_exr
 from ..format.pictures import write_png
+from ..format.raw_files import RAW_FILES
 from ..output_checks import check_same_head
 from ..preview.gallery import gallery
 from ..reader import StoredScene, StoredView
@@ -54,8 +55,10 @@ def developed_head(source: Path, root: Path, camera: ColourCamera, seed: int | N
         raise _without_radiance(source)
     for view in _views(source):
         for eye in EYES:
-            if not (view.folder / f"{eye}.exr").is_file():
-                raise _without_radiance(view.folder / f"{eye}.exr")
+            raw = [] if view.camera_record().sensitivities is None else [RAW_FILES[eye]]
+            for name in (f"{eye}.exr", *raw):
+                if not (view.folder / name).is_file():
+                    raise _without_radiance(view.folder / name)
     for optics, width, height in {_lens_of(view) for view in _views(source)}:
         check_distortion(camera.distortion, optics, width, height, f"camera {camera.name}")
     development = Development(camera=camera, seed=head.seed if seed is None else seed)
@@ -120,11 +123,12 @@ def _develop_view(view: StoredView, scene_folder: Path, development: Development
     check_stop()
     path = view.folder / layout.GEOMETRY
     Z = channel(read_exr(path), "Z", path)
-    pair = (view.radiance("left"), view.radiance("right"))
     folder = scene_folder / layout.view_name(view.number)
     place, record = (scene, view.number), view.camera_record()
+    sensor = record.sensitivities
+    left, right = (view.radiance(eye) if sensor is None else view.raw(eye) for eye in EYES)
     devices = record.depth_camera, record.polarisation_camera
-    write_developed(folder, view.camera(), pair, Z, development, place, *devices)
+    write_developed(folder, view.camera(), (left, right), Z, development, place, *devices, sensor=sensor)
 
 
 def _views(source: Path) -> Iterator[StoredView]:

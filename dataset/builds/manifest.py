@@ -43,8 +43,9 @@ Folder = Literal[
     "vessels.media",
     "sensors.depth",
     "sensors.polarisation",
+    "sensors.sensitivities",
 ]
-_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth", "sensors.polarisation")
+_SINGLE_FILES = ("cameras.poses", "vessels.media", "sensors.depth", "sensors.polarisation", "sensors.sensitivities")
 #: Suffixes of meshes and of what they or their layouts refer to.
 _MESH_FILES = (*MESH_SUFFIXES, ".bin", ".gz", ".json", ".mtl", ".pbtxt", *PICTURE_SUFFIXES)
 #: Identifies an unchanged file without reading it: size [bytes] and modification time [ns].
@@ -156,7 +157,8 @@ def _single_files(settings: SceneSettings) -> dict[Folder, Path]:
     """Return the files that settings name one by one, by the names of the settings."""
     sensors = settings.sensors
     # Others are devices by their names.
-    devices = [one if isinstance(one, Path) else None for one in (sensors.depth, sensors.polarisation)]
+    named = (sensors.depth, sensors.polarisation, sensors.sensitivities)
+    devices = [one if isinstance(one, Path) else None for one in named]
     files = dict(zip(_SINGLE_FILES, (settings.cameras.poses, settings.vessels.media, *devices), strict=True))
     return {name: path for name, path in files.items() if path is not None}
 

@@ -44,7 +44,8 @@ class Need:
 def estimated(root: Path, settings: SceneSettings, files: FileKinds, scenes: int) -> Need:
     """Return what scenes are likely to take, from their settings alone."""
     cameras, size = settings.cameras, settings.cameras.intrinsics()
-    each = pair_bytes(size.width, size.height, files) + SCENE_BYTES / cameras.views
+    raw = ("radiance",) if settings.sensors.sensitivities != "none" and "radiance" in files else ()  # as much again
+    each = pair_bytes(size.width, size.height, (*files, *raw)) + SCENE_BYTES / cameras.views
     return Need(scenes, scenes * cameras.views, each, free_space(root))
 
 

@@ -26,6 +26,7 @@ from ..format import layout
 from ..format.checksums import faults_of
 from ..format.dataset_file import DatasetFile, digest_of
 from ..format.file_kinds import LAYERED, FileKinds
+from ..format.raw_files import RAW_FILES
 from ..format.sensor_files import IR_FILES
 from ..format.split_file import read_splits
 from ..format.views_table import SCHEMA, read_scene_views, scene_views
@@ -170,7 +171,8 @@ def _content_faults(root: Path, head: DatasetFile, stored: StoredScene) -> Itera
 def _view_faults(scene: Scene, view: StoredView, files: FileKinds) -> Iterator[str]:
     sensor = _sensor_files(files, scene.depth_camera)
     stokes = () if scene.polarisation_camera is None else _STOKES_FILES
-    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *sensor, *stokes):
+    raw = RAW_FILES.values() if scene.sensitivities is not None and "radiance" in files else ()
+    for name in (*_VIEW_FILES, *_extra_files(scene.picture, files), *raw, *sensor, *stokes):
         if not (view.folder / name).is_file():
             yield f"{view.folder / name}: expected a file, found none"
             return

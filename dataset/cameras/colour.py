@@ -1,4 +1,4 @@
-"""Colour of a camera: the sensor's primaries, white balance, and the tone curve."""
+"""Colour of a camera: the sensor's primaries or sensitivities, white balance, and the tone curve."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from functools import lru_cache
 import numpy as np
 
 from ...core.images import srgb_curve
-from .model import ColourCamera
+from .model import ColourCamera, SensorColour
 
 #: From linear Rec.709 to CIE XYZ (IEC 61966-2-1:1999).
 _RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+#: From CIE XYZ to the sharpened cones of the chromatic adaptation CAT02 (CIE 159:2004, eq. 5.1).
+_CAT02 = np.array([[0.7328, 0.4296, -0.1624], [-0.7036, 1.6975, 0.0061], [0.0030, 0.0136, 0.9834]])
+#: Least signal of a cone in a light of the scene, over daylight's [1]: half of what it is in illuminant A (0.34 for the
+#: short wavelengths). A matrix that gives less was not made for that light.
+_LEAST_CONE = 0.17
 #: Largest factor between two channels of white that is taken for the colour of the light: red against green of CIE
 #: illuminant A, an incandescent lamp, in linear Rec.709 (1.845 / 0.826).
 _MOST = 2.23
@@ -23,24 +28,52 @@ _SATURATED, _EVERY = 0.95, 4
 _ENTRIES = 1 << 14
 
 
-def to_sensor(camera: ColourCamera) -> np.ndarray:
-    """Return the matrix from linear Rec.709 to the sensor's red, green and blue, (3, 3); white gives green 1."""
+def to_sensor(camera: ColourCamera, sensor: SensorColour | None = None) -> np.ndarray:
+    """Return the matrix from linear Rec.709 to the sensor's red, green and blue, (3, 3); white gives green 1.
+
+    With measured sensitivities it is that from their raw responses, which replace the camera's primaries.
+    """
+    if sensor is not None:
+        return np.diag(sensor.white)
     if camera.xyz_to_sensor is None:
         return np.eye(3)
     matrix = np.array(camera.xyz_to_sensor) @ _RGB_TO_XYZ
     return matrix / matrix[1].sum()
 
 
-def from_sensor(camera: ColourCamera) -> tuple[np.ndarray, np.ndarray]:
+def from_sensor(camera: ColourCamera, sensor: SensorColour | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Return what takes the sensor's colours back: gains of red, green, blue for daylight (D65), and the matrix after.
 
     The rows of the matrix sum to 1, so that what the gains make neutral stays so.
     """
-    gains = 1 / to_sensor(camera).sum(axis=1)
+    gains = 1 / to_sensor(camera, sensor).sum(axis=1)
+    if sensor is not None:
+        return gains, np.array(sensor.matrix)
     return gains, np.linalg.inv(gains[:, None] * to_sensor(camera))
 
 
-def balance(camera: ColourCamera, signal: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def balanced_matrix(camera: ColourCamera, gains: np.ndarray, sensor: SensorColour | None = None) -> np.ndarray:
+    """Return the colour matrix behind white balance by some gains, (3, 3); rows sum to 1.
+
+    Gains alone are von Kries' adaptation in the sensor's channels. Those of measured sensitivities overlap, so that
+    this is wrong by twice as much as CAT02 (docs/cameras.md): the matrix turns gains into that. It undoes them, goes to
+    XYZ as in daylight, and scales cones from the light that the gains make neutral to D65 (Li et al., CIC 2002).
+    """
+    daylight, matrix = from_sensor(camera, sensor)
+    if sensor is None:
+        return matrix
+    light = daylight / gains  # raw response to the light that is balanced
+    seen = _RGB_TO_XYZ @ matrix @ (light / light[1])
+    cones, neutral = _CAT02 @ seen, _CAT02 @ _RGB_TO_XYZ.sum(axis=1) * seen[1]
+    if not (cones > _LEAST_CONE * neutral).all():
+        return matrix
+    adapted = np.linalg.inv(_CAT02) @ np.diag(neutral / cones) @ _CAT02
+    return np.linalg.inv(_RGB_TO_XYZ) @ adapted @ _RGB_TO_XYZ @ matrix @ np.diag(light / light[1]) / seen[1]
+
+
+def balance(
+    camera: ColourCamera, signal: np.ndarray, rng: np.random.Generator, sensor: SensorColour | None = None
+) -> np.ndarray:
     """Return the gains of red, green and blue that auto white balance sets, (3,) with green at daylight's.
 
     The light's colour is the channels' norm over the picture ("shades of grey"), taken against daylight's and no
@@ -54,8 +87,10 @@ def balance(camera: ColourCamera, signal: np.ndarray, rng: np.random.Generator) 
         Demosaiced colours of the sensor.
     rng : numpy.random.Generator
         Draws the error.
+    sensor : SensorColour, optional
+        Of measured sensitivities.
     """
-    gains, _ = from_sensor(camera)
+    gains, _ = from_sensor(camera, sensor)
     error = camera.white_balance_error * rng.standard_normal(2)
     some = np.clip(signal[::_EVERY, ::_EVERY].reshape(-1, 3), 0, None)
     some = some[(some < _SATURATED).all(axis=1)]

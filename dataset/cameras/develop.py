@@ -14,10 +14,10 @@ import numpy as np
 from ...core.images import LINEAR, Tone, common_tone, srgb8
 from ...core.margin import NO_MARGIN, Sides, in_frame
 from ...core.randomness import stream
-from .colour import balance, encoded, from_sensor, to_sensor
+from .colour import balance, balanced_matrix, encoded, to_sensor
 from .defocus import circle, defocused, focused_at, right_depth
 from .lens import Lens, Warps, falloff, margins, warps
-from .model import ColourCamera
+from .model import ColourCamera, SensorColour
 from .sensor import demosaiced, exposed, mosaic, summed_pixels
 
 #: Light is cut here, in units of saturation: no noise brings it back below 1.
@@ -28,7 +28,7 @@ _BRIGHTEST = 4.0
 class PairLight:
     """What a stereo pair sees, and its geometry; the three arrays have the margin around the frame of H x W pixels."""
 
-    left: np.ndarray  #: (H, W, 3) float32, linear Rec.709 radiance
+    left: np.ndarray  #: (H, W, 3) float32, linear Rec.709 radiance, or the raw response of `sensor`
     right: np.ndarray  #: the same of the right camera
     Z: np.ndarray  #: (H, W) float32, planar depth of the first surface of the left camera [m]; +inf without one
     optics: Lens  #: fx, fy, cx, cy of both cameras, in the frame's pixels [px]
@@ -36,6 +36,7 @@ class PairLight:
     exposure: float  #: factor from radiance to the linear value that saturates at 1
     tone: Tone = LINEAR  #: of the ideal camera; others have their own white balance and tone curve
     margin: Sides = NO_MARGIN  #: rendered beyond the frame for the distortion of the lens (`lens.margins`)
+    sensor: SensorColour | None = None  #: whose raw response both pictures are; None: they are linear Rec.709
 
     @property
     def size(self) -> tuple[int, int]:
@@ -63,14 +64,14 @@ def develop(
     Parameters
     ----------
     camera : ColourCamera
-        The camera; the ideal one gives `core.images.srgb8`, bit for bit.
+        The camera; the ideal one gives `core.images.srgb8`, bit for bit; of raw responses by their matrix in daylight.
     light : PairLight
         The rendered pair.
     seed, scene_id, view : int
         Of the random streams: ``camera/<view>`` and ``camera/<view>/<eye>``.
     """
     if camera.ideal:
-        left, right = (in_frame(picture, light.margin) for picture in (light.left, light.right))
+        left, right = (_rec709(in_frame(one, light.margin), light.sensor) for one in (light.left, light.right))
         tone = common_tone(light.tone, left, light.exposure)
         return srgb8(left, light.exposure, tone), srgb8(right, light.exposure, tone)
     rng = stream(seed, scene_id, f"camera/{view}")
@@ -79,9 +80,14 @@ def develop(
     for eye, picture in (("left", light.left), ("right", light.right)):
         seen = _through_lens(camera, light, control, picture, eye == "left")
         signals.append(_sensed(camera, light, control, seen, stream(seed, scene_id, f"camera/{view}/{eye}")))
-    gains = balance(camera, signals[0], rng)
+    gains = balance(camera, signals[0], rng, light.sensor)
     left, right = (_processed(camera, light, gains, signal) for signal in signals)
     return left, right
+
+
+def _rec709(picture: np.ndarray, sensor: SensorColour | None) -> np.ndarray:
+    """Return a picture in linear Rec.709: of raw responses by the colour matrix for daylight."""
+    return picture if sensor is None else cv2.transform(picture, np.array(sensor.matrix, np.float32))
 
 
 def lost_pixels(
@@ -164,7 +170,7 @@ def _sensed(
     camera: ColourCamera, light: PairLight, control: Control, picture: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
     """Return the colours of the sensor, demosaiced and corrected for shading, (H, W, 3) float32."""
-    signal = cv2.transform(picture, (to_sensor(camera) * control.exposure).astype(np.float32))
+    signal = cv2.transform(picture, (to_sensor(camera, light.sensor) * control.exposure).astype(np.float32))
     if camera.sensor is None:
         signal = np.clip(signal, 0, 1)
     else:
@@ -184,7 +190,8 @@ def _processed(camera: ColourCamera, light: PairLight, gains: np.ndarray, signal
     """Return the 8-bit picture of demosaiced colours, (H, W, 3) uint8, the frame."""
     top = min(1.0, float(gains.min()))  # where the first channel saturates: brighter light is white
     balanced = np.clip(signal * (gains / top).astype(np.float32), 0, 1)
-    picture = encoded(cv2.transform(balanced, from_sensor(camera)[1].astype(np.float32)), camera.contrast)
+    matrix = balanced_matrix(camera, gains, light.sensor).astype(np.float32)
+    picture = encoded(cv2.transform(balanced, matrix), camera.contrast)
     if camera.jpeg_quality is not None:
         picture = _compressed(picture, camera.jpeg_quality)
     if camera.rectified and not camera.distortion.absent:

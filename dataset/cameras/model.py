@@ -63,6 +63,18 @@ class Sensor(Model):
     )
 
 
+class SensorColour(Model):
+    """What the raw responses of a sensor of measured sensitivities mean: in the place of a camera's own primaries."""
+
+    name: str = Field(description="Name of the sensor")
+    white: tuple[_Positive, _Positive, _Positive] = Field(
+        description="Signals of light like D65, over that of green; its raw response is 1 in each channel"
+    )
+    matrix: tuple[_Row, _Row, _Row] = Field(
+        description="From raw responses in light like D65 to linear Rec.709; rows sum to 1"
+    )
+
+
 class ColourCamera(Model):
     """What turns radiance into a picture; without arguments, the ideal camera."""
 

@@ -13,7 +13,7 @@ from ...core.model import Matrix4, Model
 from ...procedural.description.camera import Camera
 from ...procedural.description.depth_camera import DepthCamera, along_x
 from ...procedural.description.time_of_flight import TimeOfFlightCamera
-from ..cameras.model import Distortion
+from ..cameras.model import Distortion, SensorColour
 
 CAMERA_SCHEMA = "glassware/camera/1"
 #: Written into every file, because conventions differ between projects.
@@ -109,6 +109,11 @@ class CameraFile(Model):
     )
     colour_camera: str | None = Field(
         default=None, exclude_if=lambda name: name is None, description="What took the pictures; absent: the ideal one"
+    )
+    sensitivities: SensorColour | None = Field(
+        default=None,
+        exclude_if=lambda sensor: sensor is None,
+        description="Of the sensor whose raw responses the pictures are made of; absent: of linear Rec.709",
     )
     lost: Rle | None = Field(
         default=None, exclude_if=lambda mask: mask is None, description="Black pixels that were not rendered"

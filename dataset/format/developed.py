@@ -15,6 +15,7 @@ from ...procedural.description.scene import Scene
 from ...procedural.scene.settings import SceneSettings
 from ..cameras.develop import PairLight, develop, lost_pixels, rendered_margin
 from ..cameras.lens import Lens, check_distortion
+from ..cameras.model import SensorColour
 from ..cameras.presets import CAMERAS
 from . import layout
 from .camera_file import DepthCameraRecord, PolarisationRecord, camera_file
@@ -32,6 +33,7 @@ def write_developed(
     depth_camera: DepthCameraRecord | None = None,
     polarisation_camera: PolarisationRecord | None = None,
     margin: Sides = NO_MARGIN,
+    sensor: SensorColour | None = None,
 ) -> np.ndarray:
     """Write ``left.png``, ``right.png`` and ``camera.json`` of a view into its folder; return the left picture.
 
@@ -42,7 +44,7 @@ def write_developed(
     camera : Camera
         The stereo pair.
     pair : two (H, W, 3) float32
-        Radiance of the left and the right camera, linear Rec.709.
+        Radiance of the left and the right camera, linear Rec.709, or the raw response of `sensor`.
     Z : (H, W) float32
         Planar depth of the first surface of the left camera [m].
     development : Development
@@ -55,9 +57,11 @@ def write_developed(
         The polarisation camera in its place.
     margin : Sides
         What `pair` and `Z` have beyond the frame of H x W pixels, for the distortion of the lens.
+    sensor : SensorColour, optional
+        The sensor of measured sensitivities.
     """
     optics = optics_of(camera)
-    light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone, margin)
+    light = PairLight(*pair, Z, optics, camera.baseline, camera.exposure, camera.tone, margin, sensor)
     left, right = develop(development.camera, light, development.seed, *place)
     write_png(folder / "left.png", left)
     write_png(folder / "right.png", right)
@@ -67,6 +71,7 @@ def write_developed(
         update={
             "colour_camera": None if lens.ideal else lens.name,
             "distortion": "none" if lens.rectified or lens.distortion.absent else lens.distortion,
+            "sensitivities": sensor,
             "depth_camera": depth_camera,
             "polarisation_camera": polarisation_camera,
             "lost": None if lost is None else Rle(size=(camera.height, camera.width), counts=encode_mask(lost)),

@@ -13,6 +13,7 @@
             right_labels.json  right_instances.png  right_geometry.exr  disparity.exr  pair.png
             heatmap.png  coordinates.exr  vessel_parts.png  mattes.exr  cryptomatte.exr
             sensor_depth.png  sensor_valid.png  ir_left.png  ir_right.png
+            raw_left.exr  raw_right.exr
             stokes.exr  dolp.png  aolp.png  polarisation_mosaic.png
             sensor_depth.exr  classes.png             (only of converted data sets)
 """
@@ -43,6 +44,7 @@ COORDINATES, VESSEL_PARTS = "coordinates.exr", "vessel_parts.png"
 MATTES, CRYPTOMATTE = "mattes.exr", "cryptomatte.exr"
 SENSOR_DEPTH, SENSOR_VALID = "sensor_depth.png", "sensor_valid.png"  # with the setting sensors.depth
 IR_LEFT, IR_RIGHT = "ir_left.png", "ir_right.png"
+RAW_LEFT, RAW_RIGHT = "raw_left.exr", "raw_right.exr"  # with the setting sensors.sensitivities
 #: With the setting sensors.polarisation.
 STOKES, DOLP, AOLP, MOSAIC = "stokes.exr", "dolp.png", "aolp.png", "polarisation_mosaic.png"
 #: Of converted data sets, where they have them.

@@ -7,15 +7,22 @@ from pathlib import Path
 import numpy as np
 
 from ...procedural.description.camera import Camera
+from ...procedural.description.scene import Scene
+from ...render.frame import EYES
+from ..format import layout
+from ..format.raw_files import RAW_FILES
 from ..stored_view import StoredView
-from .fault import Fault, at_pixels
+from .fault import Fault, at_pixels, unlike
 from .pinhole import Pinhole
-from .tone import encoded, gains_of
+from .tone import LUMINANCE, encoded, gains_of
 
 #: Largest mean of a picture that shows anything but black, and smallest one of one that is not all white [of 255].
 BLACK, WHITE = 2.0, 253.0
 #: Rounding of 8 bits, and of float32 radiance before the curve.
 STEP = 1
+#: Largest difference of a view's mean luminance by a sensor from the eye's [1]. In the published sensors' it is below
+#: 0.03 in daylight and lamplight; curves of another kind are farther.
+SAME_LIGHT = 0.25
 
 
 def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
@@ -38,21 +45,53 @@ def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
 
 
 def radiance_faults(view: StoredView, camera: Camera, developed: bool) -> list[Fault]:
-    """Check radiance: finite, not negative, and that of the picture where no other camera took it."""
+    """Check radiance: finite, not negative, and that of the picture where no other camera took it.
+
+    The picture of a sensor of measured sensitivities is that of its raw responses by its colour matrix.
+    """
     found: list[Fault] = []
     light: dict[str, np.ndarray] = {}
-    for eye in ("left", "right"):
+    sensor = view.camera_record().sensitivities
+    for eye in EYES:
         path = Path(view.folder, f"{eye}.exr")
         if not path.is_file():
             continue
-        light[eye] = view.radiance(eye)
-        wrong = ~((light[eye] >= 0.0) & (light[eye] < np.inf))  # true of NaN
-        found += at_pixels("radiance", path.name, _any(wrong), "finite light", light[eye])
-        if developed or wrong.any():
+        seen, names = {path.name: view.radiance(eye)}, [path.name]
+        if sensor is not None:
+            names.append(RAW_FILES[eye])
+            seen[names[-1]] = view.raw(eye)
+        wrong = {name: _any(~((one >= 0.0) & (one < np.inf))) for name, one in seen.items()}  # true of NaN
+        for name, places in wrong.items():
+            found += at_pixels("radiance", name, places, "finite light", seen[name])
+        if developed or any(places.any() for places in wrong.values()):
             continue
+        shown = seen[names[-1]]
+        light[eye] = shown if sensor is None else shown @ np.array(sensor.matrix, np.float32).T
         expected = np.round(encoded(light[eye], camera, gains_of(light["left"], camera)))
         apart = np.abs(expected - view.picture(eye)) > STEP
-        found += at_pixels("radiance", path.name, _any(apart), "the light of the picture", light[eye])
+        found += at_pixels("radiance", names[-1], _any(apart), "the light of the picture", light[eye])
+    return found
+
+
+def sensor_faults(view: StoredView, scene: Scene) -> list[Fault]:
+    """Compare the record of a sensor of measured sensitivities with the scene's, and its light with the eye's."""
+    record, sensor = view.camera_record().sensitivities, scene.sensitivities
+    if record is None or sensor is None:
+        expected, stored = (None if one is None else one.name for one in (sensor, record))
+        return unlike("radiance", layout.CAMERA, "sensitivities", expected, stored)
+    found: list[Fault] = []
+    for name in ("name", "white", "matrix"):
+        found += unlike(
+            "radiance", layout.CAMERA, f"sensitivities {name}", getattr(sensor, name), getattr(record, name)
+        )
+    if found or not (view.folder / RAW_FILES["left"]).is_file():
+        return found
+    for eye in EYES:
+        light = view.radiance(eye).mean(axis=(0, 1)) @ LUMINANCE
+        seen = view.raw(eye).mean(axis=(0, 1)) @ np.array(sensor.matrix).T @ LUMINANCE
+        if abs(seen - light) > SAME_LIGHT * light:
+            expected = f"{light:.4g}, as in {eye}.exr"
+            found.append(Fault("radiance", RAW_FILES[eye], "mean luminance by its matrix", expected, f"{seen:.4g}"))
     return found
 
 

@@ -42,6 +42,7 @@ from .edits import check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
 from .polarisation_camera import PolarisationCamera
 from .rest import Rest
+from .sensitivities import Sensitivities
 from .surroundings import AreaLight, Environment, Table
 from .time_of_flight import DepthDevice
 from .twin import Twin
@@ -99,6 +100,11 @@ class Scene(Model):
     )
     polarisation_camera: PolarisationCamera | None = Field(
         default=None, exclude_if=lambda device: device is None, description="In the place of the left colour camera"
+    )
+    sensitivities: Sensitivities | None = Field(
+        default=None,
+        exclude_if=lambda sensor: sensor is None,
+        description="Of the colour cameras' sensors; none: pictures are those of the standard observer",
     )
     twin: Twin | None = Field(
         default=None, exclude_if=lambda twin: twin is None, description="Which scene it is a twin of, where it is one"

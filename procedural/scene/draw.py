@@ -7,6 +7,7 @@ from ..description.scene import FIRST_OBJECT_ID, GlassBody, Prop, Scene
 from ..props.draw import PropSettings
 from ..sensors.depth_cameras import depth_camera
 from ..sensors.polarisation_cameras import polarisation_camera
+from ..sensors.sensitivities import sensitivities
 from ..surroundings.table import draw_table
 from ..things.draw import draw_prop_of_kind
 from .arrange import arranged
@@ -67,6 +68,7 @@ def draw_scene(settings: SceneSettings, seed: int, scene_id: int, files: AssetFi
         placed_again=placed_again,
         depth_camera=depth_camera(settings.sensors.depth),
         polarisation_camera=polarisation_camera(settings.sensors.polarisation),
+        sensitivities=sensitivities(settings.sensors.sensitivities),
     )
     if scene.depth_camera is not None:
         scene = with_near_infrared(scene, settings.sensors.carbon_black)

@@ -78,6 +78,13 @@ class SceneSettings(Model):
         return self
 
     @model_validator(mode="after")
+    def _sensitivities_have_wavelengths(self) -> SceneSettings:
+        if self.sensors.sensitivities != "none" and not self.picture.spectral:
+            found = f"sensors.sensitivities {self.sensors.sensitivities} with it off"
+            raise InputError("picture.spectral", "on, as sensitivities belong to wavelengths", found)
+        return self
+
+    @model_validator(mode="after")
     def _cameras_see_true_optics(self) -> SceneSettings:
         """Refuse depth and polarisation cameras beside simplified optics, which they would follow in part alone."""
         cameras = {"depth": self.sensors.depth, "polarisation": self.sensors.polarisation}

@@ -1,4 +1,4 @@
-"""Settings of sensors beside the colour cameras."""
+"""Settings of sensors: those beside the colour cameras, and the sensitivities of these."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from ...core.model import Model
 from ...core.user_text import UserPath
 from .depth_cameras import depth_camera
 from .polarisation_cameras import polarisation_camera
+from .sensitivities import check_sensitivities
 
-#: The settings, as errors of `depth_camera` and `polarisation_camera` name them.
-_DEPTH, _POLARISATION = "sensors.depth: ", "sensors.polarisation: "
+#: The settings, as errors of what reads them name them.
+_DEPTH, _POLARISATION, _SENSITIVITIES = "sensors.depth: ", "sensors.polarisation: ", "sensors.sensitivities: "
 
 
 class SensorSettings(Model):
@@ -30,6 +31,12 @@ class SensorSettings(Model):
         default="none",
         description="Polarisation camera in the place of the left colour camera: none, imx250mzr, imx250myr (in "
         "colour), or a YAML file of a device of your own (docs/polarisation.md)",
+    )
+
+    sensitivities: Literal["none", "nikon-d5100", "sigma-sd-merrill"] | UserPath = Field(
+        default="none",
+        description="Spectral sensitivities of the colour cameras' sensors, for `picture.spectral`: none, nikon-d5100, "
+        "sigma-sd-merrill, or a CSV file of your own; needs the extra `colour` (docs/cameras.md)",
     )
 
     carbon_black: float | None = Field(
@@ -51,6 +58,12 @@ class SensorSettings(Model):
     def _is_known_polarisation(cls, polarisation: object) -> object:
         _check(polarisation_camera, polarisation, _POLARISATION)
         return polarisation
+
+    @field_validator("sensitivities")
+    @classmethod
+    def _are_known(cls, sensitivities: object) -> object:
+        _check(check_sensitivities, sensitivities, _SENSITIVITIES)
+        return sensitivities
 
 
 def _check(read: Callable[[str], object], value: object, where: str) -> None:

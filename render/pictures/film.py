@@ -14,12 +14,16 @@ RELATIVE_FLOOR = 1e-2
 
 
 class Film:
-    """Running sums by pixel, over groups of n samples with mean m."""
+    """Running sums by pixel, over groups of n samples with mean m.
 
-    def __init__(self, pixels: int) -> None:
+    The first three channels are linear Rec.709; a sensor's raw response takes three more.
+    """
+
+    def __init__(self, pixels: int, channels: int = 3) -> None:
+        shape = channels, pixels
         self.samples, self._squares = np.zeros(pixels, np.int64), np.zeros(pixels)  # N, the sum of n, and that of n^2
-        self._weighted = np.zeros((3, pixels))  # sum of n m
-        self._second, self._cross = np.zeros((3, pixels)), np.zeros((3, pixels))  # sums of (n m)^2 and of n^2 m
+        self._weighted = np.zeros(shape)  # sum of n m
+        self._second, self._cross = np.zeros(shape), np.zeros(shape)  # sums of (n m)^2 and of n^2 m
 
     def add(self, counts: np.ndarray, size: int, sums: np.ndarray) -> None:
         """Add groups of equal size, ordered by pixel.
@@ -30,8 +34,8 @@ class Film:
             Number of groups of each pixel.
         size : int
             Samples of each group.
-        sums : (3, groups) float
-            Radiance, summed over each group.
+        sums : (channels, groups) float
+            Radiance, and what the sensor makes of it, summed over each group.
         """
         sampled = np.flatnonzero(counts)
         first = (np.cumsum(counts) - counts)[sampled]
@@ -44,12 +48,12 @@ class Film:
 
     @property
     def means(self) -> np.ndarray:
-        """Mean of each pixel's samples, (3, pixels)."""
+        """Mean of each pixel's samples, (channels, pixels)."""
         return self._weighted / self.samples
 
     @property
     def variance(self) -> np.ndarray:
-        """Estimated variance of the means, (3, pixels); 0 for pixels of one group, whose variance is unknown."""
+        """Estimated variance of the means, (channels, pixels); 0 for pixels of one group, whose variance is unknown."""
         means = self.means
         scatter = self._second - 2.0 * means * self._cross + means**2 * self._squares
         # If one sample has the variance v, the mean of scatter is v (N - sum of n^2 / N), and the pixel's mean has
@@ -60,11 +64,13 @@ class Film:
     def noise(self, exposure: float) -> float | None:
         """Return the relative error of the picture: the root of the expected mean of (I - R)^2 / (R^2 + 0.01).
 
+        It is that of linear Rec.709, whatever a sensor makes of the light.
+
         The estimate is based on the samples alone. It is too low where few samples miss light of rare paths, and rather
         too high otherwise, because different groups of one Sobol' sequence are negatively correlated. None if any pixel
         has a single group.
         """
         if (self._squares == self.samples**2).any():
             return None
-        relative = exposure**2 * self.variance / ((exposure * self.means) ** 2 + RELATIVE_FLOOR)
+        relative = exposure**2 * self.variance[:3] / ((exposure * self.means[:3]) ** 2 + RELATIVE_FLOOR)
         return float(np.sqrt(relative.mean()))

@@ -20,6 +20,7 @@ from ..scene.emitters import Emitters, emitted, emitter_pdf, ends_paths, sample_
 from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
+from ..scene.sensor_response import sensor_output
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, above_surface, mapped_normal, values_at
 from ..scene.surfaces import (
@@ -52,6 +53,7 @@ class Radiance:
     #: In polarised variants s1, s2, s3 beside the radiance s0, in the frame with the x axis
     #: ``mi.mueller.stokes_basis(-ray.d)`` of the camera's ray; empty in other variants.
     polarisation: tuple[mi.Color3f, ...] = ()
+    raw: mi.Color3f | None = None  #: response of the scene's sensor to the same light; None without one
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +179,8 @@ def trace(
         beta *= mi.Spectrum(dr.rcp(survival))
 
     s0, *others = to_output(L, carried, ray.wavelengths)
-    return Radiance(s0, dr.minimum(violations, 1), segments, tuple(others))
+    raw = sensor_output(loaded.sensor, L, carried, ray.wavelengths)
+    return Radiance(s0, dr.minimum(violations, 1), segments, tuple(others), raw)
 
 
 def _initial_origin(origin: PathOrigin | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -30,7 +30,7 @@ from .sample_weights import (
 )
 from .sampler import SobolSampler, sample_4d, sobol_sampler
 
-#: Paths of one pass [1]. Each holds 20 bytes of results, so a pass stays under 100 MB.
+#: Paths of one pass [1]. Each holds 20 bytes of results, 32 with a sensor's, so a pass stays under 140 MB.
 PATHS_PER_PASS = 1 << 22
 #: Largest fraction of segments that may start in the wrong medium [1]. Rays through the hairline crack between two
 #: triangles do; a reversed or missing interface gives a fraction of several per cent.
@@ -58,6 +58,13 @@ class NoisyImage:
     sampling: PictureNoise  #: mean samples per pixel, and the relative error (`Film.noise`)
     exposure: float  #: factor from radiance to displayed light, of which 1 is white
     violations: float  #: paths with a segment that ends in another medium than it started in, over all segments
+    #: What the scene's sensor makes of the same light, (H, W, 3) float32, and its variance; None without a sensor.
+    raw: tuple[np.ndarray, np.ndarray] | None = None
+
+    @property
+    def of_sensor(self) -> NoisyImage | None:
+        """The same of the sensor's raw response in place of linear Rec.709; None without a sensor."""
+        return None if self.raw is None else replace(self, radiance=self.raw[0], variance=self.raw[1], raw=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +114,7 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
     picture, pixels = loaded.description.picture, camera.width * camera.height
     guides = trace_guides(loaded, camera, eye)
     source = Source(loaded, pinhole(camera, eye), camera.exposure, seed, tracer)
-    film, counts, spp = Film(pixels), np.zeros(2, np.int64), 0
+    film, counts, spp = Film(pixels, channels_of(loaded)), np.zeros(2, np.int64), 0
     max_spp = _max_spp(picture)
     while spp < max_spp:
         batch_spp = min(picture.spp, max_spp - spp)
@@ -116,12 +123,12 @@ def trace_picture(loaded: LoadedScene, camera: Camera, eye: Eye, seed: int, trac
         check_media(counts, eye)
         if picture.noise is not None and _is_below(film.noise(camera.exposure), picture.noise):
             break
-    shape = (camera.height, camera.width, 3)
-    with np.errstate(over="ignore"):  # what does not fit into single precision is refused next
-        radiance, variance = (x.astype(np.float32).T.reshape(shape) for x in (film.means, film.variance))
-    check_finite(radiance, variance, guides.instance, eye)
+    pictures = film_pictures(film, (camera.height, camera.width))
+    for radiance, variance in pictures:
+        check_finite(radiance, variance, guides.instance, eye)
     sampling = PictureNoise(spp=spp, noise=film.noise(camera.exposure))
-    return NoisyImage(radiance, variance, guides, sampling, camera.exposure, float(counts[0] / counts[1]))
+    raw = pictures[1] if len(pictures) > 1 else None
+    return NoisyImage(*pictures[0], guides, sampling, camera.exposure, float(counts[0] / counts[1]), raw)
 
 
 def denoise_image(image: NoisyImage, fireflies: Literal["keep", "remove"] = "keep") -> np.ndarray:
@@ -137,6 +144,31 @@ def denoise_image(image: NoisyImage, fireflies: Literal["keep", "remove"] = "kee
     if fireflies == "keep":
         clean = clean + glints
     return np.where(guides.background[..., None], image.radiance, clean)
+
+
+def final_pictures(
+    eyes: Sequence[NoisyImage], picture: Picture
+) -> tuple[list[np.ndarray], tuple[np.ndarray, np.ndarray] | None]:
+    """Return the pictures of two eyes, denoised where the settings say so, and those of their sensors, or None."""
+
+    def final(image: NoisyImage) -> np.ndarray:
+        return denoise_image(image, picture.fireflies) if picture.denoise else image.radiance
+
+    raw = [final(one.of_sensor) for one in eyes if one.of_sensor is not None]
+    return [final(one) for one in eyes], (raw[0], raw[1]) if raw else None
+
+
+def channels_of(loaded: LoadedScene) -> int:
+    """Return the channels of a film: linear Rec.709, and where the scene has a sensor its raw colours."""
+    return 3 if loaded.sensor is None else 6
+
+
+def film_pictures(film: Film, shape: tuple[int, int]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return means and variances of each three channels of a film as pictures of `shape`, (H, W, 3) float32."""
+    with np.errstate(invalid="ignore", over="ignore"):  # pixels without samples, and what is refused as not finite
+        both = [x.astype(np.float32).reshape(-1, 3, *shape) for x in (film.means, film.variance)]
+    moved = (np.ascontiguousarray(np.moveaxis(x, 1, -1)) for x in both)
+    return list(zip(*moved, strict=True))
 
 
 def _is_below(noise: float | None, target: float) -> bool:
@@ -197,8 +229,8 @@ def _add_weighted(source: Source, film: Film, counts: np.ndarray, group_size: in
 def _glass_noise(film: Film, guides: Guides, samples: np.ndarray, exposure: float) -> np.ndarray:
     """Return the displayed noise around each pixel of glass, (H, W), that a number of `samples` would leave."""
     shape, channels = guides.glass.shape, LUMINANCE[:, None]
-    variance = (channels * np.sqrt(film.variance)).sum(axis=0) ** 2 * film.samples / samples
-    means = (channels * film.means).sum(axis=0)
+    variance = (channels * np.sqrt(film.variance[:3])).sum(axis=0) ** 2 * film.samples / samples
+    means = (channels * film.means[:3]).sum(axis=0)
     return displayed_noise(means.reshape(shape), variance.reshape(shape), guides.glass, exposure)
 
 
@@ -217,7 +249,8 @@ def _add_groups(source: Source, film: Film, counts: np.ndarray, group_size: int)
         part = slice(first, first + groups_per_pass)
         result = _trace_pass(source, pixel[part], index[part], group_size)
         found += [np.array(x).sum(dtype=np.int64) for x in (result.violations, result.segments)]
-        sums.append([np.array(dr.block_sum(channel, group_size)) for channel in result.radiance])
+        colours = (*result.radiance, *(() if result.raw is None else result.raw))
+        sums.append([np.array(dr.block_sum(channel, group_size)) for channel in colours])
     film.add(counts, group_size, np.concatenate(sums, axis=1))
     return found
 
@@ -229,7 +262,7 @@ def _trace_pass(source: Source, pixel: np.ndarray, index: np.ndarray, group_size
     ray, weight, sampler = camera_paths(source.view, pixel, index, group_size, max_samples, source.seed)
     result = source.tracer.trace(source.loaded, ray, weight, sampler, picture)
     # One evaluation, not one a channel; polarisation is not needed for a picture.
-    dr.eval(result.radiance, result.violations, result.segments)
+    dr.eval(result.radiance, result.raw, result.violations, result.segments)
     return result
 
 

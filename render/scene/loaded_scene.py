@@ -16,6 +16,7 @@ from .emitters import Emitters
 from .lighting import area_light, envmap, make_literals_opaque
 from .room import lamp_surface, lit_emitter, room_surfaces_of
 from .room_emitter import RoomEmitter
+from .sensor_response import SensorResponse, sensor_response
 from .spectrum import check_variant, in_channel
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
@@ -50,6 +51,7 @@ class LoadedScene:
     offset: float  #: distance at which rays start off a surface [m]
     opaque_bodies: tuple[OpaqueBody, ...] = ()  #: only where loaded for the irradiance cache
     materials: Mapping[str, OpaqueMaterial] = field(default_factory=dict)  #: of opaque shapes, by the shape's name
+    sensor: SensorResponse | None = None  #: of the colour cameras; None: the standard observer alone
 
     @property
     def room(self) -> RoomEmitter | None:
@@ -85,9 +87,11 @@ def load(
     Raises
     ------
     InputError
-        If no variant is active, or the picture requires dispersion and the active variant is not spectral.
+        If no variant is active, or the picture requires dispersion, or a sensor's sensitivities, and the active
+        variant is not spectral.
     """
     check_variant(scene.picture.dispersion)
+    sensor = sensor_response(scene.sensitivities)
     bodies = scene_bodies(scene, glass_for_mitsuba, channel)
     if for_cache:
         bodies = [refined_for_cache(body) for body in bodies]
@@ -112,7 +116,7 @@ def load(
     emitters = Emitters(mi_scene, lit_emitter(scene, mi_scene, room, stored, channel), bare)
     materials = {f"body{i}": body.material for i, body in enumerate(bodies) if body.material is not None}
     robust, offset = _robust(mi_scene), RAY_OFFSET * reach
-    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, materials)
+    return LoadedScene(scene, mi_scene, robust, table, emitters, offset, opaque, materials, sensor)
 
 
 def _robust(mi_scene: mi.Scene) -> mi.Scene:
