@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ...procedural.description.camera import Camera
 from ...procedural.description.scene import Scene
 from ...render.frame import EYES
 from ..format import layout
@@ -20,6 +19,8 @@ from .tone import LUMINANCE, encoded, gains_of
 BLACK, WHITE = 2.0, 253.0
 #: Rounding of 8 bits, and of float32 radiance before the curve.
 STEP = 1
+#: Rounding of a luminance in half floats and of the weights of its channels, over the largest channel [1].
+ROUNDING = 2e-3
 #: Largest difference of a view's mean luminance by a sensor from the eye's [1]. In the published sensors' it is below
 #: 0.03 in daylight and lamplight; curves of another kind are farther.
 SAME_LIGHT = 0.25
@@ -44,33 +45,40 @@ def picture_faults(view: StoredView, camera: Pinhole) -> list[Fault]:
     return found
 
 
-def radiance_faults(view: StoredView, camera: Camera, developed: bool) -> list[Fault]:
+def radiance_faults(view: StoredView, scene: Scene, developed: bool) -> list[Fault]:
     """Check radiance: finite, not negative, and that of the picture where no other camera took it.
 
-    The picture of a sensor of measured sensitivities is that of its raw responses by its colour matrix.
+    Wavelengths may lie outside of Rec.709: then the luminance is not negative. The picture of a sensor of measured
+    sensitivities is that of its raw responses by its colour matrix.
     """
-    found: list[Fault] = []
+    camera, sensor, found = scene.cameras[view.number], view.camera_record().sensitivities, []
     light: dict[str, np.ndarray] = {}
-    sensor = view.camera_record().sensitivities
     for eye in EYES:
         path = Path(view.folder, f"{eye}.exr")
         if not path.is_file():
             continue
-        seen, names = {path.name: view.radiance(eye)}, [path.name]
+        name, light[eye] = path.name, view.radiance(eye)
+        found += at_pixels(
+            "radiance", name, _impossible(light[eye], scene.picture.spectral), "finite light", light[eye]
+        )
         if sensor is not None:
-            names.append(RAW_FILES[eye])
-            seen[names[-1]] = view.raw(eye)
-        wrong = {name: _any(~((one >= 0.0) & (one < np.inf))) for name, one in seen.items()}  # true of NaN
-        for name, places in wrong.items():
-            found += at_pixels("radiance", name, places, "finite light", seen[name])
-        if developed or any(places.any() for places in wrong.values()):
+            name, raw = RAW_FILES[eye], view.raw(eye)
+            found += at_pixels("radiance", name, _impossible(raw, False), "finite light", raw)
+            light[eye] = raw @ np.array(sensor.matrix, np.float32).T
+        if developed or found:
             continue
-        shown = seen[names[-1]]
-        light[eye] = shown if sensor is None else shown @ np.array(sensor.matrix, np.float32).T
         expected = np.round(encoded(light[eye], camera, gains_of(light["left"], camera)))
         apart = np.abs(expected - view.picture(eye)) > STEP
-        found += at_pixels("radiance", names[-1], _any(apart), "the light of the picture", light[eye])
+        found += at_pixels("radiance", name, _any(apart), "the light of the picture", light[eye])
     return found
+
+
+def _impossible(light: np.ndarray, spectral: bool) -> np.ndarray:
+    """Return the pixels whose light cannot be, (H, W) bool: NaN, infinite or negative."""
+    if not spectral:
+        return _any(~((light >= 0.0) & (light < np.inf)))  # true of NaN
+    scale = np.abs(light).max(axis=-1)
+    return ~((light @ LUMINANCE >= -ROUNDING * scale) & (scale < np.inf))
 
 
 def sensor_faults(view: StoredView, scene: Scene) -> list[Fault]:

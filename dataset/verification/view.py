@@ -93,7 +93,7 @@ class ViewChecks:
                 self.faults += found
 
     def _radiance(self) -> list[Fault]:
-        faults = pictures.radiance_faults(self.view, self._camera, self.developed)
+        faults = pictures.radiance_faults(self.view, self.scene, self.developed)
         return faults or pictures.sensor_faults(self.view, self.scene)
 
     def _has(self, name: str) -> bool:
