@@ -20,7 +20,6 @@ from ..scene.emitters import Emitters, emitted, emitter_pdf, ends_paths, sample_
 from ..scene.lighting import SunGlints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.sensor_response import sensor_output
 from ..scene.spectrum import hero_wavelength, to_output, unpolarised
 from ..scene.surface_maps import MappedValues, above_surface, mapped_normal, values_at
 from ..scene.surfaces import (
@@ -179,8 +178,7 @@ def trace(
         beta *= mi.Spectrum(dr.rcp(survival))
 
     s0, *others = to_output(L, carried, ray.wavelengths)
-    raw = sensor_output(loaded.sensor, L, carried, ray.wavelengths)
-    return Radiance(s0, dr.minimum(violations, 1), segments, tuple(others), raw)
+    return Radiance(s0, dr.minimum(violations, 1), segments, tuple(others), loaded.raw(L, carried, ray.wavelengths))
 
 
 def _initial_origin(origin: PathOrigin | None) -> tuple[mi.Interaction3f, mi.Float, mi.Bool]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from .lighting import area_light, envmap, make_literals_opaque
 from .room import lamp_surface, lit_emitter, room_surfaces_of
 from .room_emitter import RoomEmitter
 from .sensor_response import SensorResponse, sensor_response
-from .spectrum import check_variant, in_channel
+from .spectrum import check_variant, in_channel, unpolarised
 from .surfaces import Surface, SurfaceTable, registry_id, surface_table
 
 #: Offset of rays from the surface that they leave, along its geometric normal, over the scene's largest coordinate [1].
@@ -57,6 +58,10 @@ class LoadedScene:
     def room(self) -> RoomEmitter | None:
         """The room, where it is in its place."""
         return self.emitters.room
+
+    def raw(self, radiance: mi.Spectrum, weight: mi.UnpolarizedSpectrum, wavelengths: Any) -> mi.Color3f | None:
+        """Return what the sensor makes of radiance, polarised or not, with weighted wavelengths; None without one."""
+        return None if self.sensor is None else self.sensor.of(unpolarised(radiance) * weight, wavelengths)
 
 
 def load(

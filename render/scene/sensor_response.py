@@ -10,7 +10,6 @@ import numpy as np
 from ...core.errors import InputError
 from ...procedural.description.sensitivities import Sensitivities
 from .._mitsuba import dr, mi
-from .spectrum import unpolarised
 
 #: Wavelengths that Mitsuba samples [nm], and the step at which curves are tabulated: published ones have 5 nm or more.
 FIRST_NM, LAST_NM, STEP_NM = 360.0, 830.0, 1.0
@@ -35,13 +34,6 @@ class SensorResponse:
             low, high = dr.gather(mi.Color3f, self.columns, cell), dr.gather(mi.Color3f, self.columns, cell + 1)
             total += dr.lerp(low, high, place - mi.Float(cell)) * radiance[channel]
         return total / len(wavelengths)
-
-
-def sensor_output(
-    sensor: SensorResponse | None, radiance: mi.Spectrum, weight: mi.UnpolarizedSpectrum, wavelengths: Any
-) -> mi.Color3f | None:
-    """Return what a sensor makes of radiance beside `spectrum.to_output`, polarised or not; None without one."""
-    return None if sensor is None else sensor.of(unpolarised(radiance) * weight, wavelengths)
 
 
 def sensor_response(sensor: Sensitivities | None) -> SensorResponse | None:
@@ -71,5 +63,6 @@ def white_response(nm: np.ndarray, curves: np.ndarray) -> np.ndarray:
     """
     si = dr.zeros(mi.SurfaceInteraction3f, len(nm))
     si.wavelengths = type(si.wavelengths)(mi.Float(nm))
-    power = np.array(mi.load_dict({"type": "d65"}).eval(si)[0], np.float64)
+    light = mi.load_dict({"type": "d65"})
+    power = np.array(light.eval(si)[0], np.float64)
     return np.array([np.trapezoid(power * curve, nm) for curve in curves.T])
