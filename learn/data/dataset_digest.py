@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 from pydantic import Field
@@ -21,10 +22,13 @@ class DatasetRecord(Model):
     sha256: str = Field(description="Of its head, its splits and the checksums of every scene (`dataset_digest`)")
 
 
-def dataset_record(root: Path) -> DatasetRecord:
-    """Return the record of the data set in a folder."""
+def dataset_record(root: Path, also: Sequence[Path] = ()) -> DatasetRecord:
+    """Return the record of the data set in a folder; with others, its digest is that of all their digests."""
     head = Dataset.open(root).head
-    return DatasetRecord(name=head.name, seed=head.seed, sha256=dataset_digest(root))
+    digest = dataset_digest(root)
+    if also:
+        digest = hashlib.sha256("".join([digest, *map(dataset_digest, also)]).encode()).hexdigest()
+    return DatasetRecord(name=head.name, seed=head.seed, sha256=digest)
 
 
 def dataset_digest(root: Path) -> str:

@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from ...core.errors import InputError
 from .layers import conv_norm_3d, norm
-from .plane_sweep import plane_sweep_grid, quarter_intrinsics, source_T_reference, warp
+from .plane_sweep import feature_intrinsics, plane_sweep_grid, source_T_reference, warp
 from .settings import NetworkSettings, Norm
 
 #: Keeps the mean over views finite where no view sees a point.
@@ -102,10 +102,19 @@ class Visibility(nn.Module):
 
 
 class CostVolume(nn.Module):
-    """Features and cameras of all views to the cost volume of the reference view."""
+    """Features and cameras of all views to the cost volume of the reference view.
 
-    def __init__(self, settings: NetworkSettings) -> None:
+    Parameters
+    ----------
+    settings : NetworkSettings
+        Channels of the features, matching and fusion.
+    stride : int
+        Features are at 1/stride of the image size.
+    """
+
+    def __init__(self, settings: NetworkSettings, stride: int = 4) -> None:
         super().__init__()
+        self.stride = stride
         self.pair = ConcatMatching(settings) if settings.matching == "concat" else GroupCorrelation(settings)
         self.visibility = Visibility() if settings.fusion == "visibility" else None
         self.channels = self.pair.channels
@@ -116,14 +125,14 @@ class CostVolume(nn.Module):
         Parameters
         ----------
         features : (B, V, C, h, w) Tensor
-            Features of the views at 1/4 of the image size; the first view is the reference.
+            Features of the views; the first view is the reference.
         world_T_camera, K : (B, V, 4, 4) and (B, V, 3, 3) Tensor
             Poses [m], and intrinsic matrices at full size [px].
-        planes : (B, D) Tensor
-            Depths of the planes [m].
+        planes : (B, D) or (B, D, h, w) Tensor
+            Depths of the planes [m], the same for all pixels or each pixel's own.
         """
         reference, sources = self.pair.embeddings(features[:, 0], features[:, 1:])
-        poses, small_K = source_T_reference(world_T_camera), quarter_intrinsics(K)
+        poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, self.stride)
         height, width = sources.shape[-2:]
         total, weights = None, None
         for view, source in enumerate(sources.unbind(1)):

@@ -5,8 +5,10 @@
    sample's own cameras and fused to a cost volume, (B, C, D, H/4, W/4).
 3. `resnet`, `decoders.ContextDecoder`: context of the reference image, (B, D, H/4, W/4).
 4. `cost_volume.Regularisation`: plane logits, (B, D, H/4, W/4), and from them the coarse depth, (B, H/4, W/4).
-5. `decoders.FeaturePyramid`: reference features and coarse depth to features at 1/4, 1/8 and 1/16.
-6. `decoders.DenseHead`, `decoders.FieldHead`: depth, classes, heatmap, offsets, vertices, centre depth, covariance.
+5. `decoders.FeaturePyramid`: reference features, coarse depth (and context, where asked for) to features at 1/4, 1/8
+   and 1/16.
+6. `refinement`: where it is asked for, the full-size depth is matched once more, at 1/2 of the image size.
+7. `decoders.DenseHead`, `decoders.FieldHead`: depth, classes, heatmap, offsets, vertices, centre depth, covariance.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from .efficientnet import EfficientNet
 from .layers import check_inputs, convex_upsample, initialise, upsample
 from .matching_features import MatchingFeatures, recompute
 from .plane_sweep import plane_depths
+from .refinement import Refinement
 from .resnet import ResNet
 from .settings import NetworkSettings
 
@@ -65,15 +68,15 @@ class MVTrans(nn.Module):
             self.context = ResNet(settings.context, width=settings.context_width)
         self.decoder = ContextDecoder(self.context.channels, settings.planes, settings.decoder_width, settings.norm)
         self.regularisation = Regularisation(self.matching.channels, settings.volume_channels, settings.norm)
-        self.pyramid = FeaturePyramid(
-            settings.feature_channels + 1, settings.pyramid_channels, settings.backbone_width, settings.norm
-        )
+        seen = settings.feature_channels + 1 + (settings.planes if settings.heads_see_context else 0)
+        self.pyramid = FeaturePyramid(seen, settings.pyramid_channels, settings.backbone_width, settings.norm)
         sizes = {"inputs": settings.pyramid_channels, "width": settings.head_channels, "kind": settings.head_norm}
         detail = _QUARTER**2
         self.seg_head, self.depth_head = DenseHead(CLASSES * detail, **sizes), DenseHead(10 * detail, **sizes)
         self.offset_head, self.heatmap_head = DenseHead(2, **sizes), DenseHead(1, **sizes)
         self.vertex_head, self.covariance_head = FieldHead(16, **sizes), FieldHead(6, **sizes)
         self.z_centroid_head = FieldHead(1, **sizes)
+        self.refinement = Refinement(settings) if settings.refinement == "half" else None
         self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
         initialise(self)
@@ -84,6 +87,8 @@ class MVTrans(nn.Module):
         nn.init.zeros_(self.heatmap_head.predictor.weight)
         if settings.box_depth == "coarse":
             nn.init.zeros_(self.z_centroid_head.predictor.weight)
+        if self.refinement is not None:
+            self.refinement.start_at_zero()
         self.vertex_head.set_initial_output(_VERTEX_CENTRE)
 
     def forward(
@@ -108,7 +113,8 @@ class MVTrans(nn.Module):
             ``seg`` (B, 4, H, W) logits, ``depth`` and ``heatmap`` (B, H, W), ``small_depth`` (B, H/4, W/4), ``vertex``
             (B, 16, H/8, W/8), ``z_centroid`` (B, H/8, W/8), ``covariance`` (B, 6, H/8, W/8), in the units of
             `targets.encoding`; ``offset`` (B, 2, H, W), from each pixel to the peak of its object (right, down),
-            divided by the image height; ``plane_logits`` (B, D, H/4, W/4) and ``planes`` (B, D) [m].
+            divided by the image height; ``plane_logits`` (B, D, H/4, W/4) and ``planes`` (B, D) [m]; with
+            refinement, also ``unrefined_depth`` (B, H, W).
         """
         check_inputs(images, world_T_camera, K)
         normalised = ((images - self.mean) / self.deviation).contiguous()  # (B, V, 3, H, W)
@@ -123,8 +129,17 @@ class MVTrans(nn.Module):
         # The coarse depth enters the pyramid as one more channel, in [-1, 1] over the range of the planes.
         middle, half = planes.mean(1)[:, None, None, None], (planes[:, -1] - planes[:, 0])[:, None, None, None] / 2.0
         relative = (coarse[:, None] - middle) / half  # (B, 1, H/4, W/4)
-        pyramid = self.pyramid(torch.cat([features[:, 0], relative.to(features)], dim=1))
-        return {"small_depth": coarse, "plane_logits": logits, "planes": planes, **self._heads(pyramid, coarse)}
+        seen = [features[:, 0], relative.to(features)] + (
+            [context.to(features)] if self.settings.heads_see_context else []
+        )
+        pyramid = self.pyramid(torch.cat(seen, dim=1))
+        depth = {"depth": self._fine_depth(pyramid, coarse)}
+        if self.refinement is not None:
+            unrefined = depth["depth"]
+            refined = self.refinement(normalised, world_T_camera, K, planes, unrefined, pyramid[0])
+            depth = {"depth": refined, "unrefined_depth": unrefined}
+        found = {"small_depth": coarse, "plane_logits": logits, "planes": planes, **depth}
+        return found | self._heads(pyramid, depth["depth"][..., ::_QUARTER, ::_QUARTER] if self.refinement else coarse)
 
     def _features(self, images: Tensor) -> Tensor:
         if self.settings.recompute == "features":
@@ -141,23 +156,27 @@ class MVTrans(nn.Module):
             return soft_argmin(logits, planes)
         return windowed_expectation(logits, planes, self.settings.window)
 
-    def _heads(self, pyramid: Pyramid, coarse: Tensor) -> dict[str, Tensor]:
+    def _fine_depth(self, pyramid: Pyramid, coarse: Tensor) -> Tensor:
+        """Return the depth at full size, (B, H, W) [m], of the coarse one, (B, H/4, W/4)."""
         # (B, 160, H/4, W/4): for each of the 16 pixels of a cell, 9 weights of convex upsampling and a residual.
         weights, residual = self.depth_head.at_quarter(pyramid).float().split((9 * _QUARTER**2, _QUARTER**2), dim=1)
         depth = convex_upsample(coarse[:, None], weights, _QUARTER) + functional.pixel_shuffle(residual, _QUARTER)
+        return depth[:, 0]
+
+    def _heads(self, pyramid: Pyramid, surface: Tensor) -> dict[str, Tensor]:
+        """Return what heads find, but depth; `surface` is the depth known best, (B, H/4, W/4) [m]."""
         # (B, 4 x 16, H/4, W/4) to (B, 4, H, W): sub-pixel convolution.
         seg = functional.pixel_shuffle(self.seg_head.at_quarter(pyramid), _QUARTER)
         return {
             "seg": seg.float(),
-            "depth": depth[:, 0],
             "heatmap": upsample(self.heatmap_head.at_quarter(pyramid).float(), _QUARTER)[:, 0],
             "offset": upsample(self.offset_head.at_quarter(pyramid).float(), _QUARTER),
             "vertex": self.vertex_head(pyramid).float(),
-            "z_centroid": self._box_depth(self.z_centroid_head(pyramid)[:, 0].float(), coarse),
+            "z_centroid": self._box_depth(self.z_centroid_head(pyramid)[:, 0].float(), surface),
             "covariance": self.covariance_head(pyramid).float(),
         }
 
-    def _box_depth(self, found: Tensor, coarse: Tensor) -> Tensor:
+    def _box_depth(self, found: Tensor, surface: Tensor) -> Tensor:
         """Return the encoded depth of box centres, (B, H/8, W/8).
 
         A box's centre lies within a few centimetres of its surface, whose depth was found by matching. What is learnt
@@ -165,4 +184,4 @@ class MVTrans(nn.Module):
         """
         if self.settings.box_depth == "absolute":
             return found
-        return found + _Z_SCALE * (coarse[..., ::2, ::2].detach() - _Z_MIDDLE)
+        return found + _Z_SCALE * (surface[..., ::2, ::2].detach() - _Z_MIDDLE)

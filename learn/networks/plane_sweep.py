@@ -35,13 +35,13 @@ def plane_depths(depth_range: Tensor, count: int, spacing: Literal["linear", "in
     return 1.0 / (1.0 / near + (1.0 / far - 1.0 / near) * fraction)
 
 
-def quarter_intrinsics(K: Tensor) -> Tensor:
-    """Return the intrinsic matrices of features at 1/4 of the image size, (..., 3, 3).
+def feature_intrinsics(K: Tensor, stride: int) -> Tensor:
+    """Return the intrinsic matrices of features at 1/stride of the image size, (..., 3, 3).
 
-    Two convolutions of stride 2 put feature i over pixel 4 i, and pixel (0, 0) has its centre at (0, 0): so image
-    coordinates are divided by 4, without a shift.
+    Convolutions of stride 2 put feature i over pixel ``stride * i``, and pixel (0, 0) has its centre at (0, 0): so
+    image coordinates are divided by the stride, without a shift.
     """
-    return K * K.new_tensor([0.25, 0.25, 1.0])[:, None]
+    return K * K.new_tensor([1.0 / stride, 1.0 / stride, 1.0])[:, None]
 
 
 def inverse_intrinsics(K: Tensor) -> Tensor:
@@ -72,13 +72,15 @@ def plane_sweep_grid(
 ) -> tuple[Tensor, Tensor]:
     """Return where each reference pixel, lifted to each plane, projects in a source view.
 
+    Planes that bend, with a depth of their own at each pixel, are taken as well.
+
     Parameters
     ----------
     source_T_reference : (B, 4, 4) Tensor
         Pose of the reference in the source [m].
     K_reference, K_source : (B, 3, 3) Tensor
         Intrinsic matrices at the size of the features [px].
-    planes : (B, D) Tensor
+    planes : (B, D) or (B, D, h, w) Tensor
         Depths of the planes in the reference [m].
     size : (int, int)
         Height and width of the features [px].
@@ -98,13 +100,14 @@ def plane_sweep_grid(
     # K_s (R d K_r^-1 p + t): one matrix per sample for the rays, and one column for the translation.
     rays = K_source @ source_T_reference[:, :3, :3] @ inverse_intrinsics(K_reference) @ pixels  # (B, 3, h w)
     shift = K_source @ source_T_reference[:, :3, 3:]  # (B, 3, 1)
-    projected = rays[:, :, None] * planes[:, None, :, None] + shift[..., None]  # (B, 3, D, h w)
+    depths = planes[..., None] if planes.ndim == 2 else planes.flatten(2)  # (B, D, 1) or (B, D, h w)
+    projected = rays[:, :, None] * depths[:, None] + shift[..., None]  # (B, 3, D, h w)
     Z = projected[:, 2]
     in_front = Z > MIN_DEPTH
     uv = projected[:, :2] / torch.where(in_front, Z, 1.0)[:, None]  # (B, 2, D, h w)
     u, v = uv.unbind(1)
     visible = in_front & (u >= -0.5) & (u <= width - 0.5) & (v >= -0.5) & (v <= height - 0.5)
-    shape = (*planes.shape, height, width)
+    shape = (*planes.shape[:2], height, width)
     return torch.where(in_front[:, None], uv, -1.0).movedim(1, -1).reshape(*shape, 2), visible.reshape(shape)
 
 

@@ -79,6 +79,16 @@ class NetworkSettings(Model):
         description="Depth of box centres: a map of its own, as in the paper (absolute), or one that is added to the "
         "coarse depth (coarse)",
     )
+    heads_see_context: bool = Field(
+        default=False,
+        description="Whether the maps of the context decoder enter the backbone of all heads beside matching features "
+        "and coarse depth, or the cost volume alone, as in the paper",
+    )
+    refinement: Literal["none", "half"] = Field(
+        default="none",
+        description="half: the full-size depth is matched once more at 1/2 of the image size, over a few planes around "
+        "it, and corrected",
+    )
     recompute: Literal["nothing", "early", "features"] = Field(
         default="early",
         description="Gradient checkpointing, less memory for more time: of nothing, of the first matching layers, of "

@@ -23,6 +23,17 @@ class LossWeights(Model):
 
     depth: float = Field(default=1.0, ge=0.0, description="Weight of the Huber loss of the full-size depth [m]")
     small_depth: float = Field(default=1.0, ge=0.0, description="Weight of the Huber loss of the coarse depth [m]")
+    unrefined_depth: float = Field(
+        default=1.0,
+        ge=0.0,
+        description="Weight of the Huber loss of the full-size depth before its refinement (with refinement only) [m]",
+    )
+    object_pixels: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=1000.0,
+        description="Weight of a pixel of an object in the depth losses; pixels of table and background have 1",
+    )
     planes: float = Field(
         default=1.0, ge=0.0, description="Weight of the cross-entropy over depth planes (windowed readout only)"
     )

@@ -28,6 +28,7 @@ def losses(
     targets: Mapping[str, Tensor],
     settings: NetworkSettings,
     huber: float = 1.0,
+    object_pixels: float = 1.0,
 ) -> dict[str, Tensor]:
     """Return each loss, unweighted.
 
@@ -39,7 +40,7 @@ def losses(
         Batch of `targets.view.view_targets`.
     settings : NetworkSettings
         Settings of the network: MVTrans or SimNet.
-    huber : float
+    huber, object_pixels : float
         As in `LossWeights`.
 
     Returns
@@ -55,12 +56,15 @@ def losses(
         return found | _disparity_losses(outputs, targets, released=settings.variant == "reference")
     if settings.variant == "reference":
         return found | _reference_losses(outputs, targets, huber)
+    weight = torch.where(targets["seg"] >= TRANSPARENT, object_pixels, 1.0)  # (B, H, W)
     found |= {
         "seg": functional.cross_entropy(outputs["seg"], targets["seg"]),
-        "depth": depth_loss(outputs["depth"], targets["depth"], huber),
-        "small_depth": depth_loss(outputs["small_depth"], at_quarter(targets["depth"]), huber),
+        "depth": depth_loss(outputs["depth"], targets["depth"], huber, weight),
+        "small_depth": depth_loss(outputs["small_depth"], at_quarter(targets["depth"]), huber, at_quarter(weight)),
         "offset": masked_mean((outputs["offset"] - targets["offset"]).abs().sum(1), targets["object_mask"]),
     }
+    if settings.refinement != "none":
+        found["unrefined_depth"] = depth_loss(outputs["unrefined_depth"], targets["depth"], huber, weight)
     if settings.readout == "windowed":
         found["planes"] = plane_loss(outputs["plane_logits"], outputs["planes"], at_quarter(targets["depth"]))
     return found
@@ -76,9 +80,12 @@ def masked_mean(values: Tensor, mask: Tensor) -> Tensor:
     return torch.where(mask, values, 0.0).sum() / mask.sum().clamp_min(1)
 
 
-def depth_loss(depth: Tensor, target: Tensor, huber: float) -> Tensor:
-    """Return the Huber loss over the pixels with a target depth (not 0)."""
-    return masked_mean(functional.smooth_l1_loss(depth, target, beta=huber, reduction="none"), target > 0.0)
+def depth_loss(depth: Tensor, target: Tensor, huber: float, weight: Tensor) -> Tensor:
+    """Return the weighted mean of the Huber loss over the pixels with a target depth (not 0)."""
+    error = functional.smooth_l1_loss(depth, target, beta=huber, reduction="none")
+    known = torch.where(target > 0.0, weight, 0.0)
+    # Not `error * known` alone: the error of a pixel without a target may be infinite.
+    return torch.where(target > 0.0, error * weight, 0.0).sum() / known.sum().clamp_min(1.0)
 
 
 def field_loss(outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], name: str) -> Tensor:
@@ -88,7 +95,7 @@ def field_loss(outputs: Mapping[str, Tensor], targets: Mapping[str, Tensor], nam
 
 
 def at_quarter(depth: Tensor) -> Tensor:
-    """Return depth at 1/4 of the image size, at the pixels of the features: every fourth row and column."""
+    """Return depth or weights at 1/4 of the image size, at the pixels of the features: every fourth row and column."""
     return depth[..., ::4, ::4]
 
 

@@ -13,6 +13,7 @@ from torch import Tensor, nn
 from ...core.errors import InputError
 from ...core.model import Model
 from ..data.densefusion_samples import DenseFusionSamples, DepthSource, raw_depth, true_depth
+from ..data.joined import JoinedSamples
 from ..data.keypose_samples import KeyPoseSamples
 from ..data.object_cases import Findings, Location
 from ..data.samples import Batch, LoadedViews, SampleDataset, Samples, image_tensor
@@ -106,6 +107,18 @@ def samples_of(
     return DenseFusionSamples(base, network.densefusion, _depth_source(network), **options)
 
 
+def training_samples(settings: TrainSettings, data: Path) -> Samples:
+    """Return the samples that a run trains on: those of its data set, and of others that are mixed with them."""
+    options = {"augment": settings.augment, "seed": settings.seed}
+    first = samples_of(settings, data, settings.train_split, **options)
+    if not settings.also:
+        return first
+    if not isinstance(first, SampleDataset):
+        raise InputError("also", f"no further data sets for the network {settings.network.name}", len(settings.also))
+    others = [samples_of(settings, other, settings.train_split, **options) for other in settings.also]
+    return JoinedSamples([part for part in (first, *others) if isinstance(part, SampleDataset)])
+
+
 def with_data(settings: TrainSettings, train: Samples) -> tuple[TrainSettings, Samples]:
     """Return settings with what follows from the training data where they leave it open, and samples that have it.
 
@@ -119,7 +132,7 @@ def with_data(settings: TrainSettings, train: Samples) -> tuple[TrainSettings, S
     if network.name == "keypose" and isinstance(train, KeyPoseSamples):
         count = network.keypose.count or train.keypoint_count()
         return _with_network(settings, keypose=_changed(network.keypose, count=count)), train
-    assert isinstance(train, SampleDataset)
+    assert isinstance(train, SampleDataset | JoinedSamples)
     if network.name == "simnet" and network.simnet.bins is None and network.variant == "corrected":
         nearest = (1.0 - _DEPTH_MARGIN) * train.depth_range()[0]
         zoom = settings.augment.zoom[1] if settings.augment.probability else 1.0
@@ -178,7 +191,7 @@ def losses_of(
         return keypose_losses(outputs, batch.targets, batch.K, size, progress, **options)
     if network.name == "densefusion":
         return densefusion_losses(outputs, batch.targets, network.densefusion.confidence)
-    return losses(outputs, batch.targets, network, settings.losses.huber)
+    return losses(outputs, batch.targets, network, settings.losses.huber, settings.losses.object_pixels)
 
 
 def note_step(network: nn.Module, outputs: Mapping[str, Tensor]) -> None:

@@ -67,6 +67,10 @@ class TrainSettings(Model):
     pretrained: UserPath | None = Field(
         default=None, description="Weights of the context network with torchvision's names, .safetensors or torch file"
     )
+    also: tuple[UserPath, ...] = Field(
+        default=(),
+        description="Further data sets whose training scenes are mixed with those of the first, for mvtrans and simnet",
+    )
     seed: int = Field(default=0, ge=0, le=2**32 - 1, description="Seed of the initial weights and of all samples")
     steps: int = Field(default=20_000, ge=1, description="Optimiser steps")
     batch: int = Field(default=4, ge=1, le=4096, description="Samples per step, over all devices")

@@ -11,7 +11,7 @@ from lightning_fabric import Fabric
 from torch import Tensor
 
 from ...core.errors import InputError
-from ..data.dataset_digest import DatasetRecord, dataset_digest, dataset_record
+from ..data.dataset_digest import DatasetRecord, dataset_record
 from ..data.samples import Samples
 from ..data.settings import ViewSettings
 from ..networks.build import Network, build_network
@@ -21,7 +21,7 @@ from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
 from .checkpoint import Checkpoint, check_weights, load_weights
-from .methods import samples_of, with_data
+from .methods import samples_of, training_samples, with_data
 from .settings import MachineSettings, TrainSettings
 
 #: Seed of the validation samples: the same in every run, so that their losses compare.
@@ -56,7 +56,7 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     fabric.launch()
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
-    train = samples_of(settings, data, settings.train_split, augment=settings.augment, seed=settings.seed)
+    train = training_samples(settings, data)
     settings, train = with_data(settings, train)
     val = None
     if settings.val_split != "none":
@@ -68,7 +68,7 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     network.to(fabric.device)
     set_memory_formats(network)
     optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, fused=True, **options)
-    return TrainState(fabric, settings, train, val, dataset_record(data), network, optimiser, out)
+    return TrainState(fabric, settings, train, val, dataset_record(data, settings.also), network, optimiser, out)
 
 
 def load_pretrained_context(state: TrainState) -> None:
@@ -105,7 +105,7 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
     """Return a checkpoint with the new values of the settings that may change; InputError where others changed."""
-    if start.data is None or start.data.sha256 != dataset_digest(data):
+    if start.data is None or start.data.sha256 != dataset_record(data, settings.also).sha256:
         found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
         raise InputError(f"{where}: data set", f"that of {data}", found)
     new, old = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")

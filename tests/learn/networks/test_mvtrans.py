@@ -39,6 +39,7 @@ def batch(rng: np.random.Generator, samples: int, views: int, height: int, width
         (3, 32, 64, {"spacing": "inverse", "matching": "group"}),
         (5, 64, 32, {"fusion": "visibility", "readout": "windowed", "planes": 9}),
         (2, 64, 96, {"norm": "group", "head_norm": "batch", "matching": "group", "fusion": "visibility"}),
+        (3, 64, 32, {"heads_see_context": True, "refinement": "half", "matching": "group"}),
     ],
 )
 def test_any_number_of_views_and_any_multiple_of_32_give_all_outputs(tiny, rng, views, height, width, changes):

@@ -9,9 +9,9 @@ from glassware.core.pose import look_at
 from glassware.learn.networks.cost_volume import CostVolume
 from glassware.learn.networks.layers import convex_upsample, upsample
 from glassware.learn.networks.plane_sweep import (
+    feature_intrinsics,
     plane_depths,
     plane_sweep_grid,
-    quarter_intrinsics,
     source_T_reference,
     warp,
 )
@@ -114,7 +114,7 @@ def _seen_texture(pose: np.ndarray, K: np.ndarray, size: tuple[int, int]) -> np.
 def test_a_quarter_of_the_size_is_a_quarter_of_the_image_coordinates():
     K = torch.tensor([[600.0, 2.0, 319.5], [0.0, 610.0, 239.5], [0.0, 0.0, 1.0]])
     point = torch.tensor([0.1, -0.2, 1.3])
-    full, small = K @ point, quarter_intrinsics(K) @ point
+    full, small = K @ point, feature_intrinsics(K, 4) @ point
     torch.testing.assert_close(small[:2] / small[2], full[:2] / full[2] / 4.0)
 
 

@@ -8,6 +8,7 @@ from glassware.learn.training.loss_weights import LossWeights
 from glassware.learn.training.losses import losses, plane_loss, total_loss
 
 H, W = 32, 64
+REFINED = {"refinement": "half"}
 
 
 def huber(error: np.ndarray) -> np.ndarray:
@@ -64,9 +65,23 @@ def test_each_loss_is_its_formula_over_the_pixels_with_ground_truth(pair, tiny):
         "covariance": np.abs(o["covariance"] - t["covariance"]).sum(1)[t["cell_mask"]].mean(),
     }
     assert {name: float(value) for name, value in found.items()} == pytest.approx(expected, rel=1e-5)
+    refined = losses(outputs | {"unrefined_depth": 2.0 * outputs["depth"]}, targets, tiny.model_copy(update=REFINED))
+    unrefined = huber(2.0 * o["depth"] - t["depth"])[known].mean()
+    assert float(refined["unrefined_depth"]) == pytest.approx(unrefined, rel=1e-5)
     weights = LossWeights(heatmap=3.0, seg=0.0)
     total = sum(getattr(weights, name) * value for name, value in expected.items())
     assert float(total_loss(found, weights)) == pytest.approx(total, rel=1e-5)
+
+
+def test_pixels_of_objects_can_count_more_in_the_depth_losses(pair, tiny):
+    outputs, targets = pair
+    found = losses(outputs, targets, tiny, object_pixels=5.0)
+    error, known = huber((outputs["depth"] - targets["depth"]).numpy()), targets["depth"].numpy() > 0
+    weight = np.where(targets["seg"].numpy() >= 2, 5.0, 1.0)  # transparent 2, opaque 3
+    assert float(found["depth"]) == pytest.approx(np.average(error[known], weights=weight[known]), rel=1e-5)
+    coarse = huber((outputs["small_depth"] - targets["depth"][:, ::4, ::4]).numpy())
+    small, known = weight[:, ::4, ::4], known[:, ::4, ::4]
+    assert float(found["small_depth"]) == pytest.approx(np.average(coarse[known], weights=small[known]), rel=1e-5)
 
 
 def test_the_reference_learns_a_quarter_of_the_depth_and_leaves_out_no_pixel(pair, tiny):

@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+import pytest
+import torch
+
+from glassware.core.errors import InputError
+from glassware.learn.data.joined import JoinedSamples
+from glassware.learn.data.samples import SampleDataset
+from glassware.learn.data.settings import ViewSettings
+from glassware.learn.targets.encoding import CORRECTED
+
+
+def samples(root, size=(64, 96), seed=0) -> SampleDataset:
+    return SampleDataset(root, "all", ViewSettings(size=size), CORRECTED, seed=seed)
+
+
+def test_samples_of_several_data_sets_follow_each_other(rendered):
+    one, other = samples(rendered), samples(rendered, seed=1)
+    both = JoinedSamples([one, other])
+    assert len(both) == 20
+    for index, (part, number) in {0: (one, 0), 9: (one, 9), 10: (other, 0), 19: (other, 9)}.items():
+        found, expected = both[index, 3], part[number, 3]
+        assert found.name == expected.name
+        torch.testing.assert_close(found.images, expected.images)
+        torch.testing.assert_close(found.world_T_camera, expected.world_T_camera)
+    with pytest.raises(IndexError):
+        both[20, 0]
+    assert both.depth_range() == one.depth_range()
+
+
+def test_pictures_of_several_sizes_are_refused(rendered):
+    with pytest.raises(InputError, match=r"views\.size: expected a size .* found 96 x 64 px in .*, 128 x 96 px in "):
+        JoinedSamples([samples(rendered), samples(rendered, size=None)])
