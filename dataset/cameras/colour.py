@@ -88,7 +88,7 @@ def balance(
     rng : numpy.random.Generator
         Draws the error.
     sensor : SensorColour, optional
-        Of measured sensitivities.
+        Of measured sensitivities. The error is one of red and blue of the picture then, not of the raw channels.
     """
     gains, _ = from_sensor(camera, sensor)
     error = camera.white_balance_error * rng.standard_normal(2)
@@ -98,7 +98,19 @@ def balance(
     colour = np.zeros(3)
     if (white > 0).all():
         colour = np.clip(np.log(white / white[1]), -np.log(_MOST), np.log(_MOST))
-    return gains * np.exp(-camera.white_balance * colour + [error[0], 0, error[1]])
+    error = np.array([error[0], 0, error[1]])
+    if sensor is None:
+        return gains * np.exp(-camera.white_balance * colour + error)
+    return gains / _mistaken(np.exp(camera.white_balance * colour), error, np.array(sensor.matrix))
+
+
+def _mistaken(light: np.ndarray, error: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Return the raw response to a light that is off by logarithms of red, green and blue of the picture, (3,).
+
+    Errors of gains would grow with the overlap of the sensor's channels, which a camera is calibrated for.
+    """
+    other = np.linalg.solve(matrix, np.exp(-error) * (matrix @ light))
+    return other / other[1] if (other > 0).all() else light * np.exp(-error)
 
 
 def encoded(linear: np.ndarray, contrast: float) -> np.ndarray:
