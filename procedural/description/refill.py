@@ -125,6 +125,12 @@ def wanted_volume(vessel: GlassBody, brimful: float, most: float, fill: float | 
     return fraction * brimful
 
 
+def ring_segments(vessel: Vessel) -> int:
+    """Return the segments of each ring of a vessel's meshes: triangles about the middle of its foot, vertex 0."""
+    outside = next(part.mesh for part in vessel.interfaces if part.part == "outside")
+    return int((outside.faces == 0).any(1).sum())
+
+
 def section_of(vessel: Vessel) -> tuple[Curve, Curve, int]:
     """Return a vessel's outer and inner curve, with the normals of its meshes, and the segments of its rings.
 
@@ -135,7 +141,7 @@ def section_of(vessel: Vessel) -> tuple[Curve, Curve, int]:
     """
     outside = next(part.mesh for part in vessel.interfaces if part.part == "outside")
     outer, inner = np.array(vessel.outer), np.array(vessel.inner)
-    segments = int((outside.faces == 0).any(1).sum())  # triangles about the foot's middle
+    segments = ring_segments(vessel)
     points, normals = _rings(outside, segments)
     count = len(outer)
     # Behind the outer curve comes the inner one from the rim down, without the crown, which both have.

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, on_border, volume_of
+from ..description.refill import ring_segments
 from ..description.scene import (
     GlassBody,
     Interface,
@@ -23,8 +24,8 @@ from ..description.standing import Standing, standing_in
 from ..optics.medium import AIR
 from ..profiles.liquid import brimful_volume, level_of_volume
 
-#: Largest relative difference between a liquid's volume and that of its body: facets of the coarsest meshes cut off
-#: most of that, and the default ones a twentieth of a percent.
+#: Largest relative difference between a liquid's volume and that of its body, of rings that are counted as circles
+#: (`_of_circles`): profiles of the coarsest meshes cut off most of that.
 VOLUME_TOLERANCE = 0.01
 #: Largest distance between a mesh's bounds and the box that `size` states [m]: below what a depth picture can show.
 SIZE_TOLERANCE = 1e-4
@@ -119,10 +120,17 @@ def _check_liquid(body: GlassBody, number: int, others: Sequence[Standing]) -> N
     highest = max(liquid.contact, liquid.level, float((top.vertices @ up).max()))
     if highest > rim:
         raise InputError(where, f"a surface below the rim at {rim:.4f} m", f"{highest:.4f} m")
-    volume = volume_of(solid)
+    volume = volume_of(solid) / _of_circles(body)
     if not abs(liquid.volume - volume) <= VOLUME_TOLERANCE * volume:
         raise InputError(f"{where}, volume", f"that of its body, {volume:.4g} m^3", f"{liquid.volume:.4g} m^3")
     _check_heights(body, number, top, others)
+
+
+def _of_circles(body: GlassBody) -> float:
+    """Return the area of a body's rings over that of the circles around them [1]: n sin(2 pi / n) / (2 pi)."""
+    if not isinstance(body, Vessel):
+        return 1.0
+    return float(np.sinc(2.0 / ring_segments(body)))  # sinc(x) = sin(pi x) / (pi x)
 
 
 def _tops(body: GlassBody) -> list[Mesh]:

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from glassware.core.errors import InputError
-from glassware.core.mesh import Mesh, turned
+from glassware.core.mesh import Mesh, turned, volume_of
 from glassware.core.pose import check_rigid
 from glassware.procedural.description.camera import LONGEST_SIDE
-from glassware.procedural.description.scene import Scene
+from glassware.procedural.description.refill import ring_segments
+from glassware.procedural.description.scene import Scene, Vessel, liquid_solid
 from glassware.procedural.description.surroundings import ROOM_IDS, AreaLight
 from glassware.procedural.placement import overlap
 from glassware.procedural.primitives.bodies import ball
@@ -47,6 +48,26 @@ def _moved(pose: np.ndarray, shift: np.ndarray) -> np.ndarray:
     pose = pose.copy()
     pose[:3, 3] += shift
     return pose
+
+
+@pytest.mark.parametrize("factor", [0.985, 1.0, 1.015])
+def test_a_liquid_in_coarse_rings_has_the_volume_of_its_circles(factor):
+    """Rings of few segments hold less than their circle, which is no fault; 1.5 % of the volume is one."""
+    tubes = VesselSettings(categories=["test tube"], fill_probability=1.0, chord_error=200e-6)
+    scene = draw_scene(SceneSettings(vessel_count=(1, 1), prop_count=(0, 0), vessels=tubes), 7, 0)
+    vessel = next(body for body in scene.vessels if body.liquid is not None)
+    assert isinstance(vessel, Vessel)
+    assert vessel.liquid is not None
+    assert ring_segments(vessel) == 16
+    mesh_volume = volume_of(liquid_solid(vessel, 0, []))
+    assert mesh_volume < 0.985 * vessel.liquid.volume
+    changed = vessel.liquid.model_copy(update={"volume": factor * vessel.liquid.volume})
+    scene = _with(scene, scene.vessels.index(vessel), liquid=changed)
+    if factor == 1.0:
+        check_scene(scene)
+    else:
+        with pytest.raises(InputError, match=r"liquid, volume: expected that of its body"):
+            check_scene(scene)
 
 
 def test_a_drawn_scene_is_sane_and_hulls_alone_tell_it(scene, monkeypatch):
