@@ -53,7 +53,7 @@ def _moved(pose: np.ndarray, shift: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("factor", [0.985, 1.0, 1.015])
 def test_a_liquid_in_coarse_rings_has_the_volume_of_its_circles(factor):
     """Rings of few segments hold less than their circle, which is no fault; 1.5 % of the volume is one."""
-    tubes = VesselSettings(categories=["test tube"], fill_probability=1.0, chord_error=200e-6)
+    tubes = VesselSettings(categories=("test tube",), fill_probability=1.0, chord_error=200e-6)
     scene = draw_scene(SceneSettings(vessel_count=(1, 1), prop_count=(0, 0), vessels=tubes), 7, 0)
     vessel = next(body for body in scene.vessels if body.liquid is not None)
     assert isinstance(vessel, Vessel)
