@@ -129,17 +129,17 @@ class MVTrans(nn.Module):
         # The coarse depth enters the pyramid as one more channel, in [-1, 1] over the range of the planes.
         middle, half = planes.mean(1)[:, None, None, None], (planes[:, -1] - planes[:, 0])[:, None, None, None] / 2.0
         relative = (coarse[:, None] - middle) / half  # (B, 1, H/4, W/4)
-        seen = [features[:, 0], relative.to(features)] + (
-            [context.to(features)] if self.settings.heads_see_context else []
-        )
+        seen = [features[:, 0], relative.to(features)]
+        if self.settings.heads_see_context:
+            seen.append(context.to(features))
         pyramid = self.pyramid(torch.cat(seen, dim=1))
-        depth = {"depth": self._fine_depth(pyramid, coarse)}
+        depth, surface = self._fine_depth(pyramid, coarse), coarse
+        found = {"small_depth": coarse, "plane_logits": logits, "planes": planes, "depth": depth}
         if self.refinement is not None:
-            unrefined = depth["depth"]
-            refined = self.refinement(normalised, world_T_camera, K, planes, unrefined, pyramid[0])
-            depth = {"depth": refined, "unrefined_depth": unrefined}
-        found = {"small_depth": coarse, "plane_logits": logits, "planes": planes, **depth}
-        return found | self._heads(pyramid, depth["depth"][..., ::_QUARTER, ::_QUARTER] if self.refinement else coarse)
+            refined = self.refinement(normalised, world_T_camera, K, planes, depth, pyramid[0])
+            found |= {"depth": refined, "unrefined_depth": depth}
+            surface = refined[..., ::_QUARTER, ::_QUARTER]
+        return found | self._heads(pyramid, surface)
 
     def _features(self, images: Tensor) -> Tensor:
         if self.settings.recompute == "features":
