@@ -26,6 +26,15 @@ def sized(count: float) -> str:
     return f"{count / 1e6:.3g} MB"
 
 
+def is_number(text: str) -> bool:
+    """Return whether a text is a number, as Python reads it."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def usable_text(text: str) -> str:
     """Return a text that is UTF-8 without NUL; ValueError otherwise."""
     if not text:

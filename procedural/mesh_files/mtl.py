@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ...core.user_text import is_number
 from ..description.material import UniformTexture
 from .cutouts import cutout
 from .model import Cutout, GlassLook, Glow, Look, Source, content_of, text_of
-from .mtl_maps import is_number, maps_of, picture_name, placement_of
+from .mtl_maps import maps_of, picture_name, placement_of
 from .references import named_file, picture
 
 #: Opacity up to which a surface counts as glass [1], not as a faint tint of an opaque one.

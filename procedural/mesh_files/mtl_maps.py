@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.errors import InputError
+from ...core.user_text import is_number
 from ..description.material import ChannelMap, NormalMap, PictureTexture
 from ..materials.map_names import map_name
 from ..materials.picture_files import read_numbers
@@ -115,12 +116,3 @@ def picture_name(value: str) -> str:
             place, most = place + 1, most - 1
     rest = words[place:]
     return value[value.index(rest[0], sum(map(len, words[:place]))) :] if rest else ""
-
-
-def is_number(word: str) -> bool:
-    """Return whether a word is a number."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.errors import InputError
 from ...core.folders import regular_content
 from ...core.setting_errors import shortened, suggest
+from ...core.user_text import is_number
 from ..description.sensitivities import Sensitivities
 from .colour_matrix import NM, check_package, colour_matrix, colour_science
 from .devices import NONE
@@ -99,7 +100,7 @@ def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
     rows: list[list[float]] = []
     for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
         cells = [cell.strip() for cell in line.split(",")]
-        if not any(cells) or (number == 1 and not any(_is_number(cell) for cell in cells)):
+        if not any(cells) or (number == 1 and not any(is_number(cell) for cell in cells)):
             continue
         rows.append(_row(f"{path}, line {number}", cells, rows))
     _check_reach(path, [row[0] for row in rows])
@@ -113,7 +114,7 @@ def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _row(where: str, cells: list[str], above: list[list[float]]) -> list[float]:
-    if len(cells) != 4 or not all(_is_number(cell) for cell in cells):
+    if len(cells) != 4 or not all(is_number(cell) for cell in cells):
         raise InputError(where, "a wavelength [nm] and values of red, green and blue", shortened(",".join(cells)))
     values = [float(cell) for cell in cells]
     if not all(math.isfinite(value) and value >= 0.0 for value in values):
@@ -132,11 +133,3 @@ def _check_reach(path: Path, nm: list[float]) -> None:
     if not nm or nm[0] > low or nm[-1] < high:
         found = f"{nm[0]:g} to {nm[-1]:g} nm" if nm else "none"
         raise InputError(path, f"wavelengths from {low:g} nm or less to {high:g} nm or more", found)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
