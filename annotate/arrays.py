@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ..core.arguments import check_type, described
+from ..core.arguments import check_type, one_of
 from ..core.errors import InputError
 from ..procedural.description.scene import Scene
 from ..render.frame import Frame
@@ -41,8 +41,7 @@ def masks(view: Frame | Labels, kind: Kind = "visible") -> dict[str, np.ndarray]
         For something else than a view, another kind, or a frame without its scene.
     """
     check_type("masks: view", view, (Frame, Labels), "a Frame or Labels")
-    if kind not in get_args(Kind):
-        raise InputError("masks: kind", f"one of {', '.join(get_args(Kind))}", described(kind))
+    one_of("masks: kind", kind, get_args(Kind))
     if isinstance(view, Labels):
         if kind == "visible":
             raise InputError("masks: kind", "seen or silhouette, which labels hold", "visible")
@@ -71,8 +70,7 @@ def points(frame: Frame, coordinates: _Coordinates = "camera") -> np.ndarray:
         One point per pixel that sees a surface, row by row [m].
     """
     check_type("points: frame", frame, Frame, "a Frame")
-    if coordinates not in get_args(_Coordinates):
-        raise InputError("points: coordinates", "'camera' or 'world'", described(coordinates))
+    one_of("points: coordinates", coordinates, get_args(_Coordinates))
     camera = _scene_of(frame, "points").cameras[frame.view]
     places = unproject(frame.geometry.Z, camera.K)
     found = places[np.isfinite(places[..., 2])]

@@ -122,6 +122,8 @@ def label(scene: Scene, frame: Frame, renderer: Renderer, points: SceneKeypoints
     check_type("label: renderer", renderer, Renderer, "a Renderer; the order is label(scene, frame, renderer)")
     if scene is not renderer.scene:
         raise InputError("label", f"the renderer's own scene, {renderer.scene!r}", f"another one, {scene!r}")
+    if points is not None:
+        check_type("label: points", points, SceneKeypoints, "keypoints, from scene_keypoints(scene)")
     _check_frame(scene, frame)
     points = points or scene_keypoints(scene)
     sight = renderer.line_of_sight(frame.view, points.world.reshape(-1, 3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from numbers import Real
 from pathlib import Path
 
@@ -48,6 +49,22 @@ def whole_number(where: str, value: object, least: int, most: int) -> int:
         allowed = f"a whole number from {least} to {most}" if least < most else f"the whole number {least}"
         raise InputError(where, allowed, described(value))
     return int(value)
+
+
+def one_of(where: str, value: object, choices: Sequence[str]) -> str:
+    """Return one of some texts; InputError where it is anything else."""
+    if not isinstance(value, str) or value not in choices:
+        quoted = " or ".join(map(repr, choices)) if len(choices) == 2 else f"one of {', '.join(choices)}"
+        raise InputError(where, quoted, described(value))
+    return value
+
+
+def several(where: str, values: object, count: int, expected: str) -> tuple:
+    """Return so many values as a tuple; InputError where they are others, or are no list, tuple or array."""
+    listed = isinstance(values, list | tuple) or (isinstance(values, np.ndarray) and values.ndim == 1)
+    if not listed or len(values) != count:  # pyright: ignore[reportArgumentType]
+        raise InputError(where, expected, described(values))
+    return tuple(values)  # pyright: ignore[reportArgumentType]
 
 
 def number(where: str, value: object, least: float, most: float, unit: str = "") -> float:

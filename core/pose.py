@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .arguments import point
+from .arguments import number, point
 from .errors import InputError
 
 #: Horizontal offset below which the camera stands at the zenith [fraction of the distance]: it is rounding error.
@@ -71,7 +71,7 @@ def look_at(eye: np.ndarray, target: np.ndarray, roll: float = 0.0) -> np.ndarra
     forward = offset / distance
     above = math.hypot(forward[0], forward[1]) < _AT_ZENITH
     right = np.cross(forward, (-1.0, 0.0, 0.0) if above else (0.0, 0.0, 1.0))
-    return aimed_frame(place, forward, right, roll)
+    return aimed_frame(place, forward, right, number("look_at: roll", roll, -math.inf, math.inf, "rad"))
 
 
 def check_rigid(where: str, matrix: np.ndarray) -> None:

@@ -6,6 +6,9 @@ import hashlib
 
 import numpy as np
 
+#: Largest seed of a data set [1]: it fits the signed 64-bit integers of its index.
+MOST_SEED = 2**63 - 1
+
 
 def stream(seed: int, scene_id: int, name: str) -> np.random.Generator:
     """Return the generator of one named stream of one scene.

@@ -51,7 +51,7 @@ def check_output(root: Path, head: DatasetFile, scenes: Collection[int]) -> None
     if found.seed != head.seed:
         raise InputError(f"{where} seed", str(head.seed), found.seed)
     for name, expected, value in differences(head.config, found.config):
-        raise InputError(f"{where} setting {name}", str(expected), value)
+        raise InputError(f"{where} setting {name}", _set_to(expected), _set_to(value))
     if found.files != head.files:
         raise InputError(f"{where} --write", ",".join(head.files) or "none", ",".join(found.files) or "none")
 
@@ -68,9 +68,7 @@ def check_same_head(
     where: Path, found: DatasetFile, head: DatasetFile, expected: str = _REMEDY, other: str = "requested"
 ) -> None:
     """Raise InputError that lists how the head of a data set differs from another, which the line calls `other`."""
-    listed = [
-        f"{name} {shortened(value)} ({other}: {shortened(wanted)})" for name, wanted, value in _changes(found, head)
-    ]
+    listed = [f"{name} {_set_to(value)} ({other}: {_set_to(wanted)})" for name, wanted, value in _changes(found, head)]
     if listed:
         rest = f" and {len(listed) - _MAX_LISTED} more" if len(listed) > _MAX_LISTED else ""
         raise InputError(where, expected, ", ".join(listed[:_MAX_LISTED]) + rest)
@@ -83,6 +81,11 @@ def differences(expected: Any, found: Any, name: str = "") -> Iterator[tuple[str
             yield from differences(expected.get(key), found.get(key), f"{name}.{key}" if name else key)
     elif expected != found:
         yield name, expected, found
+
+
+def _set_to(value: object) -> str:
+    """Return the value of a setting in words; None follows from others, or an earlier version lacks it."""
+    return "not set" if value is None else shortened(value)
 
 
 def _changes(found: DatasetFile, head: DatasetFile) -> Iterator[tuple[str, object, object]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import get_args
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ..core.arguments import as_path, check_type, described, whole_number
+from ..core.arguments import as_path, check_type, described, one_of, whole_number
 from ..core.errors import InputError
 from ..core.html import html_images
 from ..core.json_file import read_record
@@ -132,19 +132,21 @@ class Dataset:
     def index(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Return the index, one row per view, or some of its columns; the folders of the scenes are not read."""
         path = self.root / layout.VIEWS
+        if isinstance(columns, str) or not isinstance(columns, Iterable | None):
+            raise InputError("index: columns", "a list of names of columns", described(columns))
         try:
             known = pq.read_schema(path).names
             for name in columns or ():
                 if name not in known:
-                    raise InputError(path, f"one of the columns {', '.join(known)}{suggest(name, known)}", repr(name))
+                    hint = suggest(str(name), known)
+                    raise InputError(path, f"one of the columns {', '.join(known)}{hint}", described(name))
             return pq.read_table(path, columns=None if columns is None else list(columns))
         except (OSError, pa.ArrowException) as error:
             raise InputError(path, "an index of views", " ".join(str(error).split())[:200]) from error
 
     def split(self, name: Split) -> tuple[StoredScene, ...]:
         """Return the scenes of a split, in the order of their ids; InputError where the data set has no splits."""
-        if name not in get_args(Split):
-            raise InputError("split", f"one of {', '.join(get_args(Split))}", described(name))
+        one_of("split", name, get_args(Split))
         if not (self.root / layout.SPLITS).is_file():
             raise InputError(self.root, "a data set that is split, as build-dataset writes it", "one without splits")
         existing = set(layout.scene_ids(self.root))

@@ -19,10 +19,10 @@ from ..annotate.outlines import fill_lines, openings
 from ..annotate.projection import disparity, project, transformed, unproject
 from ..annotate.stereo import PairVisibility
 from ..annotate.vessel_parts import VesselParts
-from ..core.arguments import check_type, described
+from ..core.arguments import check_type, one_of, whole_number
 from ..core.errors import InputError
 from ..core.json_file import check_schema, parsed, read_json, read_record
-from ..core.randomness import stream
+from ..core.randomness import MOST_SEED, stream
 from ..procedural.description.camera import Camera
 from ..procedural.description.depth_camera import DepthCamera
 from ..procedural.description.scene import Scene, SceneObject
@@ -166,8 +166,7 @@ class StoredView:
         (n, 3) float64
             One point per pixel that sees a surface, row by row [m].
         """
-        if frame not in get_args(_Frame):
-            raise InputError("frame", "'camera' or 'world'", repr(frame))
+        one_of("frame", frame, get_args(_Frame))
         camera = self.camera_record()
         seen = unproject(self.depth(), np.array(known_K(camera, self.folder / layout.CAMERA)))
         points = seen[np.isfinite(seen[..., 2])]
@@ -268,7 +267,7 @@ class StoredView:
         seed : int
             Of the faults.
         """
-        known = depth_camera(device, "device")
+        known, seed = depth_camera(device, "device"), whole_number("seed", seed, 0, MOST_SEED)
         if not isinstance(known, DepthCamera):
             raise InputError("device", "a stereo depth camera, such as d435", device)
         records = read_record(ObjectsFile, self.folder.parent / layout.OBJECTS, OBJECTS_SCHEMA)
@@ -394,6 +393,4 @@ def _absent(path: Path, kind: FileKind) -> InputError:
 
 
 def _checked_eye(eye: object) -> Eye:
-    if eye not in EYES:
-        raise InputError("eye", "'left' or 'right'", described(eye))
-    return cast(Eye, eye)
+    return cast(Eye, one_of("eye", eye, EYES))

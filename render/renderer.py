@@ -10,11 +10,12 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import NoneType
 from typing import Any
 
 import numpy as np
 
-from ..core.arguments import check_type, described, number, whole_number
+from ..core.arguments import check_type, number, one_of, several, whole_number
 from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.margin import NO_MARGIN, Sides
@@ -101,6 +102,8 @@ class Renderer:
         if variant is not None:
             check_type("Renderer: variant", variant, str, "the name of a variant, such as 'llvm_ad_rgb'")
         check_type("Renderer: scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
+        for name, call in (("on_stage", on_stage), ("on_draft", on_draft)):
+            check_type(f"Renderer: {name}", call, (Callable, NoneType), "a function")
         check_scene(scene)
         self.scene = scene
         on_stage = on_stage or (lambda _stage: None)
@@ -152,9 +155,10 @@ class Renderer:
         Raises
         ------
         InputError
-            Where the scene has no such view, or a side of the margin is not within 0 and `LONGEST_SIDE`.
+            Where the scene has no such view, or the margin is not four whole numbers within 0 and `LONGEST_SIDE`.
         """
-        left, top, right, bottom = (whole_number("margin", side, 0, LONGEST_SIDE) for side in margin)
+        sides = several("margin", margin, 4, "four whole numbers: left, top, right, bottom [px]")
+        left, top, right, bottom = (whole_number("margin", side, 0, LONGEST_SIDE) for side in sides)
         with self._active():
             return self._rendered(self._view(view), (left, top, right, bottom))
 
@@ -176,7 +180,7 @@ class Renderer:
         from .labels.geometry import trace_geometry
 
         camera = self.scene.cameras[self._view(view)]
-        _check_eye(eye)
+        one_of("eye", eye, EYES)
         with self._active():
             return trace_geometry(self.loaded, camera, eye)
 
@@ -211,7 +215,8 @@ class Renderer:
         from .labels.geometry import trace_transmission
 
         camera, count = self.scene.cameras[self._view(view)], whole_number("layers", layers, 1, MAX_LAYERS)
-        u, v = (number(f"shift {axis}", by, -1.0, 1.0) for axis, by in zip("uv", shift, strict=True))
+        both = several("shift", shift, 2, "two numbers: to the right and down [px]")
+        u, v = (number(f"shift {axis}", by, -1.0, 1.0) for axis, by in zip("uv", both, strict=True))
         # A ray beside the pixel's centre is the ray through it of a camera whose principal point is shifted back.
         beside = camera.model_copy(update={"centre": (camera.centre[0] - u, camera.centre[1] - v)})
         with self._active():
@@ -237,7 +242,7 @@ class Renderer:
         from .labels.geometry import line_of_sight
 
         camera = self.scene.cameras[self._view(view)]
-        _check_eye(eye)
+        one_of("eye", eye, EYES)
         origin = (camera.world_T_camera if eye == "left" else camera.world_T_right)[:3, 3]
         targets = checked_points("points", points)
         with self._active():
@@ -393,8 +398,3 @@ class Renderer:
 
 def _named(device: DepthDevice | None) -> str:
     return "none" if device is None else device.name
-
-
-def _check_eye(eye: object) -> None:
-    if eye not in EYES:
-        raise InputError("eye", "'left' or 'right'", described(eye))

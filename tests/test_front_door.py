@@ -96,6 +96,11 @@ def test_a_seed_becomes_files_that_show_what_was_rendered(scene, renderer, tmp_p
         (lambda: stored.scene("a"), "^scene: expected a whole number"),
         (lambda: stored.split("test"), "expected a data set that is split, .* found one without splits$"),
         (lambda: stored.split("tests"), "^split: expected one of train, val, test, found 'tests'$"),
+        (lambda: stored.index(3), "^index: columns: expected a list of names of columns, found 3$"),
+        (lambda: stored.index([3]), r"expected one of the columns .*, found 3$"),
+        (lambda: second.painted_sensor_depth(seed=0.5), "^seed: expected a whole number from 0"),
+        (lambda: gw.label(scene, frame, renderer, 3), "^label: points: expected keypoints"),
+        (lambda: gw.save_png("a.png", frame, "bright"), "^save_png: exposure: expected a number"),
         (lambda: stored.index(["paths"]), r"expected one of the columns .* \(is it path\?\), found 'paths'$"),
     ):
         with pytest.raises(gw.InputError, match=words):
@@ -255,6 +260,12 @@ def test_another_scene_is_replaced_only_by_name(scene, renderer, tmp_path):
             "Renderer: threads: expected a whole number from 1 to 1024, found 1.5",
         ),
         (lambda s, r: gw.Renderer(s, 3), "Renderer: variant: expected the name of a variant"),
+        (lambda s, r: gw.Renderer(s, on_stage=3), "Renderer: on_stage: expected a function, found 3"),
+        (lambda s, r: r.frame(0, 4), "margin: expected four whole numbers: left, top, right, bottom [px], found 4"),
+        (lambda s, r: r.frame(0, (1, 2, 3)), "margin: expected four whole numbers: left, top, right, bottom [px], fou"),
+        (lambda s, r: r.transmission(0, 1, 0.5), "shift: expected two numbers: to the right and down [px], found 0.5"),
+        (lambda s, r: r.geometry(0, np.zeros(2)), "eye: expected 'left' or 'right', found an array of shape (2,)"),
+        (lambda s, r: gw.look_at((0, 0, 1), (0, 0, 0), "up"), "look_at: roll: expected a number from -inf to inf rad,"),
         (lambda s, r: r.line_of_sight(5, [[0, 0, 0]]), "view: expected a whole number from 0 to 1, found 5"),
         (
             lambda s, r: r.line_of_sight(0, [0, 0, 0]),

@@ -105,7 +105,9 @@ def finalize_output(root: Path, splits: SplitsFile) -> int:
     views = finish_dataset(root)
     write_splits(root, splits)
     sheet = gallery(root)
-    if sheet is not None:
+    if sheet is None:  # one of scenes that are gone would show what is not there
+        (root / layout.PREVIEW).unlink(missing_ok=True)
+    else:
         with atomic_file(root / layout.PREVIEW) as partial:
             write_png(partial, sheet)
     return views

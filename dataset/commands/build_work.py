@@ -101,8 +101,10 @@ def _made(request: BuildDataset, views: int, seconds: float) -> str:
     out = request.out
     scenes = layout.scene_ids(out)
     size = sized(dataset_size(out, scenes)) if scenes else "nothing"
-    look = f"Look at {out / layout.PREVIEW} (glassware show {out}); check it with glassware verify {out}"
-    return f"{out}: {counted(len(scenes), 'scene')}, {counted(views, 'view')}, {size}, after {clock(seconds)}. {look}"
+    made = f"{out}: {counted(len(scenes), 'scene')}, {counted(views, 'view')}, {size}, after {clock(seconds)}"
+    if not scenes:  # neither a preview nor anything to check
+        return made
+    return f"{made}. Look at {out / layout.PREVIEW} (glassware show {out}); check it with glassware verify {out}"
 
 
 def _with_space(request: BuildDataset, root: Path, scenes: Sequence[int], console: Console) -> BuildDataset:

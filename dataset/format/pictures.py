@@ -61,6 +61,7 @@ def save_png(path: Path | str, picture: Frame | np.ndarray, exposure: float = 1.
     """
     path, tone = as_path("save_png: path", path), LINEAR
     if isinstance(picture, Frame):
+        number("save_png: exposure", exposure, np.finfo(float).tiny, np.finfo(float).max)
         picture, exposure, tone = picture.left, picture.exposure * exposure, picture.tone
     check_type("save_png: picture", picture, np.ndarray, "a Frame, or an array of shape (H, W, 3)")
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype.kind not in "fu" or picture.size == 0:

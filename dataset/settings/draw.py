@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...core.arguments import whole_number
+from ...core.randomness import MOST_SEED
 from ...procedural.description.scene import Scene
 from ...procedural.scene.draw import draw_scene
 from ...procedural.scene.settings import SceneSettings
@@ -12,8 +13,8 @@ from .camera_layer import with_cameras
 from .config import check_booleans, merged, validated
 from .config import preset as preset_named
 
-#: Largest seed (a signed 64-bit integer, as Parquet stores it) and largest number of a scene (folders have six digits).
-MOST_SEED, MOST_SCENE = 2**63 - 1, 999_999
+#: Largest number of a scene: folders have six digits.
+MOST_SCENE = 999_999
 
 
 def draw(seed: int, scene: int = 0, preset: str = "fast", **settings: Any) -> Scene:

@@ -31,6 +31,11 @@ class _SamplesOrErrors(TorchDataset):
             return error
 
 
+class _Loader(DataLoader):
+    def check_worker_number_rationality(self) -> None:
+        """Say nothing where processes are more than cores: they take turns, and batches are the same."""
+
+
 def load_batches(samples: Samples, order: Iterable[list[tuple[int, int]]], workers: int) -> Iterator[Batch]:
     """Yield batches of samples.
 
@@ -50,7 +55,7 @@ def load_batches(samples: Samples, order: Iterable[list[tuple[int, int]]], worke
     WorkFailed
         Where a worker process died, for example when memory ran out.
     """
-    loader = DataLoader(
+    loader = _Loader(
         _SamplesOrErrors(samples),
         batch_sampler=order,
         collate_fn=_collate_or_error,

@@ -5,7 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from glassware.core.arguments import as_path, check_type, described, number, point, points, whole_number
+from glassware.core.arguments import (
+    as_path,
+    check_type,
+    described,
+    number,
+    one_of,
+    point,
+    points,
+    several,
+    whole_number,
+)
 from glassware.core.errors import InputError
 
 
@@ -41,6 +51,20 @@ def test_numbers_of_python_and_numpy_are_taken_and_others_refused():
     for wrong in (True, "much", None, float("nan"), 2.0):
         with pytest.raises(InputError, match=r"^amount: expected a number from 0 to 1 kg, found "):
             number("amount", wrong, 0.0, 1.0, "kg")
+
+
+def test_so_many_values_and_one_of_some_texts_are_taken_and_others_refused():
+    for right in ((1, 2), [1, 2], np.array([1, 2])):
+        assert several("shift", right, 2, "two") == (1, 2)
+    for wrong in (3, None, "ab", (1,), (1, 2, 3), np.array(2), np.zeros((2, 2)), {1, 2}):
+        with pytest.raises(InputError, match=r"^shift: expected two, found "):
+            several("shift", wrong, 2, "two")
+    assert one_of("eye", "left", ("left", "right")) == "left"
+    for wrong in ("top", None, ["left"], np.zeros(2)):
+        with pytest.raises(InputError, match=r"^eye: expected 'left' or 'right', found "):
+            one_of("eye", wrong, ("left", "right"))
+    with pytest.raises(InputError, match=r"^split: expected one of train, val, test, found 'all'$"):
+        one_of("split", "all", ("train", "val", "test"))
 
 
 def test_points_are_finite_rows_of_three():

@@ -10,12 +10,15 @@ from rich.console import Console
 
 from glassware.core.errors import InputError
 from glassware.core.user_text import sized
+from glassware.dataset.builds.output_folder import finalize_output
 from glassware.dataset.builds.space import FILLED, Need, dataset_size, estimated, free_space, space_error
 from glassware.dataset.commands import build_work
 from glassware.dataset.commands.build_request import BuildDataset
 from glassware.dataset.commands.progress import BuildProgress, SceneProgress, clock, failed_lines, remaining
 from glassware.dataset.commands.show import main as show
+from glassware.dataset.format.dataset_file import new_head, write_head
 from glassware.dataset.format.file_kinds import KINDS, costs, pair_bytes
+from glassware.dataset.format.split_file import SplitsFile
 from glassware.procedural.scene.settings import SceneSettings
 from glassware.render.frame import LightCheck, RegionCheck
 
@@ -118,6 +121,21 @@ def test_a_build_that_does_not_fit_is_refused_where_nobody_can_be_asked(tmp_path
     build_work._allow(request.model_copy(update={"yes": True}), tmp_path, need, console)
     build_work._allow(request, tmp_path, Need(9, 90, FILLED * 1e9, int(91e9)), console)
     assert "\n" not in str(space_error(tmp_path, need))
+
+
+def test_a_build_points_to_a_preview_only_where_there_is_a_scene(tmp_path: Path):
+    request = BuildDataset(scenes="0:2", out=tmp_path)
+    assert build_work._made(request, 0, 60.0) == f"{tmp_path}: 0 scenes, 0 views, nothing, after 60 s"
+    (tmp_path / "scenes" / "000001" / "000").mkdir(parents=True)
+    assert f"Look at {tmp_path / 'preview.png'}" in build_work._made(request, 1, 60.0)
+
+
+def test_the_preview_of_scenes_that_are_gone_is_deleted(tmp_path: Path):
+    write_head(tmp_path, new_head("n", 1, {}, {}, "llvm_ad_rgb"))
+    (tmp_path / "preview.png").write_bytes(b"of a scene that failed when it was made again")
+    splits = SplitsFile(train=(), val=(), test=(), unseen_families=(), unseen_assets={})
+    assert finalize_output(tmp_path, splits) == 0
+    assert not (tmp_path / "preview.png").exists()
 
 
 def test_show_prints_the_path_of_the_sheet_where_there_is_no_display(tmp_path: Path, capsys, monkeypatch):

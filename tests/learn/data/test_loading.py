@@ -22,6 +22,12 @@ def test_batches_are_those_of_the_samples(rendered, workers):
         assert torch.equal(batch.images, collate([data[item] for item in items]).images)
 
 
+def test_more_processes_than_cores_are_taken_without_a_warning(rendered, monkeypatch):
+    monkeypatch.setattr(torch._utils, "cpu_count", lambda: 1)
+    data = SampleDataset(rendered, "all", ViewSettings(), CORRECTED)
+    assert len(list(load_batches(data, [[(0, 0)]], 2))) == 1
+
+
 @pytest.mark.parametrize("workers", [0, 1, 2])
 def test_a_sample_that_cannot_be_used_is_one_line_from_any_process(rendered, workers):
     data = SampleDataset(rendered, "all", ViewSettings(count=9), CORRECTED)
