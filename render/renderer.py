@@ -10,12 +10,11 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import NoneType
 from typing import Any
 
 import numpy as np
 
-from ..core.arguments import check_type, number, one_of, several, whole_number
+from ..core.arguments import check_type, described, number, one_of, several, whole_number
 from ..core.arguments import points as checked_points
 from ..core.errors import InputError
 from ..core.margin import NO_MARGIN, Sides
@@ -103,7 +102,8 @@ class Renderer:
             check_type("Renderer: variant", variant, str, "the name of a variant, such as 'llvm_ad_rgb'")
         check_type("Renderer: scene", scene, Scene, "a Scene, from gw.draw or gw.load_scene")
         for name, call in (("on_stage", on_stage), ("on_draft", on_draft)):
-            check_type(f"Renderer: {name}", call, (Callable, NoneType), "a function")
+            if call is not None and not callable(call):
+                raise InputError(f"Renderer: {name}", "a function", described(call))
         check_scene(scene)
         self.scene = scene
         on_stage = on_stage or (lambda _stage: None)
