@@ -37,7 +37,14 @@ from ..scene.emitters import ends_paths
 from ..scene.lighting import Spread, SunGlints, sun_glints
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import leave
-from ..scene.surfaces import broken_continuity, medium_after_bounce, medium_at_end, registry_id, surface_media
+from ..scene.surfaces import (
+    broken_continuity,
+    medium_after_bounce,
+    medium_after_interface,
+    medium_at_end,
+    registry_id,
+    surface_media,
+)
 from .footprint import Footprint, NormalDerivatives, followed, normal_derivatives
 from .guiding import EmissionMap, emission_map, path_guide
 from .irradiance_cache import CachedShader, IrradianceCache, TracedSurfaces, cached_shader, shade
@@ -183,7 +190,7 @@ def _through_glass(
             index = dr.gather(mi.Float, table.eta_d, surface.before)
             event = scatter(interface, path_guide(emission, index, dr.max(beta) * eta_scale))
             beta, eta_scale = beta * event.weight, eta_scale * event.eta_squared
-            medium = dr.select(event.transmitted, surface.behind, surface.before)
+            medium = medium_after_interface(medium, surface, event.transmitted)
             triangle = pi.prim_index, dr.sign(dr.dot(si.n, surface.n))
             footprint = followed(footprint, tracing.derivatives, triangle, surface, ray.d, event, interface.eta)
             u_rescaled, u_interval = rescaled_sample(u_rescaled, u_interval, event.probability, event.transmitted, bits)

@@ -21,6 +21,7 @@ from ..scene.surfaces import (
     SurfaceTable,
     broken_continuity,
     medium_after_bounce,
+    medium_after_interface,
     medium_at_end,
     registry_id,
     relative_index_d,
@@ -76,7 +77,7 @@ def trace_pattern(loaded: LoadedScene, ray: mi.Ray3f, sampler: SobolSampler, lig
             interface = InterfaceHit(-ray.d, surface.n, surface.ns, eta, alpha, u.u_lobe, hashed_seed(sampler, depth))
             event = scatter(interface)
             direction, factor = mi.Vector3f(event.direction), mi.Float(event.weight)
-            medium = dr.select(event.transmitted, surface.behind, surface.before)
+            medium = medium_after_interface(medium, surface, event.transmitted)
         beta *= factor
         ray = leave(si, direction, offset)
         depth += 1

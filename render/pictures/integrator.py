@@ -28,6 +28,7 @@ from ..scene.surfaces import (
     SurfaceTable,
     broken_continuity,
     medium_after_bounce,
+    medium_after_interface,
     medium_at_end,
     registry_id,
     surface_media,
@@ -170,7 +171,7 @@ def trace(
             event = scattered(surface, interface, beta, si.wavelengths)
             direction, factor = event.direction, mi.Spectrum(event.weight)
             eta_scale, through_glass = eta_scale * event.eta_squared, mi.Bool(True)
-            medium = dr.select(event.transmitted, surface.behind, surface.before)
+            medium = medium_after_interface(medium, surface, event.transmitted)
         beta *= factor
         previous, ray, depth = mi.Interaction3f(si), leave(si, direction, offset), depth + 1
         survival = dr.select(depth >= rr_depth, survival_probability(beta, eta_scale), 1.0)

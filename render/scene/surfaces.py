@@ -177,6 +177,15 @@ def medium_after_bounce(front: mi.UInt32, si: mi.SurfaceInteraction3f, direction
     return dr.select(dr.dot(si.n, direction) > 0.0, front, mi.UInt32(BURIED))
 
 
+def medium_after_interface(medium: mi.UInt32, surface: SurfaceMedia, transmitted: mi.Bool) -> mi.UInt32:
+    """Return the medium of the segment that leaves an interface, by that of the one that met it (`medium_at_end`).
+
+    Inside an opaque body, such as a painted vessel whose liquid wets its walls, interfaces lead nowhere else.
+    """
+    crossed = dr.select(transmitted, surface.behind, surface.before)
+    return dr.select(medium == BURIED, mi.UInt32(BURIED), crossed)
+
+
 def broken_continuity(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:
     """Return 1 where the medium before a surface is not the one that the segment started in, else 0.
 

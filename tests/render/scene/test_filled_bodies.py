@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from glassware.procedural.description.scene import Scene
+from glassware.procedural.scene.twins import painted
 from glassware.render.pictures.picture import MediumError, trace_picture
 from glassware.render.renderer import Renderer
 from glassware.render.scene.loaded_scene import load
@@ -63,6 +64,15 @@ def test_a_missing_surface_of_a_turbid_liquid_is_caught_though_all_its_others_ar
     trace_picture(load(scene), scene.cameras[0], "left", seed=1)
     with pytest.raises(MediumError, match="interface is missing"):
         trace_picture(load(spoiled), scene.cameras[0], "left", seed=1)
+
+
+def test_paths_that_shading_normals_lead_into_a_painted_vessel_count_for_nothing_at_its_wetted_wall(
+    backend, vessel_with
+):
+    scene = painted(vessel_with("straw", "path"))
+    scene = scene.model_copy(update={"picture": scene.picture.model_copy(update={"spp": 64})})
+    assert any(item.opaque is None for item in scene.vessels[0].interfaces)
+    assert trace_picture(load(scene), scene.cameras[0], "left", seed=1).violations == 0.0
 
 
 @pytest.mark.slow
