@@ -1,7 +1,8 @@
-"""The small parts of ``scene.json``: surroundings, lamps, cameras and kind of the table, without any mesh."""
+"""The small parts of ``scene.json``: surroundings, lamps, cameras, kinds of table and light, without any mesh."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from ...core.errors import InputError
 from ...core.json_file import check_schema, parsed, read_json
 from ...core.model import Model
 from ...procedural.description.camera import Camera
+from ...procedural.description.picture import Picture
 from ...procedural.description.scene import SCENE_SCHEMA
 from ...procedural.description.surroundings import AreaLight, Environment
 from . import layout
@@ -28,6 +30,25 @@ class SceneOutline(Model):
     placed_again: int = Field(ge=0, description="How often its objects did not fit on the table, and were placed again")
     depth_camera: str | None = Field(description="Name of the depth camera")
     polarisation_camera: str | None = Field(description="Name of the polarisation camera")
+    sensitivities: str | None = Field(description="Name of the sensor whose raw responses the pictures are made of")
+    picture: Picture = Field(description="How its pictures are computed")
+
+    @property
+    def simplified(self) -> tuple[str, ...]:
+        """What is simplified in the light of its pictures, such as ``picture.refractivity 0.5 (true: 1)``."""
+        choices = self.picture.simplified.items()
+        return tuple(f"picture.{name} {found} (true: {true})" for name, (true, found) in choices)
+
+
+def picture_notes(outlines: Iterable[SceneOutline]) -> tuple[str, ...]:
+    """Return what is unusual about the light and the sensors of some scenes' pictures, in words."""
+    notes: dict[str, None] = {}
+    for outline in outlines:
+        if outline.simplified:
+            notes[f"simplified light: {', '.join(outline.simplified)}"] = None
+        if outline.sensitivities is not None:
+            notes[f"sensor {outline.sensitivities}"] = None
+    return tuple(notes)
 
 
 def read_outline(folder: Path) -> SceneOutline:
@@ -42,7 +63,8 @@ def read_outline(folder: Path) -> SceneOutline:
         "prints": [_part(path, item, "kind", str) for item in _part(path, {"prints": [], **table}, "prints", list)],
         "redrawn": sum(_redrawn(path, vessel) for vessel in vessels),
         "placed_again": data.get("placed_again", 0),
-        **{name: _device(path, data, name) for name in ("depth_camera", "polarisation_camera")},
+        **{name: _device(path, data, name) for name in ("depth_camera", "polarisation_camera", "sensitivities")},
+        "picture": _part(path, {"picture": {}, **data}, "picture", dict),
     }
     return parsed(SceneOutline, parts, path)
 

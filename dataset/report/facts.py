@@ -199,6 +199,9 @@ def _names(objects: ObjectsFile, outline: SceneOutline) -> Iterator[tuple[str, s
     ):
         if device is not None:
             yield topic, device
+    yield from (("optics", choice) for choice in outline.simplified)
+    if outline.sensitivities is not None:
+        yield "colour_sensors", outline.sensitivities
     yield from (("prints", kind) for kind in outline.prints or ("none",))
 
 

@@ -53,6 +53,10 @@ def _lead(summary: Summary) -> str:
     ]
     if head.developed is not None:
         facts.append(f"developed by the camera {head.developed.camera.name}")
+    if summary.names.get("optics"):
+        facts.append(f"simplified light: {', '.join(sorted(summary.names['optics']))}")
+    if summary.names.get("colour_sensors"):
+        facts.append(f"sensor {', '.join(sorted(summary.names['colour_sensors']))}")
     return f"<p>{escape(', '.join(facts))}</p>"
 
 

@@ -115,6 +115,8 @@ TOPICS: dict[str, tuple[str, str, str, str]] = {
     "surroundings": ("light", "Surroundings", "scene", ""),
     "lamps": ("light", "Lamps", "lamp", ""),
     "tables": ("light", "Tables", "scene", ""),
+    "optics": ("pictures", "Simplified light", "", "scenes whose pictures have it; their labels are of the true media"),
+    "colour_sensors": ("pictures", "Sensors of the colour cameras", "scene", " with measured sensitivities"),
     "depth_cameras": ("sensor", "Devices", "scene", ""),
     "polarisation_cameras": ("polarisation", "Devices", "scene", ""),
     "prints": ("light", "Prints on tables", "", "flat things that are no objects, and scenes without any"),

@@ -23,6 +23,7 @@ from ..format import layout
 from ..format.conversion import Conversion
 from ..format.dataset_file import DatasetFile
 from ..format.objects_file import ObjectRecord
+from ..format.scene_outline import picture_notes
 from ..format.views_table import scene_views
 from ..reader import StoredView
 from .bodies import scene_bodies, view_cloud
@@ -83,7 +84,7 @@ def page_parts(head: DatasetFile, choices: Sequence[Choice], width: int) -> Iter
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{title}: labels</title><style>{(resources / 'page.css').read_text('utf-8')}</style></head><body>"
-        f"{_header(title, head, views)}{_BODY}"
+        f"{_header(title, head, views, _notes(head, choices))}{_BODY}"
     )
     ramp = cv2.applyColorMap(np.arange(256, dtype=np.uint8), cv2.COLORMAP_VIRIDIS).reshape(-1, 3)[:, ::-1]
     listed = [{"id": one.scene.scene_id, "views": [view.number for view in one.views]} for one in choices]
@@ -116,14 +117,21 @@ _BODY = """
 """
 
 
-def _header(title: str, head: DatasetFile, views: int) -> str:
+def _notes(head: DatasetFile, choices: Sequence[Choice]) -> list[str]:
+    """Return what of the pictures is not as usual: the camera that developed them, simplified light, a sensor."""
+    developed = [] if head.developed is None else [f"developed by the camera {head.developed.camera.name}"]
+    outlines = () if head.converted is not None else (choice.scene.outline() for choice in choices)
+    return [*developed, *picture_notes(outlines)]
+
+
+def _header(title: str, head: DatasetFile, views: int, notes: Sequence[str]) -> str:
     tabs = (("picture", "Picture"), ("maps", "All maps"), ("space", "3D"), ("objects", "Objects"))
     buttons = "".join(f'<button id="to-{name}" role="tab">{text}</button>' for name, text in tabs)
     lists = "".join(f'<select id="{name}" aria-label="{name}"></select>' for name in ("scene", "view"))
     made = f"seed {head.seed}, {counted(views, 'stereo view')}"
     if head.converted is not None:
         made = f"{head.converted.title} (licence: {head.converted.licence}), {counted(views, 'view')}"
-    facts = f"{escape(made)} of scenes {escape(head.scenes)}"
+    facts = escape("; ".join([f"{made} of scenes {head.scenes}", *notes]))
     return (
         f'<header><h1>{title}</h1>{lists}<nav role="tablist">{buttons}</nav><span class="soft">{facts}</span></header>'
     )

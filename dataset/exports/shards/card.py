@@ -12,6 +12,8 @@ import yaml
 
 from ....core.errors import InputError
 from ....procedural.scene.splits import Split
+from ...format.scene_outline import picture_notes
+from ...reader import StoredScene
 from ..job import Job
 from .features import CAMERA, GEOMETRY, OBJECT, Kind, features_yaml
 from .sensors import SENSOR_CONFIGS, SETTINGS, sensor_columns
@@ -50,7 +52,7 @@ def columns(job: Job) -> dict[str, dict[str, Kind]]:
     return {config: both | own[config] for config in CONFIGS if config in own and job.has(config)}
 
 
-def card(job: Job, splits: Sequence[Split], scenes: int) -> str:
+def card(job: Job, splits: Sequence[Split], scenes: Sequence[StoredScene]) -> str:
     """Return the text of ``README.md``."""
     head, configs = job.dataset.head, columns(job)
     files = {name: [{"split": _HUB_SPLITS[s], "path": f"{name}/{s}-*.tar"} for s in splits] for name in configs}
@@ -71,9 +73,10 @@ def card(job: Job, splits: Sequence[Split], scenes: int) -> str:
     lines = [
         f"# {head.name}",
         "",
-        f"{scenes} scenes of transparent objects, rendered and labelled by glassware (seed {head.seed}).",
+        f"{len(scenes)} scenes of transparent objects, rendered and labelled by glassware (seed {head.seed}).",
         "Metres and radians, OpenCV camera axes; the centre of pixel (0, 0) is at 0. `depth.png` is the planar depth",
         "of the first surface in steps of `depth_step_mm`, 0 without one. Masks are COCO's compressed run lengths.",
+        *(f"Of the pictures: {note}." for note in picture_notes(scene.outline() for scene in scenes)),
         *(_SENSOR_NOTES[name] for name in SENSOR_CONFIGS if name in configs),
         "",
         "`SHA256SUMS` has the digests of all shards, `croissant.json` describes them for programs.",

@@ -78,7 +78,7 @@ def finish(job: Job, scenes: Sequence[StoredScene]) -> None:
     """Write the card, the description in Croissant, and the digests of all shards."""
     splits = job.splits(scenes)
     digests = {path.relative_to(job.out).as_posix(): _digest(path) for path in _shards(job, scenes)}
-    write_atomically(job.out / "README.md", card(job, splits, len(scenes)).encode())
+    write_atomically(job.out / "README.md", card(job, splits, scenes).encode())
     write_atomically(job.out / "croissant.json", json_text(croissant(job, digests)).encode())
     write_atomically(job.out / "SHA256SUMS", "".join(f"{digests[name]}  {name}\n" for name in digests).encode())
 

@@ -36,6 +36,21 @@ def test_the_same_data_set_gives_the_same_page(files, tmp_path):
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
 
 
+def test_simplified_light_and_a_sensor_are_named(files, page):
+    assert main([str(files.root)]) == 0
+    assert "simplified light" not in page(files.root / "report.html").text
+    picture = {"refractivity": 0.5, "air_gap": True, "spectral": True}
+    changed = {"sensitivities": {"name": "nikon-d5100"}, "picture": picture}
+    files.change(files.scenes[1] / "scene.json", lambda data: data.update(changed))
+    assert main([str(files.root)]) == 0
+    shown = page(files.root / "report.html")
+    lead = shown.text.partition("</header>")[0]
+    assert "simplified light: picture.air_gap yes (true: no), picture.refractivity 0.5 (true: 1)" in lead
+    assert "sensor nikon-d5100" in lead
+    assert shown.counts("optics") == {"picture.air_gap yes (true: no)": 1, "picture.refractivity 0.5 (true: 1)": 1}
+    assert shown.counts("colour_sensors") == {"nikon-d5100": 1}
+
+
 @pytest.mark.parametrize(("most", "count"), [(0, 0), (2, 2), (48, 3)])
 def test_the_gallery_has_so_many_first_left_pictures(files, tmp_path, most, count):
     out = tmp_path / "page.html"

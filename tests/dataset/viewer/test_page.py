@@ -76,6 +76,22 @@ def test_what_was_not_written_is_named(copy, tmp_path, page):
 
 
 @pytest.mark.slow
+def test_what_is_unusual_about_the_pictures_is_named(copy, tmp_path, page):
+    (scene,) = (copy / "scenes").glob("*/scene.json")
+    data = json.loads(scene.read_text())
+    data["picture"] |= {"refractivity": 0.5, "spectral": True}
+    sensor = {"name": "nikon-d5100", "wavelengths": [400, 700], "white": [1, 1, 1]}
+    data["sensitivities"] = sensor | {key: [0, 1] for key in ("red", "green", "blue")} | {"matrix": np.eye(3).tolist()}
+    scene.write_text(json.dumps(data))
+    head = json.loads((copy / "dataset.json").read_text())
+    head["developed"] = {"camera": {"name": "phone"}, "seed": 1}
+    (copy / "dataset.json").write_text(json.dumps(head))
+    assert main([str(copy), "--save", str(tmp_path / "a.html"), "--most-views", "1"]) == 0
+    facts = page(tmp_path / "a.html").text.partition("</header>")[0]
+    light = "simplified light: picture.refractivity 0.5 (true: 1)"
+    assert f"; developed by the camera phone; {light}; sensor nikon-d5100<" in facts
+
+
 def test_width_bounds_the_page(proven, tmp_path, page, unpack):
     large, small = (_saved(proven, tmp_path, "--most-columns", width).stat().st_size for width in ("640", "20"))
     assert small < large

@@ -27,6 +27,18 @@ def out(stored, tmp_path):
     return tmp_path / "out"
 
 
+def test_the_card_says_that_light_is_simplified(stored, tmp_path):
+    export(stored, "webdataset", tmp_path / "usual")
+    assert "Of the pictures" not in (tmp_path / "usual" / "README.md").read_text()
+    (scene,) = (stored / "scenes").glob("*/scene.json")
+    data = json.loads(scene.read_text())
+    data["picture"] = {"glass_shadows": False}
+    scene.write_text(json.dumps(data))
+    export(stored, "webdataset", tmp_path / "out")
+    note = "Of the pictures: simplified light: picture.glass_shadows no (true: yes)."
+    assert note in (tmp_path / "out" / "README.md").read_text().splitlines()
+
+
 def _card(out) -> dict[str, Any]:
     return yaml.safe_load((out / "README.md").read_text().split("---\n")[1])
 
