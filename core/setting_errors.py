@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from .errors import InputError
 from .model import Ordered
+from .units import decimal_hint
 
 #: A name among those that pydantic expects of a literal.
 _QUOTED = re.compile(r"'([^']*)'")
@@ -114,6 +115,8 @@ def fault(first: Any) -> tuple[str, str, str]:
     found = shortened(first["input"])
     if kind == "literal_error":
         found += suggest(str(first["input"]), _QUOTED.findall(context.get("expected", "")))
+    if kind == "float_parsing":
+        found += decimal_hint(first["input"])
     if kind == "missing":
         return "", "a value", "none"
     if kind in ("too_short", "too_long"):

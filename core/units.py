@@ -43,6 +43,14 @@ EXAMPLES: dict[Dimension, str] = {
 _QUANTITY = re.compile(
     r"\s*(?P<number>(?>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?))\s*(?P<suffix>\S.*?)\s*"
 )
+#: A number with a decimal comma, and its unit.
+_COMMA = re.compile(r"(?P<whole>[+-]?[0-9]+),(?P<part>[0-9]+)(?P<rest>(?:[eE][+-]?[0-9]{1,3})?\s*(?:[^\W\d_]{1,3}|°)?)")
+
+
+def decimal_hint(value: object) -> str:
+    """Return a hint for a number that is written with a comma, `` (with a decimal point: 0.5)``; '' for others."""
+    match = _COMMA.fullmatch(value.strip()) if isinstance(value, str) else None
+    return f" (with a decimal point: {match['whole']}.{match['part']}{match['rest']})" if match else ""
 
 
 def quantity(value: object, dimension: Dimension) -> object:
@@ -71,7 +79,7 @@ def quantity(value: object, dimension: Dimension) -> object:
     kind, factor = SUFFIXES.get(match["suffix"], (None, 0.0))
     if kind != dimension:
         found = repr(value) if kind is None else f"{value!r}, {_with_article(kind)}"
-        raise ValueError(f"expected {EXAMPLES[dimension]}, found {found}")
+        raise ValueError(f"expected {EXAMPLES[dimension]}, found {found}{decimal_hint(value)}")
     # In decimals, as it is written: 35 * 0.001 is not 0.035 in binary.
     return float(Decimal(match["number"]) * Decimal(repr(factor)))
 
@@ -96,7 +104,7 @@ def volume(value: object) -> float:
     """
     found = quantity(value, "volume")
     if found is value or not isinstance(found, float) or not 0.0 < found < math.inf:
-        raise ValueError(f"expected {EXAMPLES['volume']}, found {str(value)[:40]!r}")
+        raise ValueError(f"expected {EXAMPLES['volume']}, found {str(value)[:40]!r}{decimal_hint(value)}")
     return found
 
 

@@ -13,6 +13,7 @@ from typing import Annotated
 from pydantic import BeforeValidator
 
 from .setting_errors import shortened, suggest
+from .units import decimal_hint
 
 #: Most names that an error line lists.
 MOST_LISTED = 24
@@ -33,7 +34,9 @@ def _texts(value: object) -> object:
 
 def _text(name: object, weight: object) -> str:
     if isinstance(weight, bool) or not isinstance(weight, Real):
-        raise ValueError(f"expected a number as the weight of {shortened(name)}, found {shortened(weight)}")
+        raise ValueError(
+            f"expected a number as the weight of {shortened(name)}, found {shortened(weight)}{decimal_hint(weight)}"
+        )
     return str(name) if weight == 1 else f"{name}={float(weight):g}"
 
 
@@ -54,7 +57,7 @@ def weights_of(entries: Iterable[str]) -> dict[str, float]:
         name, equals, text = entry.rpartition("=")
         name, weight = (name.strip(), _number(text)) if equals else (entry.strip(), 1.0)
         if not 0.0 < weight < math.inf:
-            raise ValueError(f"expected a weight above 0 for {name}, found {text.strip()!r}")
+            raise ValueError(f"expected a weight above 0 for {name}, found {text.strip()!r}{decimal_hint(text)}")
         if name in found:
             raise ValueError(f"expected each name once, found {name!r} twice")
         found[name] = weight

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
@@ -21,8 +22,10 @@ _STEPS = 12
 _RESIDUAL = 1e-6
 #: Points of each line from the centre to the border at which a distortion is checked for folds.
 _ALONG = 64
-#: Halvings by which the strongest distortion that does not fold is found, to a thousandth.
+#: Halvings by which the strongest distortion that does not fold is found, to a thousandth of it.
 _HALVINGS = 10
+#: Digits of what an error line suggests.
+_DIGITS = 3
 #: Pixels of the lens' picture around one that is resampled which have a part in it: a neighbour of the bilinear
 #: filter, and two for its demosaicing.
 _BESIDE = 3
@@ -108,16 +111,39 @@ def folds(lens: Distortion, optics: Lens, width: int, height: int) -> bool:
 
 
 def check_distortion(lens: Distortion, optics: Lens, width: int, height: int, where: str) -> None:
-    """Raise InputError where a distortion folds over inside the picture, with the fraction of it that does not."""
+    """Raise InputError where a distortion folds over inside the picture, with what does not.
+
+    That is a fraction of all coefficients, and focal lengths that many times as long, which see less of the lens.
+    """
     if lens.absent or not folds(lens, optics, width, height):
         return
-    low, high = 0.0, 1.0
+
+    def longer(factor: float) -> Lens:
+        return factor * optics[0], factor * optics[1], optics[2], optics[3]
+
+    weaker = _largest(lambda factor: not folds(lens.scaled(factor), optics, width, height))
+    shorter = _largest(lambda factor: not folds(lens, longer(1 / factor), width, height))
+    expected = f"a distortion that does not fold over inside pictures of {width} x {height} px with fx {optics[0]:.4g}"
+    nearest = f"{_rounded(weaker, np.floor)} times all its coefficients, or {_rounded(1 / shorter, np.ceil)} times fx"
+    raise InputError(f"{where}: distortion", f"{expected}, such as {nearest}", f"k1 {lens.k1:g}, k2 {lens.k2:g}")
+
+
+def _largest(fits: Callable[[float], bool]) -> float:
+    """Return the largest factor below 1 that fits, to a thousandth of itself; all smaller ones fit as well."""
+    low = 0.5
+    while not fits(low):
+        low /= 2
+    high = 2 * low
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        low, high = (low, middle) if folds(lens.scaled(middle), optics, width, height) else (middle, high)
-    expected = f"a distortion that does not fold over inside pictures of {width} x {height} px with fx {optics[0]:.4g}"
-    nearest = f"{np.floor(low * 100) / 100:.2f} times all its coefficients"
-    raise InputError(f"{where}: distortion", f"{expected}, such as {nearest}", f"k1 {lens.k1:g}, k2 {lens.k2:g}")
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    return low
+
+
+def _rounded(value: float, towards: Callable[[float], float]) -> str:
+    """Return a number of `_DIGITS` digits that lies on one side of a value."""
+    step = 10.0 ** (np.floor(np.log10(value)) - _DIGITS + 1)
+    return f"{towards(value / step) * step:.{_DIGITS}g}"
 
 
 def margins(lens: Distortion, rectified: bool, optics: Lens, width: int, height: int) -> tuple[Sides, Sides]:

@@ -18,6 +18,7 @@ from tyro import _errors as tyro_errors
 
 from ...core.errors import InputError
 from ...core.setting_errors import setting_error, shortened, suggest, suggest_setting
+from ...core.units import decimal_hint
 from ...core.yaml_file import yaml_settings
 from .camera_layer import with_cameras
 from .file_paths import beside_file
@@ -192,13 +193,15 @@ def _argument_error(
         case tyro_errors.InstantiationFailure(argument=None):
             return _validation_error(prog, event.message, model)
         case tyro_errors.InstantiationFailure(argument=argument):
-            return InputError(_place(prog, argument), _form(argument), _given(argument, arguments))
+            return InputError(
+                _place(prog, argument), _form(argument), _with_point(argument, _given(argument, arguments))
+            )
         case tyro_errors.InvalidChoice(argument=argument, value=value, choices=choices):
             return InputError(
                 _place(prog, argument), f"one of {', '.join(choices)}", repr(value) + suggest(value, choices)
             )
         case tyro_errors.BadValue(argument=argument, offending_value=value):
-            return InputError(_place(prog, argument), _form(argument), value or "fewer values")
+            return InputError(_place(prog, argument), _form(argument), _with_point(argument, value or "fewer values"))
         case tyro_errors.MissingArgs(missing_arguments=missing):
             return InputError(prog, ", ".join(one.arg.display_name() for one in missing), "nothing")
         case tyro_errors.UnrecognizedArgs(tokens=tokens):
@@ -227,6 +230,12 @@ def _option_hint(option: str, model: type[BaseModel]) -> str:
     hint = f" (is it {dashed[whole[0]]}?)" if whole else suggest(name, short)
     hint = hint or suggest_setting(name, [full.removeprefix("--") for full in known])
     return hint.replace("(is it ", "(is it --")
+
+
+def _with_point(argument: Any, text: str) -> str:
+    """Return values with a hint where an option of numbers has one with a comma."""
+    hints = [decimal_hint(word.strip("'")) for word in text.split()] if "FLOAT" in _form(argument) else []
+    return text + next((hint for hint in hints if hint), "")
 
 
 def _given(argument: Any, arguments: Sequence[str]) -> str:

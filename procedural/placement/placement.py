@@ -93,13 +93,15 @@ def draw_positions(
     """
     shifts = find_positions(footprints, board, settings, rng)
     if shifts is None:
-        raise crowded(len(footprints))
+        raise crowded(len(footprints), board)
     return shifts
 
 
-def crowded(count: int) -> InputError:
-    """Return the error of a number of objects that do not fit on the table."""
-    return InputError("vessel_count, prop_count", "objects that fit on the table", f"{count} that do not")
+def crowded(count: int, board: np.ndarray) -> InputError:
+    """Return the error of a number of objects that do not fit on the table, whose outline is (m, 2) [m]."""
+    width, depth = np.ptp(board, axis=0)
+    expected = f"objects that fit on the table of {width:.2f} x {depth:.2f} m"
+    return InputError("vessel_count, prop_count", expected, f"{count} that do not")
 
 
 def find_positions(

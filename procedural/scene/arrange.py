@@ -108,7 +108,7 @@ def _apart(
         poses = _placed(objects, upright, meshes, board, settings, seed, scene_id, f"again-{again}/" if again else "")
         if poses is not None:
             return poses, again
-    raise crowded(len(objects))
+    raise crowded(len(objects), board)
 
 
 def _placed(

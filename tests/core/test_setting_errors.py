@@ -20,6 +20,19 @@ from glassware.procedural.scene.settings import SceneSettings
         ({"vessel_count": (3,)}, "draw: vessel_count: expected a pair (smallest, largest), found (3,)"),
         ({"cameras": {"slack": "ab"}}, "draw: cameras.slack: expected a pair (smallest, largest), found 'ab'"),
         ({"cameras": {"views": 2.5}}, "draw: cameras.views: expected a whole number, found 2.5"),
+        (
+            {"picture": {"noise": "0,05"}},
+            "draw: picture.noise: expected a number, found '0,05' (with a decimal point: 0.05)",
+        ),
+        (
+            {"cameras": {"distance": ("40,5cm", "1m")}},
+            "draw: cameras.distance.0: expected a length in m, cm or mm, such as 0.4m, 12cm or 55mm, "
+            "found '40,5cm' (with a decimal point: 40.5cm)",
+        ),
+        (
+            {"vessels": {"categories": {"tumbler": "1,5"}}},
+            "draw: vessels.categories: expected a number as the weight of 'tumbler', found '1,5' (with a decimal point",
+        ),
         ({"cameras": 3}, "draw: cameras: expected named values (a dict), found 3"),
         ({"vessels": {"categories": ()}}, "draw: vessels.categories: expected at least 1 item, found 0"),
         ({"picture": {"denoise": "perhaps"}}, "draw: picture.denoise: expected yes or no (True or False), found "),
@@ -34,6 +47,8 @@ def test_a_wrong_setting_is_said_in_plain_words(settings, line):
 @pytest.mark.parametrize(
     ("option", "line"),
     [
+        ("--noise 0,05", "render-scene: picture.noise: expected FLOAT, found '0,05' (with a decimal point: 0.05)"),
+        ("--vessel-count 1,3", "render-scene: vessel_count: expected two numbers (INT INT), found fewer values"),
         (
             "--vew 3",
             "(see --help) (is it --views?), found --vew 3",

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import cv2
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ import pytest
 from glassware.core.errors import InputError
 from glassware.dataset.cameras.lens import check_distortion, distorted, falloff, folds, undistorted, warps
 from glassware.dataset.cameras.model import Distortion
+from glassware.dataset.cameras.presets import CAMERAS
 
 WIDTH, HEIGHT = 160, 120
 OPTICS = (150.0, 152.0, 80.3, 58.9)
@@ -69,8 +72,23 @@ def test_a_distortion_that_folds_over_inside_the_picture_is_refused_with_one_tha
     edge = -4 / 27 / corner**2
     assert not folds(Distortion(k1=0.97 * edge), OPTICS, WIDTH, HEIGHT)
     assert folds(Distortion(k1=1.03 * edge), OPTICS, WIDTH, HEIGHT)
-    with pytest.raises(InputError, match=r"mine: distortion: expected .* such as 0\.\d\d times all its coefficients"):
+    with pytest.raises(InputError, match=r"mine: distortion: expected .* such as 0\.33\d? times all its coefficients"):
         check_distortion(Distortion(k1=3 * edge), OPTICS, WIDTH, HEIGHT, "mine")
+
+
+@pytest.mark.parametrize("width", [1, 40, 100])
+def test_what_is_said_to_work_in_place_of_a_distortion_that_folds_over_works(width: int) -> None:
+    lens, optics = CAMERAS["webcam"].distortion, (0.96 * width, 0.96 * width, (width - 1) / 2, 119.5)
+    with pytest.raises(InputError) as error:
+        check_distortion(lens, optics, width, 240, "webcam")
+    found = re.search(r"such as (\S+) times all its coefficients, or (\S+) times fx, found", str(error.value))
+    assert found is not None
+    weaker, longer = map(float, found.groups())
+    assert 0.0 < weaker < 1.0 < longer
+    for slack, fold in ((1.0, False), (1.02, True)):  # rounded to three digits, and found to a thousandth
+        focal = longer / slack * optics[0]
+        assert folds(lens.scaled(weaker * slack), optics, width, 240) == fold
+        assert folds(lens, (focal, focal, *optics[2:]), width, 240) == fold
 
 
 def test_light_falls_off_with_the_cosine_of_each_pixels_ray() -> None:

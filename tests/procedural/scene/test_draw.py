@@ -230,5 +230,5 @@ def test_objects_that_do_not_fit_as_they_were_turned_are_placed_again_and_counte
         }
     )
     assert [draw_scene(settings, 5, number).placed_again > 0 for number in (0, 12, 13)] == [False, True, True]
-    with pytest.raises(InputError, match=r"vessel_count, prop_count: expected objects that fit on the table, found 2"):
+    with pytest.raises(InputError, match=r"expected objects that fit on the table of 0\.4\d x 0\.4\d m, found 2"):
         draw_scene(settings, 5, 5)
