@@ -25,7 +25,7 @@ from .file_paths import beside_file
 from .help_page import asks_for_help, print_help
 from .option_units import without_units
 from .options import FLAT as FLAT
-from .options import LISTS, SHORT, flat_groups, option_names
+from .options import LISTS, SHORT, flat_groups, option_names, sections, switch_names
 
 T = TypeVar("T", bound=BaseModel)
 
@@ -100,6 +100,14 @@ def parse_request(model: type[T], arguments: Sequence[str], prog: str, descripti
             return tyro.cli(model, **default, args=full, prog=prog, description=description)
     except ValidationError as error:  # of a `FLAT` group: the parser passes these on
         raise setting_error(prog, error) from error
+
+
+def typed_names(model: type[BaseModel], arguments: Sequence[str]) -> tuple[str, ...]:
+    """Return the settings of a model that a command line has options of, by their dotted names, each once."""
+    options = [option for section in sections(model) for option in section.options if not option.positional]
+    names = {typed: one.name for one in options for typed in (switch_names(one) if one.switch else (one.name,))}
+    words = [word.partition("=")[0].replace("_", "-") for word in _with_full_names(arguments)]
+    return tuple(dict.fromkeys(names[word].removeprefix("--").replace("-", "_") for word in words if word in names))
 
 
 def _layers(model: type[T], arguments: Sequence[str]) -> T:

@@ -13,7 +13,7 @@ from rich.console import Console
 from ...core.errors import InputError
 from ...core.exit_codes import run_command
 from ...core.user_text import UserPath
-from ...dataset.settings.config import parse_request
+from ...dataset.settings.config import parse_request, typed_names
 from ..training.settings import TrainSettings
 from .extra import check_extra
 
@@ -66,7 +66,8 @@ def _train(arguments: Sequence[str]) -> None:
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
-    train(settings, request.data, request.out, request.resume, say, request.init)
+    typed = typed_names(TrainSettings, arguments)
+    train(settings, request.data, request.out, request.resume, say, request.init, typed)
 
 
 if __name__ == "__main__":

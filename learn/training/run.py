@@ -7,7 +7,7 @@ number alone, so a run that is stopped and resumed from a checkpoint gives the w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import torch
@@ -37,6 +37,7 @@ from .train_state import (
     set_up_training,
     with_network_of,
 )
+from .used_settings import check_used
 
 #: Checkpoints of a run: the latest state, and the one with the least validation loss.
 LAST, BEST = "last.safetensors", "best.safetensors"
@@ -51,6 +52,7 @@ def train(
     resume: Path | None,
     say: Callable[[str], None],
     init: Path | None = None,
+    typed: Sequence[str] = (),
 ) -> None:
     """Train a network and write its checkpoints.
 
@@ -69,6 +71,9 @@ def train(
     init : Path, optional
         A checkpoint, or weights by name, whose network a new run begins with, on this data set and with these settings.
 
+    typed : sequence of str
+        Names of settings that were typed for this run: they must have an effect (`used_settings`).
+
     Raises
     ------
     InputError
@@ -77,12 +82,14 @@ def train(
         Where a loss or a gradient is not finite.
     """
     Dataset.open(data)
-    settings = with_own_views(settings)
+    asked = settings
     if init is not None and resume is not None:
         raise InputError("init", "none beside resume, which goes on with a run", init)
     weights = None if init is None else load_trained(init)
     if init is not None and weights is not None:
         settings = with_network_of(settings, weights.settings, init)
+    settings = with_own_views(settings)
+    check_used(typed, asked, settings)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
     if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
         raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
