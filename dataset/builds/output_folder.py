@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import errno
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from ...core.atomic_io import atomic_file, remove_folder, remove_leftovers
-from ...core.errors import InputError, cause_of
+from ...core.folder_lock import locked_folder
 from ..format import layout
 from ..format.dataset_file import DatasetFile, read_head, write_head
 from ..format.pictures import write_png
@@ -21,47 +18,20 @@ from ..preview.gallery import gallery
 from ..settings.scene_ranges import format_scenes, parse_scenes
 from ..writer import finish_dataset
 
-#: Errors of a file system that has no locks.
-_NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS)
-
 
 @contextmanager
 def lock_output(root: Path, say: Callable[[str], None]) -> Iterator[None]:
-    """Create a folder where it is absent, and lock it for one build. The system frees the lock of a dead process.
+    """Create a folder where it is absent, and lock it for one build.
 
     Raises
     ------
     InputError
         Where the folder cannot be created or written to, holds anything but a data set, or is locked by another build.
     """
-    new = not root.exists()
-    if not new:
+    if root.exists():
         check_folder(root)
-    # A lock by the mere existence of a file would outlive a killed build.
-    lock = FileLock(root / layout.LOCK, fallback_to_soft=False)
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        _acquire(lock, root, say)
-    except OSError as error:
-        raise InputError(root, "a folder that can be created and written to", cause_of(error)) from error
-    try:
+    with locked_folder(root, "build", say):
         yield
-    finally:
-        (root / layout.LOCK).unlink(missing_ok=True)
-        lock.release()
-        if new and not any(root.iterdir()):  # nothing was begun
-            root.rmdir()
-
-
-def _acquire(lock: FileLock, root: Path, say: Callable[[str], None]) -> None:
-    try:
-        lock.acquire(blocking=False)
-    except Timeout as error:
-        raise InputError(root, "a folder that no other build works in", "a running build") from error
-    except OSError as error:
-        if error.errno not in _NO_LOCKS:
-            raise
-        say(f"{root}: this file system has no locks; make sure that no other build writes here")
 
 
 def prepare_output(root: Path, head: DatasetFile, scenes: Collection[int], overwrite: bool) -> DatasetFile:

@@ -24,6 +24,8 @@ import os
 import re
 from pathlib import Path
 
+from ...core.folder_lock import LOCK as LOCK
+
 DATASET_SCHEMA = "glassware/dataset/1"
 
 DATASET, VIEWS, PREVIEW = "dataset.json", "views.parquet", "preview.png"
@@ -31,8 +33,6 @@ REPORT, PAGE, RECORDING = "report.html", "view.html", "view.rrd"
 #: A first look at a scene that is being rendered, gone when it is done.
 DRAFT = "draft.png"
 MANIFEST, SPLITS, LOG = "manifest.json", "splits.json", "build.jsonl"
-#: Lock file of the build that works in the folder. A killed build leaves it behind, unlocked.
-LOCK = ".build.lock"
 ASSETS, SCENES = "assets", "scenes"
 SCENE, OBJECTS, SCENE_VIEWS, CHECKSUMS = "scene.json", "objects.json", "views.json", "checksums.json"
 CAMERA, LABELS, INSTANCES, GEOMETRY = "camera.json", "labels.json", "instances.png", "geometry.exr"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,9 +21,10 @@ from ..tables.comparison import comparison_table
 from ..tables.experiments import DETECTOR, Experiment, ExperimentName, Row, equal_rows, experiment
 from ..tables.page import write_report
 from ..tables.plots import experiment_plots
-from ..tables.runs import Plan, Result, check_checkpoint, detector_of, make_plan, run_row
-from ..training.out_folder import make_out_folder
+from ..tables.runs import Plan, Result, check_checkpoint, detector_of, make_plan, run_row, with_checkpoints
+from ..training.out_folder import locked_out_folder
 from ..training.settings import TrainSettings
+from ..training.weights import weights_path
 
 _DESCRIPTION = """Train the networks of one of the paper's tables, evaluate them, and write the table.
 
@@ -73,25 +74,40 @@ def _tables(arguments: Sequence[str]) -> None:
     request = parse_request(Tables, arguments, "glassware tables", _DESCRIPTION)
     data = _checked(request)
     what = experiment(request.experiment)
-    checkpoints = _checkpoints(request, what)
+    checkpoints = {name: weights_path(path) for name, path in _checkpoints(request, what).items()}
     rows = _rows(request, what)
-    common = TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})
-    for row in rows:
+    for row in what.rows:
         if row.name in checkpoints:
-            check_checkpoint(row, common, checkpoints[row.name])
+            check_checkpoint(row, _common(request), checkpoints[row.name])
     console = Console()
 
     def say(line: str) -> None:
         console.print(line, markup=False, highlight=False, soft_wrap=True)
 
     compared = comparison_table((data, *request.compare))
-    make_out_folder(request.out)
+    with locked_out_folder(request.out, say):
+        _fill(request, data, what, rows, checkpoints, compared, say)
+    say(f"written to {request.out}/tables.html")
+
+
+def _fill(
+    request: Tables,
+    data: Path,
+    what: Experiment,
+    rows: Sequence[Row],
+    checkpoints: Mapping[str, Path],
+    compared: TableData,
+    say: Callable[[str], None],
+) -> None:
+    """Run the rows and write the table, in a locked folder."""
+    common = _common(request)
     trained = [row for row in rows if row.name not in checkpoints]
     equal = equal_rows(_in_order(trained), common)
     trained = [row for row in trained if row.name not in equal]
     amount = {"budget": request.budget, "samples": request.samples}
     options = {**amount, "seeds": request.seeds, "split": request.split, "rows": trained, "say": say}
     plan = make_plan(what, common, data, request.out, **options)
+    plan = with_checkpoints(plan, request.out, rows, checkpoints)
     results: dict[str, Result] = {}
     for row in _in_order(rows):
         if row.name in equal:
@@ -110,7 +126,10 @@ def _tables(arguments: Sequence[str]) -> None:
     if not any(result.reports for result in results.values()):
         expected = "a row that can be run on this data set"
         raise InputError("glassware tables", expected, "; ".join(result.reason for result in results.values()))
-    say(f"written to {request.out}/tables.html")
+
+
+def _common(request: Tables) -> TrainSettings:
+    return TrainSettings.model_validate({name: getattr(request, name) for name in TrainSettings.model_fields})
 
 
 def _checked(request: Tables) -> Path:

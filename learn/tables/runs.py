@@ -19,6 +19,7 @@ from ...core.errors import InputError
 from ...core.json_file import json_text, parsed, read_json
 from ...core.model import Model
 from ...core.stopping import check_stop
+from ...dataset.format.checksums import Sha256, file_digest
 from ...dataset.reader import Dataset
 from ..data.dataset_digest import dataset_digest
 from ..data.samples import collate
@@ -41,7 +42,14 @@ _OVERHEAD = 0.25
 _MEASURED = 2
 #: Least steps of a run.
 _FEWEST_STEPS = 2
-PLAN_SCHEMA = "glassware/tables-plan/1"
+PLAN, PLAN_SCHEMA = "plan.json", "glassware/tables-plan/1"
+
+
+class GivenWeights(Model):
+    """Weights that are evaluated in place of training a row."""
+
+    path: str
+    sha256: Sha256
 
 
 class Plan(Model):
@@ -57,6 +65,9 @@ class Plan(Model):
     samples: int = Field(description="Samples that each run sees")
     seconds: dict[str, float] = Field(description="Measured time of a training step of each row, by budget [s]")
     machine: str
+    checkpoints: dict[str, GivenWeights | None] = Field(
+        default={}, description="Of each row that was begun: the weights that were given, or null where it is trained"
+    )
 
 
 @dataclass(frozen=True)
@@ -95,7 +106,7 @@ def make_plan(
     for name in splits:
         scenes_of(Dataset.open(data), name)
     digest = dataset_digest(data)
-    path = out / "plan.json"
+    path = out / PLAN
     if path.is_file():
         plan = parsed(Plan, read_json(path), path)
         seen = plan.samples if budget is not None else samples or PAPER_SAMPLES
@@ -127,6 +138,29 @@ def make_plan(
         machine=f"{platform.machine()}, {torch.get_num_threads()} threads, torch {torch.__version__}",
     )
     write_atomically(path, json_text(plan.model_dump(mode="json")).encode())
+    return plan
+
+
+def with_checkpoints(plan: Plan, out: Path, rows: Sequence[Row], given: Mapping[str, Path]) -> Plan:
+    """Return the plan of a folder with the weights of the rows of a call, and write it.
+
+    Raises
+    ------
+    InputError
+        Where a row was begun with other weights: its report, and rows that are told by it where objects are, would be
+        of both.
+    """
+    weights = {name: GivenWeights(path=str(path), sha256=file_digest(path)) for name, path in given.items()}
+    own = [row.name for row in rows] + [name for name in plan.checkpoints if name == DETECTOR]
+    wanted: dict[str, GivenWeights | None] = {**dict.fromkeys(own), **weights}
+    for name, new in wanted.items():
+        old = plan.checkpoints.get(name, new)
+        if (old and old.sha256) != (new and new.sha256):
+            earlier = "none, as it is trained here" if old is None else f"{name}={old.path}, as an earlier call has it"
+            found = "none" if new is None else f"{name}={new.path}{', of other content' if old else ''}"
+            raise InputError(f"{out / PLAN}: checkpoints", f"{earlier} (or another --out)", found)
+    plan = plan.model_copy(update={"checkpoints": wanted | dict(plan.checkpoints)})
+    write_atomically(out / PLAN, json_text(plan.model_dump(mode="json")).encode())
     return plan
 
 

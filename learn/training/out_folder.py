@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+
+from lightning_fabric.utilities.rank_zero import rank_zero_only
 
 from ...core.atomic_io import remove_leftovers
 from ...core.errors import InputError, cause_of
+from ...core.folder_lock import locked_folder
 from ...dataset.format import layout
+
+
+@contextmanager
+def locked_out_folder(out: Path, say: Callable[[str], None]) -> Iterator[None]:
+    """Make a folder, as `make_out_folder` does, and lock it for one run; InputError where another one works in it.
+
+    Of the processes of a run the first one locks it: they share the folder.
+    """
+    make_out_folder(out)
+    with nullcontext() if getattr(rank_zero_only, "rank", 0) else locked_folder(out, "run", say):
+        yield
 
 
 def make_out_folder(out: Path) -> None:

@@ -24,7 +24,7 @@ from ..networks.build import Network, build_network
 from .checkpoint import Checkpoint, load_checkpoint, load_trained, load_weights, save_checkpoint
 from .losses import total_loss
 from .methods import losses_of, note_step, outputs_of, with_own_views
-from .out_folder import make_out_folder
+from .out_folder import locked_out_folder
 from .run_log import RunLog
 from .schedule import StepBatches, learning_rate_at
 from .settings import TrainSettings
@@ -91,22 +91,22 @@ def train(
     settings = with_own_views(settings)
     check_used(typed, asked, settings)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
-    if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
-        raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
-    make_out_folder(out)
-    if settings.machine.threads is not None:
-        torch.set_num_threads(settings.machine.threads)
-    state = set_up_training(settings if start is None else start.settings, data, out)
-    _check_samples(state, data)
-    if start is None:
-        if init is not None and weights is not None:
-            load_weights(state.network, weights.weights, init)
+    with locked_out_folder(out, say):
+        if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
+            raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
+        if settings.machine.threads is not None:
+            torch.set_num_threads(settings.machine.threads)
+        state = set_up_training(settings if start is None else start.settings, data, out)
+        _check_samples(state, data)
+        if start is None:
+            if init is not None and weights is not None:
+                load_weights(state.network, weights.weights, init)
+            else:
+                load_pretrained_context(state)
+            start = _initial_checkpoint(state)
         else:
-            load_pretrained_context(state)
-        start = _initial_checkpoint(state)
-    else:
-        restore_train_state(state, start, resume or out)
-    _train_steps(state, start, say)
+            restore_train_state(state, start, resume or out)
+        _train_steps(state, start, say)
 
 
 def _check_samples(state: TrainState, data: Path) -> None:

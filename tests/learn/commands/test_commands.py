@@ -8,6 +8,7 @@ import torch
 import yaml
 
 from glassware.annotate.masks import decode_mask
+from glassware.core.folder_lock import locked_folder
 from glassware.dataset.commands.glassware import main
 from glassware.dataset.format.exr import read_exr
 from glassware.dataset.format.pictures import read_png
@@ -107,6 +108,13 @@ def test_a_wrong_request_is_one_line_and_code_2(run, rendered, tmp_path, capsys,
     line = error_line(capsys)
     assert message in line
     assert "\n" not in line
+
+
+@pytest.mark.parametrize("command", ["train", "tables"])
+def test_a_folder_is_taken_by_one_run_at_a_time(rendered, tmp_path, capsys, command):
+    with locked_folder(tmp_path / "out", "run", print):
+        assert main([command, str(rendered), "--machine.accelerator", "cpu", "--out", str(tmp_path / "out")]) == 2
+    assert error_line(capsys).endswith("out: expected a folder that no other run works in, found another run")
 
 
 def test_a_hostile_checkpoint_runs_nothing(run, rendered, tmp_path, capsys, monkeypatch):

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 import yaml
 
+from glassware.core.errors import InputError
+from glassware.core.json_file import parsed, read_json
 from glassware.dataset.commands.glassware import main
 from glassware.learn.tables.cells import NOT_RUN, experiment_table, latex, markdown
 from glassware.learn.tables.comparison import comparison_table
 from glassware.learn.tables.experiments import EXPERIMENTS, equal_rows, experiment, row_settings
 from glassware.learn.tables.plots import bar_plot, experiment_plots, line_plot
-from glassware.learn.tables.runs import Plan, Result, seeded_settings
+from glassware.learn.tables.runs import Plan, Result, seeded_settings, with_checkpoints
 from glassware.learn.training.settings import TrainSettings
 
 #: A report of a network that is told where objects are, and of one that finds them.
@@ -141,6 +143,32 @@ def test_every_row_has_settings_and_sees_equally_many_samples(plan):
     rate = TrainSettings().optimiser.learning_rate
     assert row_settings(rows["keypose"], TrainSettings()).optimiser.learning_rate == pytest.approx(rate * 10 / 6)
     assert row_settings(rows["mvtrans-3"], TrainSettings()).views.count == 3
+
+
+def test_the_plan_knows_which_weights_a_row_was_begun_with(plan, tmp_path):
+    first, second = tmp_path / "a.safetensors", tmp_path / "b.safetensors"
+    first.write_bytes(b"one")
+    second.write_bytes(b"two")
+    rows = {row.name: row for row in experiment("keypose").rows}
+    told = [rows["keypose"]]
+    simnet, all_three = [rows["simnet"]], [*told, rows["simnet"], rows["mvtrans-stereo"]]
+    plan = with_checkpoints(plan, tmp_path, all_three, {"simnet": first, "mvtrans-stereo": first})
+    assert plan.checkpoints["keypose"] is None
+    assert parsed(Plan, read_json(tmp_path / "plan.json"), tmp_path) == plan
+    same = tmp_path / "copy.safetensors"
+    same.write_bytes(b"one")
+    assert with_checkpoints(plan, tmp_path, simnet, {"simnet": same, "mvtrans-stereo": first}) == plan
+    again = f"expected simnet={first}, as an earlier call has it (or another --out)"
+    told_by = f"expected mvtrans-stereo={first}, as an earlier call has it (or another --out), found none"
+    for chosen, given, line in (
+        (simnet, {"mvtrans-stereo": first}, f"{again}, found none"),
+        (simnet, {"simnet": second, "mvtrans-stereo": first}, f"{again}, found simnet={second}, of other content"),
+        (told, {}, told_by),
+        (told, {"keypose": second, "mvtrans-stereo": first}, "expected none, as it is trained here (or another --out)"),
+    ):
+        with pytest.raises(InputError) as error:
+            with_checkpoints(plan, tmp_path, chosen, given)
+        assert f"plan.json: checkpoints: {line}" in str(error.value)
 
 
 def test_plots_are_pictures_with_a_line_or_bar_for_each_row(plan):
