@@ -24,12 +24,12 @@ from ..core.margin import NO_MARGIN
 from ..core.model import Model
 from ..procedural.description.camera import Camera
 from ..procedural.description.scene import Scene
-from ..procedural.scene.scene_file import assets_of, save_scene, stored_name
+from ..procedural.scene.scene_file import assets_of, save_checked_scene, stored_name
 from ..procedural.surroundings.photometry import photometry
 from ..render.frame import Frame, Geometry, LightCheck, SurfaceLight
 from .format import layout
 from .format.checksums import write_checksums
-from .format.dataset_file import DatasetFile, Development, PileCounts, counted_in, read_head, write_head
+from .format.dataset_file import DatasetFile, PileCounts, counted_in, read_head, write_head
 from .format.developed import development_of, write_developed
 from .format.exr import half_numbers, unstacked, write_exr
 from .format.file_kinds import KINDS, FileKinds
@@ -97,7 +97,7 @@ def scene_writer(
     root : Path
         The data set, started (`start_dataset`).
     scene : Scene
-        The scene; a stored one with the same id is replaced.
+        The scene, which a renderer has checked (`check_scene`); a stored one with the same id is replaced.
     points : SceneKeypoints
         The keypoints that the views are labelled with.
     check : LightCheck, optional
@@ -108,7 +108,7 @@ def scene_writer(
         Files of each view beside those that every view has (`format.file_kinds`).
     """
     with atomic_folder(layout.scene_folder(root, scene.scene_id)) as folder:
-        save_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
+        save_checked_scene(scene, folder / layout.SCENE, root / layout.ASSETS)
         records = objects_file(scene, points)
         write_json(folder / layout.OBJECTS, records)
         writer = SceneWriter(folder, scene, records, files)
@@ -204,7 +204,6 @@ def write_view(
     frame: Frame,
     labels: Labels,
     files: FileKinds = KINDS,
-    development: Development | None = None,
     stereo: StereoLabels | None = None,
     mattes: Mattes | None = None,
 ) -> np.ndarray:
@@ -220,8 +219,6 @@ def write_view(
         The view, rendered and labelled.
     files : collection of str
         Kinds of files beside those that every view has.
-    development : Development, optional
-        The camera of the pictures, and its seed; by default the scene's.
     stereo : StereoLabels, optional
         What the right camera adds, for the kinds of files that hold it (`file_kinds.PAIR_KINDS`).
     mattes : Mattes, optional
@@ -238,7 +235,7 @@ def write_view(
             write_exr(folder / f"{eye}.exr", channels)
     depth_camera = write_sensor(folder, scene, frame, files)
     write_raw(folder, scene, frame, files)
-    wide = frame.oversize if development is None else None  # light that is developed later has no margin
+    wide = frame.oversize
     seen = frame if wide is None else wide
     pair, Z = seen.raw or (seen.left, seen.right), frame.geometry.Z if wide is None else wide.Z
     left = write_developed(
@@ -246,7 +243,7 @@ def write_view(
         scene.cameras[frame.view],
         pair,
         Z,
-        development or development_of(scene),
+        development_of(scene),
         (scene.scene_id, frame.view),
         depth_camera,
         write_polarisation(folder, scene, frame),

@@ -114,12 +114,25 @@ def _develop_scene(source: Path, place: Path, head: DatasetFile, scene: int) -> 
         link_tree(source, partial, (*_NEW, layout.CHECKSUMS))
         # Streams belong to views, so the order of the threads does not matter.
         views = StoredScene(source, scene).views
-        list(pool.map(lambda view: _develop_view(view, partial, development, scene), views))
+        list(pool.map(lambda view: develop_view(view, partial, development, scene), views))
         sums = read_checksums(source).files
         write_checksums(partial, {name: item for name, item in sums.items() if Path(name).name not in _NEW})
 
 
-def _develop_view(view: StoredView, scene_folder: Path, development: Development, scene: int) -> None:
+def develop_view(view: StoredView, scene_folder: Path, development: Development, scene: int) -> None:
+    """Write pictures and ``camera.json`` of a view by another camera, from its stored light.
+
+    Parameters
+    ----------
+    view : StoredView
+        The view, with radiance.
+    scene_folder : Path
+        Folder of the scene that gets them, which may be the view's own.
+    development : Development
+        The camera, and the seed of its errors and noise.
+    scene : int
+        Number of the scene.
+    """
     check_stop()
     path = view.folder / layout.GEOMETRY
     Z = channel(read_exr(path), "Z", path)

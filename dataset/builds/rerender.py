@@ -21,7 +21,9 @@ from ..format import layout
 from ..format.dataset_file import DatasetFile, installed_versions
 from ..format.developed import margin_of
 from ..pipeline import pair_labels, requested_mattes
+from ..stored_view import StoredView
 from ..writer import write_view
+from .development import develop_view
 
 
 def ready(root: Path, head: DatasetFile) -> None:
@@ -70,7 +72,9 @@ def rerendered(root: Path, head: DatasetFile, scene_id: int, views: list[int]) -
             place, frame = again / layout.view_name(view), renderer.frame(view, margin)
             labels, stereo = label(scene, frame, renderer, points), pair_labels(head.files, frame, renderer, points)
             mattes = requested_mattes(head.files, frame, renderer)
-            write_view(place, scene, frame, labels, head.files, head.developed, stereo, mattes)
+            write_view(place, scene, frame, labels, head.files, stereo, mattes)
+            if head.developed is not None:  # of radiance as it is stored, like the pictures that it is compared with
+                develop_view(StoredView(place, view), again, head.developed, scene_id)
             yield from _unlike(place, folder / layout.view_name(view))
 
 

@@ -82,14 +82,14 @@ def train(
         Where a loss or a gradient is not finite.
     """
     Dataset.open(data)
-    asked = settings
+    requested = settings
     if init is not None and resume is not None:
         raise InputError("init", "none beside resume, which goes on with a run", init)
     weights = None if init is None else load_trained(init)
     if init is not None and weights is not None:
         settings = with_network_of(settings, weights.settings, init)
     settings = with_own_views(settings)
-    check_used(typed, asked, settings)
+    check_used(typed, requested, settings)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
     with locked_out_folder(out, say):
         if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):

@@ -56,14 +56,14 @@ _REFERENCE = (
 )
 
 
-def check_used(typed: Iterable[str], asked: TrainSettings, used: TrainSettings) -> None:
+def check_used(typed: Iterable[str], requested: TrainSettings, used: TrainSettings) -> None:
     """Refuse settings that were typed and have no effect.
 
     Parameters
     ----------
     typed : iterable of str
         Their dotted names, as YAML files have them.
-    asked, used : TrainSettings
+    requested, used : TrainSettings
         As the user gave them, and as the run takes them, with what follows from its network.
 
     Raises
@@ -79,9 +79,9 @@ def check_used(typed: Iterable[str], asked: TrainSettings, used: TrainSettings) 
             found = _value(used, switch)
             if found not in values:
                 raise InputError(name, f"{switch} {' or '.join(values)} with it, as it has no effect otherwise", found)
-        given, taken = _value(asked, name), _value(used, name)
-        if given != taken:
-            raise InputError(name, f"{taken}, which {used.network.name} takes here", given)
+        given, value = _value(requested, name), _value(used, name)
+        if given != value:
+            raise InputError(name, f"{value}, which {used.network.name} takes here", given)
 
 
 def _networks(name: str) -> tuple[NetworkName, ...]:

@@ -37,6 +37,7 @@ def test_a_picture_that_is_built_with_a_lens_has_no_lost_pixels_and_one_that_is_
     later = Dataset.open(out).views()[0]
     assert later.camera_record().lost is not None
     assert later.picture("left").min() == 0
+    assert list(rerendered(out, read_head(out), 0, [0])) == []  # of radiance in halves, as it is stored
 
 
 def test_radiance_and_labels_are_those_of_the_ideal_camera(root) -> None:

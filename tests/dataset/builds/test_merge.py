@@ -24,7 +24,7 @@ def test_data_sets_that_share_scenes_merge_where_these_are_the_same(twins, undis
     ("file", "change", "says"),
     [
         ("dataset.json", {"seed": 4}, "seed 4 (in "),
-        ("dataset.json", {"config": {}}, "cameras None (in "),
+        ("dataset.json", {"config": {}}, "cameras not set (in "),
         ("dataset.json", {"backend": "cuda_ad_rgb"}, "backend 'cuda_ad_rgb' (in "),
         ("scenes/000003/checksums.json", {"files": {}}, "scenes/000003: expected the same bytes"),
     ],

@@ -28,8 +28,8 @@ def _check(words: str) -> None:
         for group in groups:
             place = place.setdefault(group, {})
         place[last] = value
-    asked = TrainSettings.model_validate(data)
-    check_used(typed_names(TrainSettings, arguments), asked, with_own_views(asked))
+    requested = TrainSettings.model_validate(data)
+    check_used(typed_names(TrainSettings, arguments), requested, with_own_views(requested))
 
 
 @pytest.mark.parametrize(
@@ -131,15 +131,15 @@ def test_the_losses_that_are_taken_are_those_of_the_network(rendered, tiny, name
     options = {"keypose": {"head": "integral", "crop": [32, 48], "filters": 4}, "densefusion": {"depth": "true"}}
     network = {**tiny.model_dump(), "readout": "windowed", "refinement": "half", "variant": variant, "name": name}
     network |= {key: value for key, value in options.items() if key == name}
-    asked = TrainSettings.model_validate({"network": network, "augment": {"probability": 0.0}})
-    used, samples = with_data(with_own_views(asked), samples_of(with_own_views(asked), rendered, "train"))
+    requested = TrainSettings.model_validate({"network": network, "augment": {"probability": 0.0}})
+    used, samples = with_data(with_own_views(requested), samples_of(with_own_views(requested), rendered, "train"))
     batch = collate([samples[(0, 0)]])
     net, found = build_network(used.network).eval(), set()
     for progress in (0.0, 1.0):
         found |= losses_of(outputs_of(net, batch, used.network, progress), batch, used, progress).keys()
     for loss in sorted(LossWeights.model_fields.keys() - PARTS):
         try:
-            check_used((f"losses.{loss}",), asked, used)
+            check_used((f"losses.{loss}",), requested, used)
         except InputError:
             assert loss not in found
         else:
