@@ -20,8 +20,11 @@ from ..data.views import CameraView
 _WIDE = 1.25
 #: Least part of a window that overlaps with the next one: what is cut by one border is whole in the next window.
 _OVERLAP = 0.5
-#: Most windows along a side: beyond, things are so small that enlarging does not show them.
+#: Most windows along a side. Those of wider pictures are larger, at a shorter focal length than that of training: things
+#: are so small there that enlarging does not show them.
 _MOST = 6
+#: Sides of a window that so many cover along a side of the picture.
+_REACH = 1.0 + (_MOST - 1) * (1.0 - _OVERLAP)
 #: Part of a window, from its borders inwards, in which objects count less, and by which factor at most: they are cut.
 _EDGE, _CUT = 0.12, 0.4
 
@@ -58,7 +61,9 @@ def windows(size: _Size, K: np.ndarray, network: _Size | None, focal: float | No
     if focal < _WIDE * fitted_K(K, fitted(size, network, rule))[0, 0]:
         return whole
     # Side of a window in pixels of the picture: it shows the field of view that training pictures have.
-    sides = [min(side, math.ceil(part * K[axis, axis] / focal)) for axis, side, part in _axes(size, network)]
+    wanted = [(side, part * K[axis, axis] / focal) for axis, side, part in _axes(size, network)]
+    larger = max(1.0, *(side / (_REACH * part) for side, part in wanted))
+    sides = [min(side, math.ceil(larger * part)) for side, part in wanted]
     rows, columns = (_pieces(whole_side, part) for whole_side, part in zip(size, sides, strict=True))
     return [Window(row, column) for row in rows for column in columns]
 
@@ -71,7 +76,7 @@ def _pieces(side: int, part: int) -> list[slice]:
     """Return evenly spaced parts of a side, which overlap."""
     if part >= side:
         return [slice(0, side)]
-    count = min(_MOST, 1 + math.ceil((side - part) / ((1.0 - _OVERLAP) * part)))
+    count = 1 + math.ceil((side - part) / ((1.0 - _OVERLAP) * part))
     return [slice(start, start + part) for start in np.rint(np.linspace(0, side - part, count)).astype(int).tolist()]
 
 

@@ -56,6 +56,18 @@ def test_windows_of_a_wide_lens_have_the_focal_length_of_training_and_cover_the_
     assert max(np.diff(lefts)) <= width / 2 + 1
 
 
+@pytest.mark.parametrize("focal", [300.0, 700.0, 5000.0])
+def test_windows_of_a_far_wider_lens_are_larger_but_cover_the_picture(focal):
+    parts = windows(SIZE, K, (64, 96), focal, "letterbox")
+    covered = np.zeros(SIZE, int)
+    for window in parts:
+        covered[window.rows, window.columns] += 1
+    assert covered.min() >= 1
+    assert len({window.columns.start for window in parts}) == 6
+    lefts = sorted({window.columns.start for window in parts})
+    assert max(np.diff(lefts)) <= (parts[0].columns.stop - parts[0].columns.start) / 2 + 1
+
+
 def test_a_window_sees_points_where_the_picture_has_them():
     window = Window(slice(10, 60), slice(30, 110))
     point = np.array([[0.1, -0.05, 0.8]])
