@@ -20,8 +20,8 @@ from ..data.views import CameraView
 _WIDE = 1.25
 #: Least part of a window that overlaps with the next one: what is cut by one border is whole in the next window.
 _OVERLAP = 0.5
-#: Most windows along a side. Those of wider pictures are larger, at a shorter focal length than that of training: things
-#: are so small there that enlarging does not show them.
+#: Most windows along a side. Those of wider pictures are larger, at a shorter focal length than that of training:
+#: things are so small there that enlarging does not show them.
 _MOST = 6
 #: Sides of a window that so many cover along a side of the picture.
 _REACH = 1.0 + (_MOST - 1) * (1.0 - _OVERLAP)
