@@ -87,6 +87,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
+    No weight depends on the depths of the planes: a run on nearer or farther things may ask for others.
+
     Raises
     ------
     InputError
@@ -95,12 +97,14 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        if value not in (default[name], found[name]):
+        if name != "depth_range" and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     views, open_views = settings.views, ViewSettings()
     left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
     views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
-    return settings.model_copy(update={"network": trained.network, "views": views})
+    depth_range = settings.network.depth_range or trained.network.depth_range
+    network = trained.network.model_copy(update={"depth_range": depth_range})
+    return settings.model_copy(update={"network": network, "views": views})
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import torch
@@ -13,6 +14,7 @@ from glassware.learn.networks.build import build_network
 from glassware.learn.training.checkpoint import load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import OptimiserSettings
+from glassware.learn.training.train_state import with_network_of
 
 
 @pytest.fixture
@@ -129,6 +131,15 @@ def test_a_new_run_begins_with_the_weights_of_another_one(settings, rendered, tm
         train(other, rendered, tmp_path / "third", None, lines.append, init=best)
     with pytest.raises(InputError, match="init: expected none beside resume"):
         train(settings, rendered, tmp_path / "first", best, lines.append, init=best)
+
+
+def test_a_run_that_begins_with_weights_may_move_the_planes_of_depth(settings):
+    trained = settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": (0.2, 1.3)})})
+    kept = with_network_of(settings, trained, Path("weights"))
+    assert kept.network == trained.network
+    nearer = settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": (0.4, 1.1)})})
+    moved = with_network_of(nearer, trained, Path("weights"))
+    assert moved.network == trained.network.model_copy(update={"depth_range": (0.4, 1.1)})
 
 
 @pytest.mark.slow
