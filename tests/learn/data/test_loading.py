@@ -23,7 +23,7 @@ def test_batches_are_those_of_the_samples(rendered, workers):
 
 
 def test_more_processes_than_cores_are_taken_without_a_warning(rendered, monkeypatch):
-    monkeypatch.setattr(torch._utils, "cpu_count", lambda: 1)
+    monkeypatch.setattr("torch._utils.cpu_count", lambda: 1)
     data = SampleDataset(rendered, "all", ViewSettings(), CORRECTED)
     assert len(list(load_batches(data, [[(0, 0)]], 2))) == 1
 
