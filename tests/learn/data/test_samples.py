@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from torch.utils.data import DataLoader
 
 from glassware.annotate.projection import project, unproject
 from glassware.core.errors import InputError
 from glassware.dataset.format.exr import read_exr, write_exr
 from glassware.dataset.format.pictures import read_png, write_png
 from glassware.dataset.reader import Dataset
+from glassware.learn.data.loading import load_batches
 from glassware.learn.data.samples import SampleDataset, collate, image_tensor
 from glassware.learn.data.settings import AugmentSettings, ViewSettings
 from glassware.learn.targets.encoding import CORRECTED, REFERENCE
@@ -116,9 +116,7 @@ def test_a_sample_depends_on_seed_reference_and_draw_alone(rendered):
 def test_workers_give_the_same_batches(rendered):
     data = samples(rendered, augment=AugmentSettings())
     order = [[(0, 0), (4, 0)], [(7, 1), (2, 1)]]
-    for batch, asked in zip(
-        DataLoader(data, batch_sampler=order, collate_fn=collate, num_workers=2), order, strict=True
-    ):
+    for batch, asked in zip(load_batches(data, order, 2), order, strict=True):
         alone = collate([data[item] for item in asked])
         assert torch.equal(batch.images, alone.images)
         assert batch.names == alone.names
