@@ -253,6 +253,8 @@ def _in_source(found: Found, pinhole: Pinhole, left_out: int) -> Prediction:
             peak=peaks,
         )
     source = pinhole.source
+    # Heat is a regression: at a sharp peak it may be above the 1 of its target.
+    found = replace(found, score=np.minimum(found.score, 1.0))
     return Prediction(**vars(found), K=source.K, distortion=source.distortion, left_out=left_out)
 
 

@@ -78,7 +78,10 @@ def export_weights(
         "weights": header.model_dump(mode="json"),
         "parameters": sum(value.numel() for value in weights.values()),
         "averaged": run.ema is not None,
-        "settings": run.settings.model_dump(mode="json", exclude=_LEFT_OUT),
+        "settings": {
+            **run.settings.model_dump(mode="json", exclude=_LEFT_OUT),
+            "also": [path.name for path in run.settings.also],  # their folders say nothing on another machine
+        },
         "reports": {words: _report(path) for words, path in (reports or {}).items()},
         "notes": {} if notes is None else _notes(notes),
     }

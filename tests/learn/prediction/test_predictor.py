@@ -80,6 +80,23 @@ def test_three_lines_give_depth_masks_and_boxes_and_the_command_writes_the_same(
     assert [one["score"] for one in objects] == found.score.tolist()
 
 
+def test_scores_are_at_most_1_though_heat_is_a_regression(weights, view):
+    record = view.camera_record()
+    network = load(weights)
+    outputs = network.network
+
+    class Hotter(torch.nn.Module):
+        def forward(self, *given):
+            found = outputs(*given)
+            return found | {"heatmap": found["heatmap"] - found["heatmap"].amax() + 1.1}
+
+    pictures = [view.folder / "left.png", view.folder / "right.png"]
+    found = replace(network, network=Hotter()).stereo(*pictures, baseline=record.baseline, focal=record.K[0][0])
+    assert len(found)
+    assert found.score[0] == 1.0
+    assert (np.diff(found.score) <= 0.0).all()
+
+
 def test_views_by_their_poses_give_what_the_same_pair_gives_as_a_stereo_camera(weights, view):
     record = view.camera_record()
     K, network = np.array(record.K), load(weights)

@@ -29,7 +29,8 @@ def checkpoint(tiny, tmp_path):
         name: value + 0.25 if value.is_floating_point() else value.clone()
         for name, value in network.state_dict().items()
     }
-    settings = TrainSettings.model_validate({"network": tiny, "views": {"size": (96, 128)}})
+    views = {"size": (96, 128)}
+    settings = TrainSettings.model_validate({"network": tiny, "views": views, "also": ("/home/me/more",)})
     state = Checkpoint(settings, None, 7, network.state_dict(), averaged, {}, torch.get_rng_state(), 1.0)
     save_checkpoint(tmp_path / "run.safetensors", state)
     return tmp_path / "run.safetensors", averaged
@@ -79,6 +80,7 @@ def test_the_record_of_the_model_card_has_settings_and_reports_without_paths_of_
     assert record["reports"]["val"] == {"samples": 3, "data": {"split": "val"}}
     assert record["notes"] == {"machine": "two cores"}
     assert record["weights"]["step"] == 7
+    assert record["settings"]["also"] == ["more"]
     assert "/home/me" not in text
 
 
