@@ -6,8 +6,10 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import accumulate
 
+import numpy as np
+
 from ...core.errors import InputError
-from .samples import Sample, SampleDataset
+from .samples import Sample, SampleDataset, range_of_depths
 
 
 class JoinedSamples:
@@ -42,10 +44,11 @@ class JoinedSamples:
         number = bisect_right(self._ends, index)
         return self.parts[number][index - (self._ends[number] - len(self.parts[number])), draw]
 
-    def depth_range(self) -> tuple[float, float]:
+    def depth_range(self, max_views: int = 64) -> tuple[float, float]:
         """Return the depths between which objects of all data sets lie [m] (`SampleDataset.depth_range`)."""
-        near, far = zip(*(part.depth_range() for part in self.parts), strict=True)
-        return min(near), max(far)
+        counts = (max(1, round(max_views * len(part) / len(self))) for part in self.parts)
+        found = [part.object_depths(count) for part, count in zip(self.parts, counts, strict=True)]
+        return range_of_depths(np.concatenate(found))
 
     def focal_baseline(self) -> float:
         """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""

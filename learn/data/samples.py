@@ -205,16 +205,19 @@ class SampleDataset(TorchDataset):
         return [(one.world_T_camera, np.array(one.K), (one.height, one.width)) for one in ordered]
 
     def depth_range(self, max_views: int = 64) -> tuple[float, float]:
-        """Return the depths between which objects lie, over evenly spaced references [m].
-
-        They are quantiles (`DEPTH_QUANTILES`) of the depths of object pixels, each view with the same weight, or of
-        those of the table where there are no objects. Between the extremes of table and objects most planes would lie
-        where no object is: with 24 inverse planes from 0.20 to 1.83 m, 99 % of object pixels were between 9 of them.
+        """Return the depths between which objects lie, over evenly spaced references [m] (`range_of_depths`).
 
         Parameters
         ----------
         max_views : int
             Approximate limit of the views that are read.
+        """
+        return range_of_depths(self.object_depths(max_views))
+
+    def object_depths(self, max_views: int) -> np.ndarray:
+        """Return depths of object pixels of evenly spaced references, as many of each [m], (n,).
+
+        They are those of the table where there are no objects.
         """
         step = max(len(self) // max_views, 1)
         of_objects, of_table = [], []
@@ -228,8 +231,7 @@ class SampleDataset(TorchDataset):
                     found.append(np.quantile(depths, _QUANTILES))
         if not of_objects + of_table:
             raise InputError(self.root, "a view with a surface in it", "none")
-        near, far = np.quantile(np.concatenate(of_objects or of_table), DEPTH_QUANTILES)
-        return float(near), float(far)
+        return np.concatenate(of_objects or of_table)
 
     def fitted_camera(self, index: int) -> tuple[np.ndarray, tuple[int, int]]:
         """Return K and (height, width) of a reference at the size of the samples, without augmentation."""
@@ -295,6 +297,16 @@ class SampleDataset(TorchDataset):
         if scene.scene_id not in self._objects_of:
             self._objects_of[scene.scene_id] = scene.objects()
         return self._objects_of[scene.scene_id]
+
+
+def range_of_depths(depths: np.ndarray) -> tuple[float, float]:
+    """Return the depths between which objects lie [m]: quantiles (`DEPTH_QUANTILES`) of those of `object_depths`.
+
+    Between the extremes of table and objects most planes would lie where no object is: with 24 inverse planes from 0.20
+    to 1.83 m, 99 % of object pixels were between 9 of them.
+    """
+    near, far = np.quantile(depths, DEPTH_QUANTILES)
+    return float(near), float(far)
 
 
 def image_tensor(images: np.ndarray, encoding: Encoding) -> Tensor:

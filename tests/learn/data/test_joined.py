@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import torch
 
 from glassware.core.errors import InputError
 from glassware.learn.data.joined import JoinedSamples
-from glassware.learn.data.samples import SampleDataset
+from glassware.learn.data.samples import DEPTH_QUANTILES, SampleDataset
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.targets.encoding import CORRECTED
 
@@ -25,7 +26,22 @@ def test_samples_of_several_data_sets_follow_each_other(rendered):
         torch.testing.assert_close(found.world_T_camera, expected.world_T_camera)
     with pytest.raises(IndexError):
         both[20, 0]
-    assert both.depth_range() == one.depth_range()
+    assert both.depth_range(20) == pytest.approx(one.depth_range(10), rel=1e-3)
+
+
+def test_a_few_near_views_of_one_data_set_do_not_spread_the_planes_of_all(rendered):
+    class Near(SampleDataset):
+        def object_depths(self, max_views):
+            return super().object_depths(max_views) / 4.0
+
+    far = samples(rendered)
+    near = Near(rendered, "all", ViewSettings(size=(64, 96)), CORRECTED)
+    near._references = near._references[:1]
+    many = JoinedSamples([far] * 30 + [near])
+    depths = [far.object_depths(10)] * 30 + [near.object_depths(1)]
+    pooled = np.quantile(np.concatenate(depths), DEPTH_QUANTILES)
+    assert many.depth_range(301) == pytest.approx(tuple(pooled))
+    assert many.depth_range(301)[0] > 2.0 * near.depth_range()[0]
 
 
 def test_pictures_of_several_sizes_are_refused(rendered):
