@@ -80,7 +80,7 @@ def export_weights(
         "averaged": run.ema is not None,
         "settings": {
             **run.settings.model_dump(mode="json", exclude=_LEFT_OUT),
-            "also": [path.name for path in run.settings.also],  # their folders say nothing on another machine
+            "also": [path.resolve().name for path in run.settings.also],  # their folders say nothing on another machine
         },
         "reports": {words: _report(path) for words, path in (reports or {}).items()},
         "notes": {} if notes is None else _notes(notes),

@@ -80,6 +80,14 @@ def test_three_lines_give_depth_masks_and_boxes_and_the_command_writes_the_same(
     assert [one["score"] for one in objects] == found.score.tolist()
 
 
+def test_a_picture_of_less_than_half_of_the_networks_size_is_refused(weights):
+    small = np.random.default_rng(0).integers(0, 255, (40, 64, 3), dtype=np.uint8)
+    network = load(weights)
+    sized = network.settings.model_copy(update={"views": network.settings.views.model_copy(update={"size": (96, 128)})})
+    with pytest.raises(InputError, match="left: expected a picture of at least 64 x 48 px, found 64 x 40 px"):
+        replace(network, settings=sized).stereo(small, np.roll(small, -2, 1), baseline=0.06, focal=60.0)
+
+
 def test_scores_are_at_most_1_though_heat_is_a_regression(weights, view):
     record = view.camera_record()
     network = load(weights)
