@@ -9,7 +9,7 @@ from itertools import accumulate
 import numpy as np
 
 from ...core.errors import InputError
-from .samples import Sample, SampleDataset, range_of_depths
+from .samples import DEPTH_VIEWS, Sample, SampleDataset, range_of_depths
 
 
 class JoinedSamples:
@@ -44,7 +44,7 @@ class JoinedSamples:
         number = bisect_right(self._ends, index)
         return self.parts[number][index - (self._ends[number] - len(self.parts[number])), draw]
 
-    def depth_range(self, max_views: int = 64) -> tuple[float, float]:
+    def depth_range(self, max_views: int = DEPTH_VIEWS) -> tuple[float, float]:
         """Return the depths between which objects of all data sets lie [m] (`SampleDataset.depth_range`)."""
         counts = (max(1, round(max_views * len(part) / len(self))) for part in self.parts)
         found = [part.object_depths(count) for part, count in zip(self.parts, counts, strict=True)]

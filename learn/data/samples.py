@@ -32,6 +32,8 @@ from .views import CameraView, check_colours, check_sides, check_sizes, read_cam
 
 #: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
 DEPTH_QUANTILES = (0.005, 0.995)
+#: Views from which the planes are taken, evenly spaced: about as many.
+DEPTH_VIEWS = 64
 #: A view's depths, by as many quantiles: at steps finer than `DEPTH_QUANTILES`.
 _QUANTILES = np.linspace(0.0, 1.0, 1001)
 
@@ -204,7 +206,7 @@ class SampleDataset(TorchDataset):
         ordered = [cameras[number], *cameras[:number], *cameras[number + 1 :]]
         return [(one.world_T_camera, np.array(one.K), (one.height, one.width)) for one in ordered]
 
-    def depth_range(self, max_views: int = 64) -> tuple[float, float]:
+    def depth_range(self, max_views: int = DEPTH_VIEWS) -> tuple[float, float]:
         """Return the depths between which objects lie, over evenly spaced references [m] (`range_of_depths`).
 
         Parameters

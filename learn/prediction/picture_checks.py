@@ -6,6 +6,7 @@ Scale-Invariant Keypoints", IJCV 2004), and compared with the poses and intrinsi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,8 @@ import numpy as np
 from ...core.errors import InputError
 from ..data.views import CameraView
 
+#: Most that a picture is enlarged to the network's size [1]: beyond, it shows too little.
+_LARGEST = 2.0
 #: A picture is dark where all but a hundredth of its values are below this, of 255: the noise of sensors.
 _DARK = 12.0
 #: It is white where all but a hundredth are above this.
@@ -42,6 +45,14 @@ _BEHIND = 0.8
 _ON_PLANE, _ON_LINES = 0.6, 0.3
 #: Rounds of the fit of that plane, by least absolute distances (iteratively reweighted least squares).
 _ROUNDS = 30
+
+
+def check_large_enough(picture: np.ndarray, size: tuple[int, int] | None, where: Path | str) -> None:
+    """Raise InputError for a picture that has to be enlarged too far to the (height, width) of a network."""
+    height, width = picture.shape[:2]
+    if size is not None and max(size[0] / height, size[1] / width) > _LARGEST:
+        least = f"a picture of at least {math.ceil(size[1] / _LARGEST)} x {math.ceil(size[0] / _LARGEST)} px"
+        raise InputError(where, least, f"{width} x {height} px")
 
 
 def check_light(picture: np.ndarray, where: Path | str) -> None:

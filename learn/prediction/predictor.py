@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,15 +29,13 @@ from ..training.settings import TrainSettings
 from ..training.weights import weights_path
 from .camera_checks import check_cameras, check_rectified
 from .own_pictures import OwnPicture, read_picture
-from .picture_checks import check_light, check_pair
+from .picture_checks import check_large_enough, check_light, check_pair
 from .rectification import Pinhole, at_source, pinholes, seen_at
 from .rigs import RigOptions, with_rig
 from .windows import Found, cut, merged, windows
 
 #: Fewer pixels than these, at the network's size, are no object: as in evaluation, where such ones need not be found.
 LEAST_PIXELS = 16
-#: Most that a picture may be enlarged to the network's size [1].
-_LARGEST = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +153,7 @@ class Predictor:
         seen = pinholes(pictures)
         views = [one.view for one in seen]
         check_sizes(views, names[0])
-        self._check_large_enough(views[0].picture, names[0])
+        check_large_enough(views[0].picture, self.settings.views.size, names[0])
         if not trust_cameras and len(views) == 2:
             check_pair(views, names)
         if self.settings.network.name == "simnet":
@@ -167,13 +164,6 @@ class Predictor:
         whole = merged((height, width), [(window, part) for window, (part, _) in zip(parts, found, strict=True)])
         whole = whole.chosen(np.flatnonzero(whole.score >= least_score))
         return _in_source(whole, seen[0], sum(left_out for _, left_out in found))
-
-    def _check_large_enough(self, picture: np.ndarray, name: Path | str) -> None:
-        """Raise InputError for a picture of less than half of the network's size: enlarged, it shows nothing."""
-        size = self.settings.views.size
-        if size is not None and max(side / part for side, part in zip(size, picture.shape, strict=False)) > _LARGEST:
-            least = f"a picture of at least {math.ceil(size[1] / _LARGEST)} x {math.ceil(size[0] / _LARGEST)} px"
-            raise InputError(name, least, f"{picture.shape[1]} x {picture.shape[0]} px")
 
     def _found(self, views: Sequence[CameraView], name: Path | str) -> tuple[Found, int]:
         """Return what the network finds in one window, in the window's pixels, and how many peaks are no object."""
