@@ -15,7 +15,7 @@ from ..metrics.detection import average_precision, mean_overlap
 from ..metrics.instances import instance_precision, mask_overlaps
 from ..metrics.pose import area_under_curve, fraction_near
 from .floors import summarised_floors
-from .score import FOUND_IOU, PIXEL_GROUPS, ObjectScore, SampleScore
+from .score import FOUND_IOU, PICTURE_PARTS, PIXEL_GROUPS, ObjectScore, SampleScore
 
 #: Thresholds of the accuracy curve [m]: 0.1 m in steps of 5 mm.
 CURVE = tuple(round(0.005 * step, 3) for step in range(21))
@@ -25,11 +25,12 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     """Return all metrics as JSON data: numbers, and None where a metric is undefined.
 
     Depth is in metres, angles in degrees, fractions from 0 to 1. ``depth`` by size (``full``, ``cleargrasp``) and group
-    of pixels. ``floors``: the same of what needs no network, the best constant depth, the true median of each picture's
-    pixels, and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the
-    mean IoU of the detected objects (the 3D IoU of the paper) and of all. ``masks``: COCO average precision, and the
-    mean IoU of all. ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by
-    category and by fill of a vessel.
+    of pixels, and at full size by whether another view has a pixel in its picture (``overlap``, ``outside``).
+    ``floors``: the same of what needs no network, the best constant depth, the true median of each picture's pixels,
+    and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the mean IoU of the
+    detected objects (the 3D IoU of the paper) and of all. ``masks``: COCO average precision, and the mean IoU of all.
+    ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by category and by fill of a
+    vessel.
     """
     boxes = [score.boxes for score in scores]
     masks = [score.masks for score in scores]
@@ -43,6 +44,7 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
             "cleargrasp": {
                 kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXEL_GROUPS
             },
+            **_parts(scores),
         },
         "floors": {
             size: {kind: summarised_floors([score.floors[size] for score in scores], kind) for kind in PIXEL_GROUPS}
@@ -60,6 +62,15 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
     }
     return nan_to_none(whole)
+
+
+def _parts(scores: Sequence[SampleScore]) -> dict[str, dict[str, Any]]:
+    """Return the depth errors by `PICTURE_PARTS`; none of samples with a single view."""
+    return {
+        part: {kind: _asdict(mean_errors([score.parts[part][kind] for score in scores])) for kind in PIXEL_GROUPS}
+        for part in PICTURE_PARTS
+        if scores and all(part in score.parts for score in scores)
+    }
 
 
 def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from ..data.splits import SplitName
 from ..data.views import CameraView
 from ..data.visualise import rgb, sample_picture
 from ..networks.build import Network
+from ..networks.photometric import seen_by_others
 from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
@@ -139,7 +140,8 @@ def score_all(
             (labels,) = batch.ground_truths
             matched = matched_depth(batch)
             assert labels is not None, "the data set was made with ground truth"
-            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(settings), matched)
+            of_views = matched, overlap_of(batch, labels.Z)
+            score = score_sample(batch.names[0], outputs, batch.K[0, 0], labels, encoding_of(settings), *of_views)
             scores.append(score)
             if worst and (len(worst_samples) < worst or _depth_mae(score) > _depth_mae(worst_samples[-1].score)):
                 worst_samples.append(WorstSample(score, sample_picture(batch, outputs, settings)))
@@ -147,6 +149,14 @@ def score_all(
             if number % _PROGRESS_STEP == 0 or number == len(samples):
                 say(f"sample {number}/{len(samples)}")
     return scores, worst_samples
+
+
+def overlap_of(batch: Batch, Z: np.ndarray) -> np.ndarray | None:
+    """Return which pixels of true depth lie within the picture of another view, (H, W) bool; None for a single view."""
+    if batch.K.shape[1] < 2:
+        return None
+    known = torch.from_numpy(np.where((Z > 0.0) & np.isfinite(Z), Z, 1.0)).double()
+    return seen_by_others(known[None], batch.world_T_camera.double(), batch.K.double(), 1)[0].numpy() > 0.0
 
 
 def matched_depth(batch: Batch) -> np.ndarray | None:

@@ -32,6 +32,9 @@ PIXEL_GROUPS = {
     "objects": (TRANSPARENT, OPAQUE),
     "all": (BACKGROUND, TABLE, TRANSPARENT, OPAQUE),
 }
+#: Parts of a picture: what lies within the picture of another view, hidden there or not, and what can be matched with
+#: none. Of a stereo pair the second is a strip at the side, as wide as the disparity.
+PICTURE_PARTS = ("overlap", "outside")
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,7 @@ class SampleScore:
     name: str
     full: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at full size
     small: dict[str, DepthErrors | None]  #: by `PIXEL_GROUPS`, at the size of ClearGrasp
+    parts: dict[str, dict[str, DepthErrors | None]]  #: by `PICTURE_PARTS` and `PIXEL_GROUPS`, at full size
     floors: dict[str, FloorScore]  #: by size, full and cleargrasp
     boxes: ImageOverlaps
     masks: ImageMasks
@@ -67,6 +71,7 @@ def score_sample(
     labels: GroundTruth,
     encoding: Encoding,
     matched: np.ndarray | None = None,
+    overlap: np.ndarray | None = None,
 ) -> SampleScore:
     """Return the scores of one sample.
 
@@ -84,6 +89,8 @@ def score_sample(
         Encoding of the network's fields.
     matched : (H, W) float, optional
         Depth by semi-global matching [m].
+    overlap : (H, W) bool, optional
+        Which pixels lie within the picture of another view.
     """
     fields = {key: value for key, value in outputs.items() if key not in ("planes", "plane_logits", "focal_baseline")}
     check_finite(fields, name)
@@ -97,11 +104,22 @@ def score_sample(
         name=name,
         full={kind: depth_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
         small={kind: cleargrasp_errors(depth, labels.Z, mask) for kind, mask in masks.items()},
+        parts={} if overlap is None else _parts(depth, labels.Z, masks, overlap),
         floors=floor_scores(labels.Z, masks, matched),
         boxes=boxes,
         masks=_masks(found, labels, wanted),
         objects=_objects(found, boxes, labels, depth),
     )
+
+
+def _parts(
+    depth: np.ndarray, true: np.ndarray, masks: Mapping[str, np.ndarray], overlap: np.ndarray
+) -> dict[str, dict[str, DepthErrors | None]]:
+    parts = dict(zip(PICTURE_PARTS, (overlap, ~overlap), strict=True))
+    return {
+        name: {kind: depth_errors(depth, true, mask & part) for kind, mask in masks.items()}
+        for name, part in parts.items()
+    }
 
 
 def check_finite(outputs: Mapping[str, Tensor], where: str) -> None:

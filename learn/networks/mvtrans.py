@@ -76,7 +76,7 @@ class MVTrans(nn.Module):
         self.offset_head, self.heatmap_head = DenseHead(2, **sizes), DenseHead(1, **sizes)
         self.vertex_head, self.covariance_head = FieldHead(16, **sizes), FieldHead(6, **sizes)
         self.z_centroid_head = FieldHead(1, **sizes)
-        self.refinement = Refinement(settings) if settings.refinement == "half" else None
+        self.refinement = Refinement(settings, CLASSES) if settings.refinement == "half" else None
         self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
         initialise(self)
@@ -88,7 +88,7 @@ class MVTrans(nn.Module):
         if settings.box_depth == "coarse":
             nn.init.zeros_(self.z_centroid_head.predictor.weight)
         if self.refinement is not None:
-            self.refinement.start_at_zero()
+            self.refinement.keep_depth()
         self.vertex_head.set_initial_output(_VERTEX_CENTRE)
 
     def forward(
@@ -133,10 +133,11 @@ class MVTrans(nn.Module):
         if self.settings.heads_see_context:
             seen.append(context.to(features))
         pyramid = self.pyramid(torch.cat(seen, dim=1))
-        depth, surface = self._fine_depth(pyramid, coarse), coarse
-        found = {"small_depth": coarse, "plane_logits": logits, "planes": planes, "depth": depth}
+        depth, surface, seg = self._fine_depth(pyramid, coarse), coarse, self._classes(pyramid)
+        found = {"small_depth": coarse, "plane_logits": logits, "planes": planes, "depth": depth, "seg": seg}
         if self.refinement is not None:
-            refined = self.refinement(normalised, world_T_camera, K, planes, depth, pyramid[0])
+            views = images, normalised, world_T_camera, K
+            refined = self.refinement(*views, planes, depth, pyramid[0], seg)
             found |= {"depth": refined, "unrefined_depth": depth}
             surface = refined[..., ::_QUARTER, ::_QUARTER]
         return found | self._heads(pyramid, surface)
@@ -163,12 +164,14 @@ class MVTrans(nn.Module):
         depth = convex_upsample(coarse[:, None], weights, _QUARTER) + functional.pixel_shuffle(residual, _QUARTER)
         return depth[:, 0]
 
-    def _heads(self, pyramid: Pyramid, surface: Tensor) -> dict[str, Tensor]:
-        """Return what heads find, but depth; `surface` is the depth known best, (B, H/4, W/4) [m]."""
+    def _classes(self, pyramid: Pyramid) -> Tensor:
+        """Return the logits of the semantic classes, (B, 4, H, W)."""
         # (B, 4 x 16, H/4, W/4) to (B, 4, H, W): sub-pixel convolution.
-        seg = functional.pixel_shuffle(self.seg_head.at_quarter(pyramid), _QUARTER)
+        return functional.pixel_shuffle(self.seg_head.at_quarter(pyramid), _QUARTER).float()
+
+    def _heads(self, pyramid: Pyramid, surface: Tensor) -> dict[str, Tensor]:
+        """Return what heads find, but depth and classes; `surface` is the depth known best, (B, H/4, W/4) [m]."""
         return {
-            "seg": seg.float(),
             "heatmap": upsample(self.heatmap_head.at_quarter(pyramid).float(), _QUARTER)[:, 0],
             "offset": upsample(self.offset_head.at_quarter(pyramid).float(), _QUARTER),
             "vertex": self.vertex_head(pyramid).float(),

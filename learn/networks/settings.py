@@ -86,8 +86,8 @@ class NetworkSettings(Model):
     )
     refinement: Literal["none", "half"] = Field(
         default="none",
-        description="half: the full-size depth is matched once more at 1/2 of the image size, over a few planes around "
-        "it, and corrected",
+        description="half: the full-size depth is corrected at 1/2 of the image size, by a choice among planes around "
+        "it, depths at which the pictures are most alike, and the plane of the table",
     )
     recompute: Literal["nothing", "early", "features"] = Field(
         default="early",

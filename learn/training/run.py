@@ -21,7 +21,7 @@ from ...dataset.reader import Dataset
 from ..data.loading import load_batches
 from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
-from .checkpoint import Checkpoint, load_checkpoint, load_trained, load_weights, save_checkpoint
+from .checkpoint import Checkpoint, load_checkpoint, load_trained, save_checkpoint
 from .losses import total_loss
 from .methods import losses_of, note_step, outputs_of, with_own_views
 from .out_folder import locked_out_folder
@@ -30,6 +30,7 @@ from .schedule import StepBatches, learning_rate_at
 from .settings import TrainSettings
 from .train_state import (
     TrainState,
+    load_initial_weights,
     load_pretrained_context,
     optimiser_tensors,
     restore_train_state,
@@ -100,7 +101,7 @@ def train(
         _check_samples(state, data)
         if start is None:
             if init is not None and weights is not None:
-                load_weights(state.network, weights.weights, init)
+                load_initial_weights(state.network, weights.weights, init)
             else:
                 load_pretrained_context(state)
             start = _initial_checkpoint(state)

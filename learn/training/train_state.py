@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -87,7 +88,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
-    No weight depends on the depths of the planes: a run on nearer or farther things may ask for others.
+    No weight depends on the depths of the planes: a run on nearer or farther things may ask for others. A refinement of
+    depth may be added (`load_initial_weights`).
 
     Raises
     ------
@@ -97,14 +99,25 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        if name != "depth_range" and value not in (default[name], found[name]):
+        free = name == "depth_range" or (name == "refinement" and found[name] == default[name])
+        if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     views, open_views = settings.views, ViewSettings()
     left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
     views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
-    depth_range = settings.network.depth_range or trained.network.depth_range
-    network = trained.network.model_copy(update={"depth_range": depth_range})
-    return settings.model_copy(update={"network": network, "views": views})
+    moved = {name: wanted[name] for name in ("depth_range", "refinement") if wanted[name] != default[name]}
+    return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
+
+
+def load_initial_weights(network: torch.nn.Module, weights: Mapping[str, Tensor], where: Path) -> None:
+    """Load the weights that a run begins with; where they have no refinement of depth, a new one stays as it is."""
+    own = network.state_dict()
+    new = {} if any(map(_of_refinement, weights)) else {name: own[name] for name in own if _of_refinement(name)}
+    load_weights(network, {**weights, **new}, where)
+
+
+def _of_refinement(name: str) -> bool:
+    return name.startswith("refinement.")
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:

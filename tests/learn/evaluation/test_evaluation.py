@@ -13,8 +13,8 @@ from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.decoding.decode import decode
-from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise
-from glassware.learn.evaluation.run import score_all
+from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise, tables
+from glassware.learn.evaluation.run import overlap_of, score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
 from glassware.learn.metrics.pose import PoseErrors
 from glassware.learn.targets.encoding import CORRECTED
@@ -95,6 +95,29 @@ def test_depth_errors_are_over_the_pixels_of_their_kind(samples):
     solid = [item for item in score.objects if not item.label.transparent]
     assert solid
     assert all(item.depth_mae == pytest.approx(0.03, rel=1e-4) for item in solid)
+
+
+def test_what_no_other_view_has_in_its_picture_is_counted_apart(rendered):
+    """Of a pair, what is less than its disparity from the left edge; depth is 5 cm off there and right elsewhere."""
+    pairs = ViewSettings(count=2, rule="stereo")
+    sample = SampleDataset(rendered, "all", pairs, CORRECTED, ground_truth=True)[(0, 0)]
+    batch, Z = collate([sample]), sample.ground_truth.Z
+    baseline = float(np.linalg.inv(batch.world_T_camera[0, 0].double())[0] @ batch.world_T_camera[0, 1, :, 3].double())
+    known = (Z > 0.0) & np.isfinite(Z)
+    disparity = float(sample.K[0][0, 0]) * baseline / np.where(known, Z, 1.0)
+    outside = known & (np.arange(Z.shape[1]) - disparity < -0.5)
+    overlap = overlap_of(batch, Z)
+    assert outside.any()
+    assert np.array_equal(outside, known & ~overlap)
+    wrong = perfect(sample)
+    wrong["depth"] = wrong["depth"] + 0.05 * torch.from_numpy(outside)[None]
+    labels = sample.ground_truth
+    found = summarise([score_sample(sample.name, wrong, sample.K[0], labels, CORRECTED, None, overlap)])
+    depth = found["depth"]
+    assert depth["overlap"]["all"]["mae"] == 0.0
+    assert depth["outside"]["all"]["mae"] == pytest.approx(0.05, rel=1e-4)
+    assert depth["full"]["all"]["mae"] == pytest.approx(0.05 * outside.sum() / known.sum(), rel=1e-4)
+    assert {"full", "cleargrasp", "overlap", "outside"} == set(tables(found)[1].columns[0].cells)
 
 
 def test_missed_objects_count_in_the_area_and_not_in_the_means():

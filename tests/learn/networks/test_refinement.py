@@ -5,46 +5,90 @@ import torch
 
 from glassware.learn.networks.layers import initialise
 from glassware.learn.networks.plane_sweep import plane_depths, plane_sweep_grid
-from glassware.learn.networks.refinement import Refinement, planes_around
+from glassware.learn.networks.refinement import Refinement, candidates, planes_around
 
-FOCAL, BASELINE, DISPARITY = 200.0, 0.1, 24
-DEPTH = FOCAL * BASELINE / DISPARITY
+from .walls import DEPTH, DISPARITY, wall_pair
+
+PLANES = plane_depths(torch.tensor([[0.4, 1.6]]), 8, "inverse")
+#: Distance of the planes: 5.4 px of disparity.
+STEP = (1.0 / 0.4 - 1.0 / 1.6) / 7
+#: Candidates: 13 planes around the depth, 4 further away, the most similar depth of two windows, the table's plane.
+NEAR, SEARCHED, TABLE = slice(0, 13), slice(17, 19), 19
 
 
 @pytest.fixture
 def pair(rng):
-    """A rectified pair of a wall with a disparity of 24 px: images, poses, K."""
-    wall = torch.from_numpy(rng.normal(size=(3, 64, 128 + DISPARITY))).float()
-    images = torch.stack([wall[..., :128], wall[..., DISPARITY:]])[None]
-    poses = torch.eye(4).repeat(1, 2, 1, 1)
-    poses[0, 1, 0, 3] = BASELINE
-    K = torch.tensor([[FOCAL, 0.0, 64.0], [0.0, FOCAL, 32.0], [0.0, 0.0, 1.0]]).repeat(1, 2, 1, 1)
-    return images, poses, K
+    return wall_pair(rng)
 
 
-def test_a_new_refinement_changes_nothing(tiny, pair, rng):
-    net = Refinement(tiny)
+def test_a_new_refinement_changes_nothing_that_matters(tiny, pair, rng):
+    """It prefers the depth found so far by e^5; the others, half of them nearer and half farther, hardly count."""
+    net = Refinement(tiny, 4)
     initialise(net)
-    net.start_at_zero()
-    planes = plane_depths(torch.tensor([[0.4, 1.6]]), 8, "inverse")
-    depth = torch.from_numpy(rng.uniform(0.3, 2.0, (1, 64, 128))).float()
+    net.keep_depth()
+    depth = torch.from_numpy(rng.uniform(0.5, 1.4, (1, 64, 128))).float()
     finest = torch.from_numpy(rng.normal(size=(1, tiny.pyramid_channels, 16, 32))).float()
-    torch.testing.assert_close(net(*pair, planes, depth, finest), depth, rtol=1e-6, atol=1e-6)
+    images, *cameras = pair
+    refined = net(images, images, *cameras, PLANES, depth, finest, torch.zeros(1, 4, 64, 128))
+    assert (refined - depth).abs().mean() < 0.02
 
 
-@pytest.mark.parametrize("wrong", [-1.0, -0.25, 0.0, 0.5, 1.25])
-def test_the_planes_around_a_wrong_depth_match_best_at_the_surface(tiny, pair, wrong):
-    """Products of features are largest where both views show the same point, whatever the features are."""
-    net = Refinement(tiny).eval()
+@pytest.mark.parametrize("wrong", [-1.4, -0.6, 0.0, 0.25, 1.2])
+def test_among_the_candidates_is_the_depth_of_the_surface(pair, wrong):
+    """However wrong the depth so far is, one plane around it or the search over the range is within half a step."""
     images, poses, K = pair
-    step = torch.full((1, 1, 1), 0.25)  # 1/m: 5 px of disparity
-    inverse = torch.full((1, 32, 64), 1.0 / DEPTH) + wrong * step
-    depths = planes_around(inverse, step)
+    inverse = torch.full((1, 32, 64), 1.0 / DEPTH + wrong * STEP)
+    found = candidates(images, poses, K, PLANES, inverse, torch.zeros_like(inverse))
+    seen = slice(DISPARITY // 2 + 12, -8)
+    error = (found.inverse - 1.0 / DEPTH).abs()[0, :, 4:-4, seen]
+    assert (error[NEAR].min(0).values <= 0.126 * STEP).all()
+    spacing = (1.0 / 0.4 - 1.0 / 1.6) / 63
+    assert (error[SEARCHED] <= 0.51 * spacing).float().mean() > 0.99
+
+
+def test_the_plane_that_is_most_alike_is_the_one_on_the_surface(pair):
+    images, poses, K = pair
+    inverse = torch.full((1, 32, 64), 1.0 / DEPTH + 0.5 * STEP)
+    found = candidates(images, poses, K, PLANES, inverse, torch.zeros_like(inverse))
+    alike = found.evidence[0, 13:26, 4:-4, DISPARITY // 2 + 12 : -8]  # averaged over the wider window
+    best = found.inverse[0, NEAR][alike.argmax(0), 10, 30]
+    torch.testing.assert_close(best, torch.full_like(best, 1.0 / DEPTH))
+
+
+def test_the_table_is_a_candidate_where_the_other_eye_sees_nothing(pair):
+    """The depth so far is wrong at the left side, which only one eye sees; the wall is said to be the table."""
+    images, poses, K = pair
+    inverse = torch.full((1, 32, 64), 1.0 / DEPTH)
+    inverse[..., : DISPARITY // 2 - 2] *= 0.8  # so far away that the disparity is less
+    table = torch.ones_like(inverse)
+    found = candidates(images, poses, K, PLANES, inverse, table)
+    torch.testing.assert_close(found.inverse[:, TABLE], torch.full_like(inverse, 1.0 / DEPTH), rtol=0.02, atol=0.0)
+
+
+def test_a_refinement_learns_to_prefer_the_depth_at_which_pictures_are_alike(tiny, rng):
+    """Sixty steps on walls at one depth, each with a wrong depth of its own; tried on walls that it has not seen."""
+    torch.manual_seed(0)
+    net = Refinement(tiny, 4)
+    initialise(net)
+    net.keep_depth()
+    optimiser = torch.optim.Adam(net.parameters(), lr=3e-3)
+    finest, seg = torch.zeros(1, tiny.pyramid_channels, 16, 32), torch.zeros(1, 4, 64, 128)
+
+    def errors():
+        images, *cameras = wall_pair(rng)
+        wrong = float(rng.uniform(-1.4, 1.4)) * STEP
+        depth = torch.full((1, 64, 128), 1.0 / (1.0 / DEPTH + wrong))
+        refined = net(images, images, *cameras, PLANES, depth, finest, seg)
+        seen = slice(DISPARITY + 16, -16)
+        return (refined - DEPTH).abs()[..., seen].mean(), (depth - DEPTH).abs().mean()
+
+    for _ in range(60):
+        optimiser.zero_grad()
+        errors()[0].backward()
+        optimiser.step()
     with torch.no_grad():
-        features = net.features(images.flatten(0, 1)).unflatten(0, (1, 2))
-        volume = net.matching(features, poses, K, depths)  # (1, G, 13, 32, 64)
-    best = volume.sum(1)[0, :, :, 20:].mean((1, 2)).argmax()  # the left columns are not seen by the right camera
-    assert float(1.0 / depths[0, best, 0, 30]) == pytest.approx(1.0 / DEPTH, abs=1e-3)
+        after, before = (torch.stack(x).mean() for x in zip(*(errors() for _ in range(8)), strict=True))
+    assert after < 0.5 * before
 
 
 def test_planes_stay_in_front_of_the_camera():

@@ -14,7 +14,7 @@ from glassware.learn.networks.build import build_network
 from glassware.learn.training.checkpoint import load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import OptimiserSettings
-from glassware.learn.training.train_state import with_network_of
+from glassware.learn.training.train_state import load_initial_weights, with_network_of
 
 
 @pytest.fixture
@@ -140,6 +140,30 @@ def test_a_run_that_begins_with_weights_may_move_the_planes_of_depth(settings):
     nearer = settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": (0.4, 1.1)})})
     moved = with_network_of(nearer, trained, Path("weights"))
     assert moved.network == trained.network.model_copy(update={"depth_range": (0.4, 1.1)})
+
+
+def test_a_run_that_begins_with_weights_may_add_a_refinement_of_depth(settings, rng):
+    """All that its weights find stays as it is; a run with the default settings keeps the refinement of its weights."""
+    plain = settings.network.model_copy(update={"depth_range": (0.4, 1.1)})
+    trained = settings.model_copy(update={"network": plain})
+    asked = settings.model_copy(update={"network": plain.model_copy(update={"refinement": "half"})})
+    network = with_network_of(asked, trained, Path("weights")).network
+    assert network.refinement == "half"
+    before, after = build_network(plain).eval(), build_network(network).eval()
+    load_initial_weights(after, before.state_dict(), Path("weights"))
+    again = build_network(network).eval()
+    load_initial_weights(again, after.state_dict(), Path("weights"))
+    images = torch.from_numpy(rng.uniform(size=(1, 2, 3, 64, 96))).float()
+    poses = torch.eye(4).repeat(1, 2, 1, 1)
+    poses[0, 1, 0, 3] = 0.05
+    K = torch.tensor([[80.0, 0.0, 48.0], [0.0, 80.0, 32.0], [0.0, 0.0, 1.0]]).repeat(1, 2, 1, 1)
+    with torch.inference_mode():
+        expected, found, kept = before(images, poses, K), after(images, poses, K), again(images, poses, K)
+    for name in ("seg", "heatmap", "vertex", "covariance", "small_depth"):
+        torch.testing.assert_close(found[name], expected[name])
+    torch.testing.assert_close(found["unrefined_depth"], expected["depth"])
+    torch.testing.assert_close(kept["depth"], found["depth"])
+    assert with_network_of(trained, asked, Path("weights")).network == network
 
 
 @pytest.mark.slow

@@ -1,0 +1,91 @@
+"""Photometric similarity: how alike the pictures themselves are along the planes of the sweep, without weights.
+
+Colours less their local mean, over their local contrast, are compared: neither exposure nor vignetting changes them.
+(Normalised matching costs, as in Scharstein & Szeliski, "A Taxonomy and Evaluation of Dense Two-Frame Stereo
+Correspondence Algorithms", IJCV 2002, section 3.1.)
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from .plane_sweep import feature_intrinsics, plane_sweep_grid, source_T_reference, warp
+
+#: Pictures are compared at 1/2 of their size.
+STRIDE = 2
+#: Side of the window of the local mean and contrast [half-size px].
+_CONTRAST = 5
+#: Variance of colours in [0, 1] that is added to the local one: about that of a noisy camera, 0.02^2.
+_NOISE = 4e-4
+
+
+def local_contrast(images: Tensor) -> Tensor:
+    """Return colours less their mean over a window, divided by their deviation there, at 1/2 of the image size.
+
+    Parameters
+    ----------
+    images : (N, 3, H, W) Tensor
+        Images in [0, 1].
+
+    Returns
+    -------
+    (N, 3, H/2, W/2) Tensor
+        Pixel i lies over pixel 2 i of the images.
+    """
+    half = functional.avg_pool2d(images, 3, STRIDE, 1, count_include_pad=False)
+    mean = window_mean(half, _CONTRAST)
+    variance = window_mean((half - mean).square(), _CONTRAST).mean(1, keepdim=True)
+    return (half - mean) / (variance + _NOISE).sqrt()
+
+
+def photometric_similarity(contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor) -> Tensor:
+    """Return the similarity of the reference view and the others along the planes, (B, D, H/2, W/2) in [0, 1].
+
+    The mean over the views that see a point of exp(-|difference|), with the mean difference of the three colours; 0
+    where no view does.
+
+    Parameters
+    ----------
+    contrast : (B, V, 3, H/2, W/2) Tensor
+        Of `local_contrast`; the first view is the reference.
+    world_T_camera, K : (B, V, 4, 4) and (B, V, 3, 3) Tensor
+        Poses [m], and intrinsic matrices at full size [px].
+    planes : (B, D) or (B, D, H/2, W/2) Tensor
+        Depths of the planes [m].
+    """
+    poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, STRIDE)
+    size = (contrast.shape[-2], contrast.shape[-1])
+    total, count = torch.zeros((), device=contrast.device), torch.zeros((), device=contrast.device)
+    for view in range(1, contrast.shape[1]):
+        pixels, visible = plane_sweep_grid(poses[:, view - 1], small_K[:, 0], small_K[:, view], planes, size)
+        warped = warp(contrast[:, view], pixels)  # (B, 3, D, H/2, W/2)
+        difference = (contrast[:, 0, :, None] - warped).abs().mean(1)
+        total = total + torch.where(visible, torch.exp(-difference), 0.0)
+        count = count + visible
+    return total / count.clamp_min(1)
+
+
+def seen_by_others(depth: Tensor, world_T_camera: Tensor, K: Tensor, stride: int) -> Tensor:
+    """Return the fraction of the other views inside whose image a pixel's point lies, (B, h, w), hidden or not.
+
+    Parameters
+    ----------
+    depth : (B, h, w) Tensor
+        Depth at 1/stride of the image size [m].
+    world_T_camera, K : (B, V, 4, 4) and (B, V, 3, 3) Tensor
+        Poses [m], and intrinsic matrices at full size [px].
+    stride : int
+        Of the depth.
+    """
+    poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, stride)
+    size, sources = (depth.shape[-2], depth.shape[-1]), K.shape[1] - 1
+    cameras = [(poses[:, view], small_K[:, 0], small_K[:, view + 1]) for view in range(sources)]
+    seen = [plane_sweep_grid(*camera, depth[:, None], size)[1][:, 0] for camera in cameras]
+    return torch.stack(seen).to(depth).mean(0)
+
+
+def window_mean(values: Tensor, side: int) -> Tensor:
+    """Return means over square windows, cut at the border, of the same shape."""
+    return functional.avg_pool2d(values, side, 1, side // 2, count_include_pad=False)
