@@ -32,7 +32,7 @@ from .own_pictures import OwnPicture, read_picture
 from .picture_checks import check_large_enough, check_light, check_pair
 from .rectification import Pinhole, at_source, pinholes, seen_at
 from .rigs import RigOptions, with_rig
-from .windows import Found, cut, merged, windows
+from .windows import Found, Window, cut, merged, window_of_source, windows
 
 #: Fewer pixels than these, at the network's size, are no object: as in evaluation, where such ones need not be found.
 LEAST_PIXELS = 16
@@ -160,10 +160,23 @@ class Predictor:
             check_rectified(views, paths)
         height, width = views[0].picture.shape[:2]
         parts = windows((height, width), views[0].K, self.settings.views.size, self.focal, self.settings.views.fit)
-        found = [self._found([cut(view, window) for view in views], names[0]) for window in parts]
+        found = [self._found(self._cut(views, window), names[0]) for window in parts]
         whole = merged((height, width), [(window, part) for window, (part, _) in zip(parts, found, strict=True)])
         whole = whole.chosen(np.flatnonzero(whole.score >= least_score))
         return _in_source(whole, seen[0], sum(left_out for _, left_out in found))
+
+    def _cut(self, views: Sequence[CameraView], window: Window) -> list[CameraView]:
+        """Return a window of the first view, and of the others those that show the same at the middle depth.
+
+        Networks that read disparities have windows at one place.
+        """
+        reference, *sources = views
+        planes = self.settings.network.depth_range
+        if planes is None or self.settings.network.name != "mvtrans":
+            return [cut(view, window) for view in views]
+        middle = 2.0 / (1.0 / planes[0] + 1.0 / planes[1])  # of the disparities
+        others = [(source, window_of_source(reference, window, source, middle)) for source in sources]
+        return [cut(reference, window), *(cut(source, part) for source, part in others)]
 
     def _found(self, views: Sequence[CameraView], name: Path | str) -> tuple[Found, int]:
         """Return what the network finds in one window, in the window's pixels, and how many peaks are no object."""

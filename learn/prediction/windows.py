@@ -80,6 +80,39 @@ def _pieces(side: int, part: int) -> list[slice]:
     return [slice(start, start + part) for start in np.rint(np.linspace(0, side - part, count)).astype(int).tolist()]
 
 
+def window_of_source(reference: CameraView, window: Window, source: CameraView, depth: float) -> Window:
+    """Return the window of another view that shows what a window of the reference shows at a depth.
+
+    Of a pair, at the same place a window of the right eye misses the left part of what the left one shows, as wide as
+    the disparity; nothing is matched there. Moved by the disparity of the middle depth both windows show the same.
+
+    Parameters
+    ----------
+    reference, source : CameraView
+        The views.
+    window : Window
+        Of the reference.
+    depth : float
+        Depth in the reference at which the middles of both windows meet [m].
+    """
+    u, v = (0.5 * (part.start + part.stop - 1) for part in (window.columns, window.rows))
+    point = depth * np.linalg.solve(reference.K, np.array([u, v, 1.0]))
+    world = reference.world_T_camera @ np.append(point, 1.0)
+    x, y, z = (np.linalg.solve(source.world_T_camera, world))[:3]
+    if z <= 0.0:
+        return window
+    middle = source.K @ np.array([x / z, y / z, 1.0])
+    height, width = source.picture.shape[:2]
+    return Window(_moved(window.rows, middle[1], height), _moved(window.columns, middle[0], width))
+
+
+def _moved(part: slice, middle: float, side: int) -> slice:
+    """Return a part of a side with another middle, as far as the side goes."""
+    length = part.stop - part.start
+    start = round(min(max(middle - 0.5 * (length - 1), 0.0), side - length))
+    return slice(start, start + length)
+
+
 def cut(view: CameraView, window: Window) -> CameraView:
     """Return a window of a view, with its own K."""
     K = view.K.copy()
