@@ -1,4 +1,4 @@
-"""The evaluation report: metrics of all samples, by category and by fill, as JSON and as tables."""
+"""The evaluation report: metrics of all samples, by category, fill and thickness, as JSON and as tables."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from .score import FOUND_IOU, PICTURE_PARTS, PIXEL_GROUPS, ObjectScore, SampleSc
 
 #: Thresholds of the accuracy curve [m]: 0.1 m in steps of 5 mm.
 CURVE = tuple(round(0.005 * step, 3) for step in range(21))
+#: Limits of the classes of the least side of boxes [m].
+THICKNESSES = (0.01, 0.03)
 
 
 def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
@@ -29,8 +31,8 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     ``floors``: the same of what needs no network, the best constant depth, the true median of each picture's pixels,
     and of stereo pairs semi-global matching. ``boxes``: average precision at three IoUs, and the mean IoU of the
     detected objects (the 3D IoU of the paper) and of all. ``masks``: COCO average precision, and the mean IoU of all.
-    ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by category and by fill of a
-    vessel.
+    ``pose``: see `pose_metrics`; ``keypoints``: see `keypoint_metrics`. Then pose metrics by category, by fill of a
+    vessel and by thickness.
     """
     boxes = [score.boxes for score in scores]
     masks = [score.masks for score in scores]
@@ -60,6 +62,7 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         "keypoints": keypoint_metrics(objects),
         "by_category": _grouped(objects, [item.label.category for item in objects]),
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
+        "by_thickness": _grouped(objects, [thickness_class(item) for item in objects]),
     }
     return nan_to_none(whole)
 
@@ -119,12 +122,13 @@ def distance_metrics(distances: Sequence[float], missed: int, objects: int) -> d
 
 
 def object_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
-    """Return the metrics of networks that see one object at a time, by category and by fill as well."""
+    """Return the metrics of networks that see one object at a time, by category, fill and thickness as well."""
     return {
         "keypoints": keypoint_metrics(objects),
         "pose": pose_metrics(objects),
         "by_category": _grouped(objects, [item.label.category for item in objects]),
         "by_content": _grouped(objects, [fill_class(item) for item in objects]),
+        "by_thickness": _grouped(objects, [thickness_class(item) for item in objects]),
     }
 
 
@@ -140,6 +144,18 @@ def fill_class(item: ObjectScore) -> str:
     if item.label.fill is None:
         return "empty"
     return "under half" if item.label.fill < 0.5 else "over half"
+
+
+def thickness_class(item: ObjectScore) -> str:
+    """Return the class of the least side of an object's box.
+
+    The boxes of a fork do not overlap by a quarter where their depths are 3 mm apart.
+    """
+    low, high = (round(1e3 * limit) for limit in THICKNESSES)
+    least = float(np.min(item.label.size))
+    if least < THICKNESSES[0]:
+        return f"below {low} mm"
+    return f"{low} to {high} mm" if least < THICKNESSES[1] else f"{high} mm and more"
 
 
 def tables(found: dict[str, Any]) -> list[Table]:
@@ -174,7 +190,7 @@ def tables(found: dict[str, Any]) -> list[Table]:
     )
     rows = [
         [name, *(row[column] for column in columns)]
-        for group in ("by_category", "by_content")
+        for group in ("by_category", "by_content", "by_thickness")
         for name, row in found[group].items()
     ]
     return [first, kinds, floors, _table("objects", ("kind", *columns), rows)]
@@ -204,7 +220,7 @@ def _object_tables(found: dict[str, Any]) -> list[Table]:
     kinds = ("objects", "found", "axis_mae", "auc", "near", "mae", "add_s", "translation", "rotation")
     groups = [
         [name, *(row[column] for column in kinds)]
-        for group in ("by_category", "by_content")
+        for group in ("by_category", "by_content", "by_thickness")
         for name, row in found["locations"]["truth"][group].items()
     ]
     return [

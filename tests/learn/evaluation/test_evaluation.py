@@ -13,7 +13,7 @@ from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.samples import SampleDataset, collate
 from glassware.learn.data.settings import ViewSettings
 from glassware.learn.decoding.decode import decode
-from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise, tables
+from glassware.learn.evaluation.report import fill_class, pose_metrics, summarise, tables, thickness_class
 from glassware.learn.evaluation.run import overlap_of, score_all
 from glassware.learn.evaluation.score import ObjectScore, score_sample
 from glassware.learn.metrics.pose import PoseErrors
@@ -58,7 +58,8 @@ def test_perfect_outputs_have_perfect_summarise(scores, samples):
     pose = found["pose"]
     assert (pose["objects"], pose["found"], pose["near"]) == (wanted, 1.0, 1.0)
     assert pose["auc"] > 0.999
-    assert sum(row["objects"] for row in found["by_category"].values()) == wanted
+    for group in ("by_category", "by_content", "by_thickness"):
+        assert sum(row["objects"] for row in found[group].values()) == wanted
     for size in ("full", "cleargrasp"):
         for kind in ("transparent", "all"):
             floors = found["floors"][size][kind]
@@ -133,6 +134,20 @@ def test_missed_objects_count_in_the_area_and_not_in_the_means():
     assert found["mae"] == pytest.approx(0.05)
     assert found["rotation"] == pytest.approx(30.0)
     assert [fill_class(score(pose))] == ["solid"]
+
+
+@pytest.mark.parametrize(
+    ("sides", "expected"),
+    [
+        ((0.2, 0.03, 0.003), "below 10 mm"),
+        ((0.0101, 0.2, 0.15), "10 to 30 mm"),
+        ((0.0299, 0.0299, 0.3), "10 to 30 mm"),
+        ((0.03, 0.08, 0.08), "30 mm and more"),
+    ],
+)
+def test_objects_are_counted_by_the_least_side_of_their_box(sides, expected):
+    label = ViewObject(2, "fork", False, REVOLUTION, None, np.eye(4), np.array(sides), 99)
+    assert thickness_class(ObjectScore(label, 0.0, None, 8, None)) == expected
 
 
 @pytest.mark.parametrize("changes", [{}, {"matching": "group", "readout": "windowed", "fusion": "visibility"}])
