@@ -30,8 +30,8 @@ _FIGURES = (
     ("the same, mean", ("pose", "translation"), 1e3, 0, " mm"),
     ("AUC of keypoints, 0 to 10 cm", ("pose", "auc"), 1.0, 3, ""),
 )
-
-
+#: Parts of pictures with a depth error of their own, and words for them.
+_PARTS = {"full": "", "overlap": ", seen by both eyes", "outside": ", outside the right picture"}
 #: Columns of real pictures.
 _REAL = (("", "mask_iou", 1.0, 2), ("", "centre_error", 1e3, 0), ("", "box_iou", 1.0, 2), ("", "depth_mae", 1e3, 0))
 
@@ -76,15 +76,21 @@ def _figures(words: str, report: Mapping[str, Any]) -> Iterator[str]:
     yield "| pixels | " + " | ".join(name for name, *_ in _DEPTH) + " | best constant, MAE [mm] |"
     yield "|---|" + "---|" * (len(_DEPTH) + 1)
     floors = report.get("floors", {}).get("full", {})
-    for kind, errors in report["depth"]["full"].items():
-        cells = [_cell(errors and errors[key], factor, digits) for _, key, factor, digits in _DEPTH]
-        constant = (floors.get(kind) or {}).get("constant") or {}
-        yield f"| {kind} | " + " | ".join([*cells, _cell(constant.get("mae"), 1e3, 0)]) + " |"
+    for part, suffix in _PARTS.items():
+        for kind, errors in report["depth"].get(part, {}).items():
+            if part != "full" and kind not in ("opaque", "transparent"):
+                continue
+            cells = [_cell(errors and errors[key], factor, digits) for _, key, factor, digits in _DEPTH]
+            constant = (floors.get(kind) or {}).get("constant") or {}
+            of_part = constant.get("mae") if part == "full" else None
+            yield f"| {kind}{suffix} | " + " | ".join([*cells, _cell(of_part, 1e3, 0)]) + " |"
     yield ""
     yield "| | |"
     yield "|---|---|"
     for name, (group, key), factor, digits, unit in _FIGURES:
         yield f"| {name} | {_cell(report[group].get(key), factor, digits)}{unit} |"
+    for name, row in report.get("by_thickness", {}).items():
+        yield f"| found of the {row['objects']} whose least side is {name} | {_cell(row['found'], 1.0, 3)} |"
 
 
 def _real(words: str, report: Mapping[str, Any]) -> Iterator[str]:
