@@ -10,7 +10,7 @@ from torch.nn import functional
 
 from ...core.errors import InputError
 from .layers import conv_norm_3d, norm
-from .plane_sweep import feature_intrinsics, plane_sweep_grid, source_T_reference, warp
+from .plane_sweep import plane_sweep_grid, source_cameras, warp
 from .settings import NetworkSettings, Norm
 
 #: Keeps the mean over views finite where no view sees a point.
@@ -132,13 +132,12 @@ class CostVolume(nn.Module):
             Depths of the planes [m], the same for all pixels or each pixel's own.
         """
         reference, sources = self.pair.embeddings(features[:, 0], features[:, 1:])
-        poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, self.stride)
+        cameras = source_cameras(world_T_camera, K, self.stride)
         height, width = sources.shape[-2:]
         total, weights = None, None
-        for view, source in enumerate(sources.unbind(1)):
+        for camera, source in zip(cameras, sources.unbind(1), strict=True):
             with torch.no_grad():
-                cameras = poses[:, view], small_K[:, 0], small_K[:, view + 1]
-                pixels, visible = plane_sweep_grid(*cameras, planes, (height, width))
+                pixels, visible = plane_sweep_grid(*camera, planes, (height, width))
             warped = warp(source.float(), pixels)  # (B, C, D, h, w)
             weight = self._weight(reference, warped, visible)  # (B, 1, D, h, w)
             weighted = weight * self.pair.volume(reference, warped)

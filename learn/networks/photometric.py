@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from .plane_sweep import feature_intrinsics, plane_sweep_grid, source_T_reference, warp
+from .plane_sweep import plane_sweep_grid, source_cameras, warp
 
 #: Pictures are compared at 1/2 of their size.
 STRIDE = 2
@@ -55,11 +55,10 @@ def photometric_similarity(contrast: Tensor, world_T_camera: Tensor, K: Tensor, 
     planes : (B, D) or (B, D, H/2, W/2) Tensor
         Depths of the planes [m].
     """
-    poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, STRIDE)
     size = (contrast.shape[-2], contrast.shape[-1])
     total, count = torch.zeros((), device=contrast.device), torch.zeros((), device=contrast.device)
-    for view in range(1, contrast.shape[1]):
-        pixels, visible = plane_sweep_grid(poses[:, view - 1], small_K[:, 0], small_K[:, view], planes, size)
+    for view, camera in enumerate(source_cameras(world_T_camera, K, STRIDE), start=1):
+        pixels, visible = plane_sweep_grid(*camera, planes, size)
         warped = warp(contrast[:, view], pixels)  # (B, 3, D, H/2, W/2)
         difference = (contrast[:, 0, :, None] - warped).abs().mean(1)
         total = total + torch.where(visible, torch.exp(-difference), 0.0)
@@ -79,9 +78,7 @@ def seen_by_others(depth: Tensor, world_T_camera: Tensor, K: Tensor, stride: int
     stride : int
         Of the depth.
     """
-    poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, stride)
-    size, sources = (depth.shape[-2], depth.shape[-1]), K.shape[1] - 1
-    cameras = [(poses[:, view], small_K[:, 0], small_K[:, view + 1]) for view in range(sources)]
+    size, cameras = (depth.shape[-2], depth.shape[-1]), source_cameras(world_T_camera, K, stride)
     seen = [plane_sweep_grid(*camera, depth[:, None], size)[1][:, 0] for camera in cameras]
     return torch.stack(seen).to(depth).mean(0)
 

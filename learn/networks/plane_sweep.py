@@ -67,6 +67,20 @@ def source_T_reference(world_T_camera: Tensor) -> Tensor:
     return source_T_world @ world_T_camera[:, :1]
 
 
+def source_cameras(world_T_camera: Tensor, K: Tensor, stride: int) -> list[tuple[Tensor, Tensor, Tensor]]:
+    """Return the cameras of each source view as `plane_sweep_grid` takes them, for features at 1/stride of the size.
+
+    Parameters
+    ----------
+    world_T_camera, K : (B, V, 4, 4) and (B, V, 3, 3) Tensor
+        Poses [m], and intrinsic matrices at full size [px]; the first view is the reference.
+    stride : int
+        Of the features.
+    """
+    poses, small_K = source_T_reference(world_T_camera), feature_intrinsics(K, stride)
+    return [(poses[:, view], small_K[:, 0], small_K[:, view + 1]) for view in range(K.shape[1] - 1)]
+
+
 def plane_sweep_grid(
     source_T_reference: Tensor, K_reference: Tensor, K_source: Tensor, planes: Tensor, size: tuple[int, int]
 ) -> tuple[Tensor, Tensor]:
