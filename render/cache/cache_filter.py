@@ -44,7 +44,7 @@ _AVERAGING_STEPS, _NOISE_FACTOR = 3, 1.5
 #: Smallest ratio of a firefly to the light around it by the darker half of all paths, averaged over `_AVERAGING_STEPS`
 #: steps [1], and of the brighter half of its own paths to the darker one [1].
 _MIN_CONTRAST, _MIN_HALF_RATIO = 10.0, 4.0
-#: Weight of the mesh index in the neighbour search [1]: vertices of other meshes are beyond any reach.
+#: Weight of the number of a mesh's side in the neighbour search [1]: other sides and meshes are beyond any reach.
 _MESH_DISTANCE = 1e6
 
 
@@ -118,7 +118,9 @@ def _box_filtered(image: np.ndarray, width: float) -> np.ndarray:
     return cv2.boxFilter(image / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
 
 
-def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def denoised_meshes(
+    points: CachePoints, halves: tuple[np.ndarray, np.ndarray], *, fireflies: bool = True
+) -> np.ndarray:
     """Return the denoised irradiance of a scene's meshes; its mean over the surface stays.
 
     Parameters
@@ -126,7 +128,9 @@ def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) 
     points : CachePoints
         The cache points.
     halves : two (vertices, 12) float64
-        Moments by half of the paths each, before directions are divided by the irradiance.
+        Moments by half of the paths or photons each, before directions are divided by the irradiance.
+    fireflies : bool
+        Whether to spread fireflies first. Photons make none: all carry about as much.
 
     Returns
     -------
@@ -137,7 +141,9 @@ def denoised_meshes(points: CachePoints, halves: tuple[np.ndarray, np.ndarray]) 
         return 0.5 * (halves[0] + halves[1])
     # In float32: the filter is bound by memory, and the noise is far above the rounding.
     step = diffusion_step(points).astype(np.float32)
-    first, second = _without_fireflies(points, step, (halves[0].astype(np.float32), halves[1].astype(np.float32)))
+    first, second = (half.astype(np.float32) for half in halves)
+    if fireflies:
+        first, second = _without_fireflies(points, step, (first, second))
     light, noise = 0.5 * (first + second), luminance(0.5 * (first - second)[:, :3])
     result = np.zeros_like(light)
     for steps in _STEPS:
@@ -174,7 +180,7 @@ def _even(points: CachePoints, excess: np.ndarray) -> np.ndarray:
     A vertex faces each of the six directions along the axes by the fourth power of its normal's part, over the sum of
     these: the light of a side in the sun does not reach the one in the shade.
     """
-    area, mesh = point_areas(points)[points.grid_count :], 2 * points.mesh.astype(np.int64) + points.back
+    area, mesh = point_areas(points)[points.grid_count :], _sides(points)
     power = np.square(np.square(np.concatenate([points.normals, -points.normals], axis=1).clip(min=0.0)))
     result = np.zeros(excess.shape)
     for part in (power / np.maximum(power.sum(axis=1, keepdims=True), 1e-30)).T:
@@ -202,11 +208,17 @@ def _kept(step: csr_array, detail: np.ndarray, noise: np.ndarray) -> np.ndarray:
     )
 
 
+def _sides(points: CachePoints) -> np.ndarray:
+    """Return a number for each side of each mesh, by vertex, int64."""
+    return 2 * points.mesh.astype(np.int64) + points.back
+
+
 def diffusion_step(points: CachePoints) -> csr_array:
     """Return the matrix of one diffusion step: rows sum to 1, and the flow between two vertices is equal by area."""
     count = len(points.positions)
     area = point_areas(points)[points.grid_count :]
-    mesh = _MESH_DISTANCE * points.mesh[:, None]
+    # Open meshes have two sides. Within a thin plate the back of one face looks as the front of the other one does.
+    mesh = _MESH_DISTANCE * _sides(points)[:, None]
     features = np.concatenate([points.positions / _REACH, points.normals / _NORMAL_REACH, mesh], axis=1)
     distance, other = cKDTree(features).query(features, _NEIGHBOURS + 1, distance_upper_bound=2.0)
     here = np.repeat(np.arange(count), _NEIGHBOURS + 1)

@@ -77,8 +77,9 @@ def fill_cache(
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd) / half, odd / half
     mean = 0.5 * (halves[0][:grid] + halves[1][:grid])
-    moments = np.concatenate([mean, denoised_meshes(points, (halves[0][grid:], halves[1][grid:]))])
-    moments = normalised(moments + caustics).astype(np.float32)
+    meshes = denoised_meshes(points, (halves[0][grid:], halves[1][grid:]))
+    meshes = meshes + denoised_meshes(points, (photon_halves[0][grid:], photon_halves[1][grid:]), fireflies=False)
+    moments = normalised(np.concatenate([mean + caustics[:grid], meshes])).astype(np.float32)
     noise = 0.5 * ((halves[0] - halves[1])[:grid, :6] + (photon_halves[0] - photon_halves[1])[:grid, :6])
     fraction = luminance(caustics[:grid, :3]) / np.maximum(luminance(moments[:grid, :3]), 1e-30)
     moments[:grid] = denoised_grid(moments[:grid], noise, fraction, (points.axes[1].lines, points.axes[0].lines))

@@ -154,8 +154,9 @@ def _opaque_body(row: int, body: Body) -> OpaqueBody:
         normals = mesh.normals @ body.world_T_mesh[:3, :3].T
     else:
         a, b, c = (positions[faces[:, k]].astype(np.float64) for k in range(3))
+        of_face = np.cross(b - a, c - a)
         normals = np.empty((len(positions), 3))
-        normals[faces] = np.cross(b - a, c - a)[:, None]
+        normals[faces] = (of_face / np.maximum(np.linalg.norm(of_face, axis=1, keepdims=True), 1e-30))[:, None]
     closed = as_trimesh(mesh).is_watertight
     assert body.material is not None  # every opaque body has one
     return OpaqueBody(row, positions, normals, faces, closed, body.material.roughness, body.material.metallic)

@@ -173,3 +173,31 @@ def test_meshes_and_sides_keep_their_own_light(sides) -> None:
 
     found = denoised_meshes(nodes, (1.2 * first, 0.8 * second))[:, 0]
     np.testing.assert_allclose(found, light, rtol=ROUNDING)
+
+
+def test_the_hidden_side_of_a_thin_plate_takes_no_light_of_its_lit_side() -> None:
+    """The back of a plate's lower face, inside of it, is at 2 mm and faces as its upper face does."""
+    plate = trimesh.creation.box((0.06, 0.06, 0.002))
+    for _ in range(4):
+        plate = plate.subdivide()
+    nodes = _nodes(plate, sides=2)
+    light = np.where(nodes.back, 0.0, 0.5 + 0.5 * np.sign(np.round(nodes.normals[:, 2], 1)))
+    found = denoised_meshes(nodes, _halves(light, 0.5), fireflies=False)[:, 0]
+    assert (found[nodes.back] == 0.0).all()
+    area = np.bincount(plate.faces.ravel(), np.repeat(plate.area_faces / 3.0, 3))
+    mean = 0.5 * sum(_halves(light, 0.5))[:, 0]
+    assert np.sum(area * found[~nodes.back]) == pytest.approx(np.sum(area * mean[~nodes.back]), rel=1e-4)
+
+
+def test_photons_are_smoothed_and_stay_where_they_land() -> None:
+    """Half of a ball is lit by two photons a vertex and half of them, the other half by none."""
+    nodes, rng = _nodes(BALL), np.random.default_rng(3)
+    light = np.where(BALL.vertices[:, 2] > 0.0, 1.0, 0.0)
+    halves = tuple((rng.poisson(2.0 * light) / 2.0)[:, None] * np.ones(12) for _ in range(2))
+    found = denoised_meshes(nodes, halves, fireflies=False)[:, 0]
+    before = 0.5 * (halves[0] + halves[1])[:, 0]
+    lit, dark = BALL.vertices[:, 2] > 0.01, BALL.vertices[:, 2] < -0.02
+    assert np.mean((found - light)[lit] ** 2) < 0.1 * np.mean((before - light)[lit] ** 2)
+    assert found[dark].max() < 0.02
+    # At the edge of the shadow details below 0 are cut off, which adds a little light.
+    assert np.sum(AREA * found) == pytest.approx(np.sum(AREA * before), rel=5e-3)

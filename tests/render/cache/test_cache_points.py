@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from glassware.procedural.primitives import bodies, scenes
 from glassware.render.cache.cache_points import cache_points_of, interpolation_weights, lookup_of
 from glassware.render.cache.sample_points import point_sampler, sample_points
 from glassware.render.pictures.sampler import sobol_sampler
@@ -79,3 +80,16 @@ def test_paths_start_on_the_surface_beside_their_node(cut, nodes) -> None:
     above = mi.Ray3f(p + 2e-5 * n, -n)
     met = np.array(cut.mi_scene.ray_intersect_preliminary(above).t)
     assert (np.abs(met[known] - 2e-5) < 2e-6).mean() > 0.99
+
+
+def test_the_faces_of_flat_meshes_have_unit_normals(backend) -> None:
+    """The filter of the cache compares them, and tells the sides of a thin board apart by them alone."""
+    board = scenes.block(bodies.box_mesh((0.08, 0.05, 0.002)), scenes.matte(), id=9)
+    scene = scenes.scene((), (scenes.camera((0.5, 0.0, 0.6), width=64, height=48),), props=(board,), seed=5)
+    points = cache_points_of(load(scene, for_cache=True))
+    of_board = points.mesh == points.mesh.max()
+    assert of_board.sum() > 500
+    np.testing.assert_allclose(np.linalg.norm(points.normals[of_board], axis=1), 1.0, rtol=1e-6)
+    assert {tuple(np.rint(n).astype(int) + 0) for n in points.normals[of_board]} == {
+        (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)
+    }  # fmt: skip

@@ -59,6 +59,26 @@ def test_in_even_light_a_table_under_clear_glass_is_lit_as_if_there_were_none(ba
     assert found.mean() == pytest.approx(np.pi, rel=0.01)
 
 
+def test_light_through_glass_is_even_on_a_prop_under_it(backend) -> None:
+    """Photons on a mesh are filtered, as on the table: few land on a vertex, and what they leave is seen as a pattern.
+
+    Under clear glass in even light the black plate gets pi of irradiance everywhere, most of it through the glass.
+    """
+    plate = scenes.block(bodies.box_mesh((0.12, 0.12, 0.01), centre=(0.0, 0.0, 0.015)), BLACK.material, id=9)
+    ball = _glass(bodies.ball_mesh(0.1, 5, centre=(0.0, 0.0, 0.15)))
+    scene = scenes.scene((ball,), _scene(ball).cameras, props=(plate,), table=SPECK, seed=5)
+    loaded = load(scene, for_cache=True)
+    points = cache_points_of(loaded)
+    photons = np.mean(photon_moments(loaded, points, 1 << 17, seed=1), axis=0)[points.grid_count :, 0]
+    found = fill_cache(loaded, points, 64, seed=1, photons=1 << 17).moments[points.grid_count :, 0]
+    inside = np.abs(points.positions[:, :2]).max(1) < 0.05
+    top = (points.normals[:, 2] > 0.9) & ~points.back & inside
+    assert top.sum() > 200
+    assert found[top].mean() == pytest.approx(np.pi, rel=0.02)
+    assert photons[top].std() > 0.2 * np.pi
+    assert found[top].std() < 0.3 * photons[top].std()
+
+
 def test_a_lamp_above_a_plate_lights_the_table_by_fresnels_equations(backend) -> None:
     lamp = AreaLight(
         world_T_light=aimed_frame(
