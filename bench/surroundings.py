@@ -4,8 +4,8 @@
     python bench/surroundings.py --seeds $(seq 1 40)
 
 Each seed is drawn with the preset `fast`, and its views are path traced with the preset's samples, or with `--spp`, and
-filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the
-filters must not change them. Pixels at outlines, within one pixel of another id, are left out. Light from the
+filtered. No reference is needed: pixels whose rays see the surroundings directly have no noise, so the filters must not
+change them. Pixels in which one of 64 rays meets an object, and those next to them, are left out. Light from the
 irradiance cache does not reach these pixels, so it is not stored.
 """
 
@@ -22,6 +22,7 @@ from table import Row, report
 
 from glassware.core.randomness import stream_seed
 from glassware.dataset.settings.draw import draw
+from glassware.procedural.description.camera import Camera
 from glassware.render.backend.variant import activate
 
 # The variant is set before the modules of the renderer are imported: their types depend on it.
@@ -32,6 +33,9 @@ from glassware.render.scene.loaded_scene import LoadedScene, load
 
 #: Largest change of a pixel [sRGB levels].
 MAX_CHANGE = 0.5
+#: Rays along a side of each pixel that tell what it shows [1]: cables and forks are thinner than a pixel of a small
+#: picture.
+_RAYS = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,10 +88,20 @@ def _change(loaded: LoadedScene, view: int) -> np.ndarray:
     scene = loaded.description
     camera, seed_of = scene.cameras[view], stream_seed(scene.seed, scene.scene_id, f"render/{view}/left")
     image = trace_picture(loaded, camera, "left", seed_of)
-    ids = trace_geometry(loaded, camera).id
-    surroundings = cv2.erode((ids == 0).astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1).astype(bool)
+    surroundings = _sees_surroundings(loaded, camera)
     noisy, clean = (srgb_levels(camera.exposure * x[surroundings]) for x in (image.radiance, denoise_image(image)))
     return np.abs(clean - noisy).max(axis=1, initial=0.0)
+
+
+def _sees_surroundings(loaded: LoadedScene, camera: Camera) -> np.ndarray:
+    """Return which pixels, and those next to them, show no object anywhere, (H, W) bool."""
+    centre = tuple((c + 0.5) * _RAYS - 0.5 for c in camera.centre)
+    size = {"width": _RAYS * camera.width, "height": _RAYS * camera.height}
+    fine = camera.model_copy(
+        update={**size, "focal": _RAYS * camera.fx, "focal_y": _RAYS * camera.fy, "centre": centre}
+    )
+    empty = (trace_geometry(loaded, fine).id == 0).reshape(camera.height, _RAYS, camera.width, _RAYS).all((1, 3))
+    return cv2.erode(empty.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1).astype(bool)
 
 
 if __name__ == "__main__":
