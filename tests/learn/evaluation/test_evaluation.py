@@ -102,17 +102,19 @@ def test_what_no_other_view_has_in_its_picture_is_counted_apart(rendered):
     """Of a pair, what is less than its disparity from the left edge; depth is 5 cm off there and right elsewhere."""
     pairs = ViewSettings(count=2, rule="stereo")
     sample = SampleDataset(rendered, "all", pairs, CORRECTED, ground_truth=True)[(0, 0)]
-    batch, Z = collate([sample]), sample.ground_truth.Z
+    batch, labels = collate([sample]), sample.ground_truth
+    assert labels is not None
+    Z = labels.Z
     baseline = float(np.linalg.inv(batch.world_T_camera[0, 0].double())[0] @ batch.world_T_camera[0, 1, :, 3].double())
     known = (Z > 0.0) & np.isfinite(Z)
     disparity = float(sample.K[0][0, 0]) * baseline / np.where(known, Z, 1.0)
     outside = known & (np.arange(Z.shape[1]) - disparity < -0.5)
     overlap = overlap_of(batch, Z)
     assert outside.any()
+    assert overlap is not None
     assert np.array_equal(outside, known & ~overlap)
     wrong = perfect(sample)
     wrong["depth"] = wrong["depth"] + 0.05 * torch.from_numpy(outside)[None]
-    labels = sample.ground_truth
     found = summarise([score_sample(sample.name, wrong, sample.K[0], labels, CORRECTED, None, overlap)])
     depth = found["depth"]
     assert depth["overlap"]["all"]["mae"] == 0.0

@@ -185,7 +185,7 @@ def test_the_hidden_side_of_a_thin_plate_takes_no_light_of_its_lit_side() -> Non
     found = denoised_meshes(nodes, _halves(light, 0.5), fireflies=False)[:, 0]
     assert (found[nodes.back] == 0.0).all()
     area = np.bincount(plate.faces.ravel(), np.repeat(plate.area_faces / 3.0, 3))
-    mean = 0.5 * sum(_halves(light, 0.5))[:, 0]
+    mean = np.mean(_halves(light, 0.5), axis=0)[:, 0]
     assert np.sum(area * found[~nodes.back]) == pytest.approx(np.sum(area * mean[~nodes.back]), rel=1e-4)
 
 
@@ -193,9 +193,9 @@ def test_photons_are_smoothed_and_stay_where_they_land() -> None:
     """Half of a ball is lit by two photons a vertex and half of them, the other half by none."""
     nodes, rng = _nodes(BALL), np.random.default_rng(3)
     light = np.where(BALL.vertices[:, 2] > 0.0, 1.0, 0.0)
-    halves = tuple((rng.poisson(2.0 * light) / 2.0)[:, None] * np.ones(12) for _ in range(2))
-    found = denoised_meshes(nodes, halves, fireflies=False)[:, 0]
-    before = 0.5 * (halves[0] + halves[1])[:, 0]
+    first, second = ((rng.poisson(2.0 * light) / 2.0)[:, None] * np.ones(12) for _ in range(2))
+    found = denoised_meshes(nodes, (first, second), fireflies=False)[:, 0]
+    before = 0.5 * (first + second)[:, 0]
     lit, dark = BALL.vertices[:, 2] > 0.01, BALL.vertices[:, 2] < -0.02
     assert np.mean((found - light)[lit] ** 2) < 0.1 * np.mean((before - light)[lit] ** 2)
     assert found[dark].max() < 0.02
