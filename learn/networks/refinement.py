@@ -1,7 +1,7 @@
 """Refinement of depth at 1/2 of the image size: a choice among depths that are precise in themselves.
 
-A layer that predicts a correction has to be exact to a hundredth of its range, which few steps of training do not
-reach. To choose is easier: candidates are planes close around the depth found so far, the depths at which the pictures
+A layer that predicts a correction has to be exact to a hundredth of its range, which it did not learn in ten thousand
+steps. To choose is easier: candidates are planes close around the depth found so far, the depths at which the pictures
 are most alike, and the table's plane. Their probabilities give the depth, as in the cost volume. (From coarse to fine,
 as in Gu et al., "Cascade Cost Volume for High-Resolution Multi-View Stereo and Stereo Matching", CVPR 2020.)
 """

@@ -16,6 +16,8 @@ way.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import cv2
 import numpy as np
 from scipy.sparse import csr_array
@@ -25,6 +27,8 @@ from ...procedural.surroundings.colour import luminance
 from ..pictures.denoise import blend, run_filter
 from .cache_points import CachePoints, point_areas
 
+#: The same moments by two halves of the paths or photons.
+Halves: TypeAlias = tuple[np.ndarray, np.ndarray]
 #: Side of the box over which light removed or added by the filter is returned, over the grid's longer side [1]. The
 #: filter removes fireflies as noise: under an environment map with small bright lights the table lost 0.2 % of its
 #: light (`hdri`).
@@ -118,32 +122,40 @@ def _box_filtered(image: np.ndarray, width: float) -> np.ndarray:
     return cv2.boxFilter(image / inside[..., None], -1, (side, side), borderType=cv2.BORDER_CONSTANT)
 
 
-def denoised_meshes(
-    points: CachePoints, halves: tuple[np.ndarray, np.ndarray], *, fireflies: bool = True
-) -> np.ndarray:
+def denoised_meshes(points: CachePoints, paths: Halves, photons: Halves | None = None) -> np.ndarray:
     """Return the denoised irradiance of a scene's meshes; its mean over the surface stays.
 
     Parameters
     ----------
     points : CachePoints
         The cache points.
-    halves : two (vertices, 12) float64
-        Moments by half of the paths or photons each, before directions are divided by the irradiance.
-    fireflies : bool
-        Whether to spread fireflies first. Photons make none: all carry about as much.
+    paths : two (vertices, 12) float64
+        Moments by half of the paths each, before directions are divided by the irradiance.
+    photons : two (vertices, 12) float64, optional
+        Moments by half of the photons each. They are filtered apart, so that the noise of paths does not blur caustics,
+        and have no fireflies: all photons carry about as much.
 
     Returns
     -------
     (vertices, 12) float32
-        Their mean, filtered. The irradiance is >= 0.
+        The sum of both means, filtered. The irradiance is >= 0.
     """
+    both = paths if photons is None else (paths[0] + photons[0], paths[1] + photons[1])
     if len(points.positions) <= _NEIGHBOURS:
-        return 0.5 * (halves[0] + halves[1])
+        return 0.5 * (both[0] + both[1])
     # In float32: the filter is bound by memory, and the noise is far above the rounding.
     step = diffusion_step(points).astype(np.float32)
-    first, second = (half.astype(np.float32) for half in halves)
-    if fireflies:
-        first, second = _without_fireflies(points, step, (first, second))
+    result = _by_scales(step, _without_fireflies(points, step, _single(paths)))
+    return result if photons is None else result + _by_scales(step, _single(photons))
+
+
+def _single(halves: Halves) -> Halves:
+    return halves[0].astype(np.float32), halves[1].astype(np.float32)
+
+
+def _by_scales(step: csr_array, halves: Halves) -> np.ndarray:
+    """Return the mean of two halves with the details of each scale as far as they are not noise."""
+    first, second = halves
     light, noise = 0.5 * (first + second), luminance(0.5 * (first - second)[:, :3])
     result = np.zeros_like(light)
     for steps in _STEPS:
@@ -159,9 +171,7 @@ def denoised_meshes(
     return result
 
 
-def _without_fireflies(
-    points: CachePoints, step: csr_array, halves: tuple[np.ndarray, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+def _without_fireflies(points: CachePoints, step: csr_array, halves: Halves) -> Halves:
     """Return both halves with the excess of fireflies spread over their meshes (`_even`)."""
     levels = luminance(halves[0][:, :3]), luminance(halves[1][:, :3])
     dark, level = np.minimum(*levels), 0.5 * (levels[0] + levels[1])

@@ -77,8 +77,8 @@ def fill_cache(
     grid, half = points.grid_count, (0.5 * counts * GROUP)[:, None]
     halves = (total - odd) / half, odd / half
     mean = 0.5 * (halves[0][:grid] + halves[1][:grid])
-    meshes = denoised_meshes(points, (halves[0][grid:], halves[1][grid:]))
-    meshes = meshes + denoised_meshes(points, (photon_halves[0][grid:], photon_halves[1][grid:]), fireflies=False)
+    of_paths, of_photons = ((first[grid:], second[grid:]) for first, second in (halves, photon_halves))
+    meshes = denoised_meshes(points, of_paths, of_photons)
     moments = normalised(np.concatenate([mean + caustics[:grid], meshes])).astype(np.float32)
     noise = 0.5 * ((halves[0] - halves[1])[:grid, :6] + (photon_halves[0] - photon_halves[1])[:grid, :6])
     fraction = luminance(caustics[:grid, :3]) / np.maximum(luminance(moments[:grid, :3]), 1e-30)
