@@ -171,7 +171,7 @@ def check_weights(expected: Mapping[str, Tensor], found: Mapping[str, Tensor], w
         wanted = _shape(expected[name]) if name in expected else "no such tensor"
         given = _shape(found[name]) if name in found else "none"
         if wanted != given:
-            raise InputError(f"{where}: {name}", wanted, given)
+            raise InputError(f"{where}: {name}", wanted, f"{given} (weights of another version or network?)")
 
 
 def _shape(value: Tensor) -> str:
