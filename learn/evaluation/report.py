@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from rich.table import Table
 
-from ..metrics.depth import mean_errors
+from ..metrics.depth import DepthErrors, mean_errors
 from ..metrics.detection import average_precision, mean_overlap
 from ..metrics.instances import instance_precision, mask_overlaps
 from ..metrics.pose import area_under_curve, fraction_near
@@ -42,11 +42,9 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
     whole = {
         "samples": len(scores),
         "depth": {
-            "full": {kind: _asdict(mean_errors([score.full[kind] for score in scores])) for kind in PIXEL_GROUPS},
-            "cleargrasp": {
-                kind: _asdict(mean_errors([score.small[kind] for score in scores])) for kind in PIXEL_GROUPS
-            },
-            **_parts(scores),
+            "full": _mean_by_group([score.full for score in scores]),
+            "cleargrasp": _mean_by_group([score.small for score in scores]),
+            **{part: _mean_by_group([score.parts[part] for score in scores]) for part in _known_parts(scores)},
         },
         "floors": {
             size: {kind: summarised_floors([score.floors[size] for score in scores], kind) for kind in PIXEL_GROUPS}
@@ -60,20 +58,18 @@ def summarise(scores: Sequence[SampleScore]) -> dict[str, Any]:
         "masks": {**asdict(precision), "iou_all": mean_overlap([mask_overlaps(mask) for mask in masks], FOUND_IOU)[1]},
         "pose": pose_metrics(objects),
         "keypoints": keypoint_metrics(objects),
-        "by_category": _grouped(objects, [item.label.category for item in objects]),
-        "by_content": _grouped(objects, [fill_class(item) for item in objects]),
-        "by_thickness": _grouped(objects, [thickness_class(item) for item in objects]),
+        **_by_kind(objects),
     }
     return nan_to_none(whole)
 
 
-def _parts(scores: Sequence[SampleScore]) -> dict[str, dict[str, Any]]:
-    """Return the depth errors by `PICTURE_PARTS`; none of samples with a single view."""
-    return {
-        part: {kind: _asdict(mean_errors([score.parts[part][kind] for score in scores])) for kind in PIXEL_GROUPS}
-        for part in PICTURE_PARTS
-        if scores and all(part in score.parts for score in scores)
-    }
+def _mean_by_group(rows: Sequence[Mapping[str, DepthErrors | None]]) -> dict[str, Any]:
+    return {kind: _asdict(mean_errors([row[kind] for row in rows])) for kind in PIXEL_GROUPS}
+
+
+def _known_parts(scores: Sequence[SampleScore]) -> list[str]:
+    """Return the `PICTURE_PARTS` that all samples have; none where one has a single view."""
+    return [part for part in PICTURE_PARTS if scores and all(part in score.parts for score in scores)]
 
 
 def pose_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
@@ -126,9 +122,7 @@ def object_metrics(objects: Sequence[ObjectScore]) -> dict[str, Any]:
     return {
         "keypoints": keypoint_metrics(objects),
         "pose": pose_metrics(objects),
-        "by_category": _grouped(objects, [item.label.category for item in objects]),
-        "by_content": _grouped(objects, [fill_class(item) for item in objects]),
-        "by_thickness": _grouped(objects, [thickness_class(item) for item in objects]),
+        **_by_kind(objects),
     }
 
 
@@ -188,11 +182,7 @@ def tables(found: dict[str, Any]) -> list[Table]:
         "translation",
         "rotation",
     )
-    rows = [
-        [name, *(row[column] for column in columns)]
-        for group in ("by_category", "by_content", "by_thickness")
-        for name, row in found[group].items()
-    ]
+    rows = [[name, *(row[column] for column in columns)] for group in _KINDS for name, row in found[group].items()]
     return [first, kinds, floors, _table("objects", ("kind", *columns), rows)]
 
 
@@ -220,7 +210,7 @@ def _object_tables(found: dict[str, Any]) -> list[Table]:
     kinds = ("objects", "found", "axis_mae", "auc", "near", "mae", "add_s", "translation", "rotation")
     groups = [
         [name, *(row[column] for column in kinds)]
-        for group in ("by_category", "by_content", "by_thickness")
+        for group in _KINDS
         for name, row in found["locations"]["truth"][group].items()
     ]
     return [
@@ -244,6 +234,18 @@ def _floor_rows(floors: dict[str, Any]) -> list[list[Any]]:
         for kind, by_floor in floors.items()
         for floor, errors in by_floor.items()
     ]
+
+
+def _by_kind(objects: Sequence[ObjectScore]) -> dict[str, Any]:
+    return {group: _grouped(objects, [kind_of(item) for item in objects]) for group, kind_of in _KINDS.items()}
+
+
+def _category(item: ObjectScore) -> str:
+    return item.label.category
+
+
+#: Kinds of objects that have metrics of their own: their entry in reports, and which of them an object is of.
+_KINDS = {"by_category": _category, "by_content": fill_class, "by_thickness": thickness_class}
 
 
 def _grouped(objects: Sequence[ObjectScore], names: Sequence[str]) -> dict[str, Any]:
