@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...annotate.projection import project, transformed
 from ..data.scaling import FitRule, fitted, fitted_K
 from ..data.views import CameraView
 
@@ -97,13 +98,11 @@ def window_of_source(reference: CameraView, window: Window, source: CameraView, 
     """
     u, v = (0.5 * (part.start + part.stop - 1) for part in (window.columns, window.rows))
     point = depth * np.linalg.solve(reference.K, np.array([u, v, 1.0]))
-    world = reference.world_T_camera @ np.append(point, 1.0)
-    x, y, z = (np.linalg.solve(source.world_T_camera, world))[:3]
-    if z <= 0.0:
+    ((x, y),), (Z,) = project(transformed(reference.world_T_camera, point[None]), source.K, source.world_T_camera)
+    if Z <= 0.0:
         return window
-    middle = source.K @ np.array([x / z, y / z, 1.0])
     height, width = source.picture.shape[:2]
-    return Window(_moved(window.rows, middle[1], height), _moved(window.columns, middle[0], width))
+    return Window(_moved(window.rows, y, height), _moved(window.columns, x, width))
 
 
 def _moved(part: slice, middle: float, side: int) -> slice:
