@@ -27,6 +27,7 @@ from glassware.render.backend.variant import activate
 
 # The variant is set before the modules of the renderer are imported: their types depend on it.
 activate()
+from glassware.render.cache.draft import resized
 from glassware.render.labels.geometry import trace_geometry
 from glassware.render.pictures.picture import denoise_image, trace_picture
 from glassware.render.scene.loaded_scene import LoadedScene, load
@@ -95,11 +96,7 @@ def _change(loaded: LoadedScene, view: int) -> np.ndarray:
 
 def _sees_surroundings(loaded: LoadedScene, camera: Camera) -> np.ndarray:
     """Return which pixels, and those next to them, show no object anywhere, (H, W) bool."""
-    centre = tuple((c + 0.5) * _RAYS - 0.5 for c in camera.centre)
-    size = {"width": _RAYS * camera.width, "height": _RAYS * camera.height}
-    fine = camera.model_copy(
-        update={**size, "focal": _RAYS * camera.fx, "focal_y": _RAYS * camera.fy, "centre": centre}
-    )
+    fine = resized(camera, _RAYS * camera.width, _RAYS * camera.height)
     empty = (trace_geometry(loaded, fine).id == 0).reshape(camera.height, _RAYS, camera.width, _RAYS).all((1, 3))
     return cv2.erode(empty.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1).astype(bool)
 

@@ -140,9 +140,8 @@ def denoised_meshes(points: CachePoints, paths: Halves, photons: Halves | None =
     (vertices, 12) float32
         The sum of both means, filtered. The irradiance is >= 0.
     """
-    both = paths if photons is None else (paths[0] + photons[0], paths[1] + photons[1])
     if len(points.positions) <= _NEIGHBOURS:
-        return 0.5 * (both[0] + both[1])
+        return 0.5 * sum(paths if photons is None else (*paths, *photons), np.zeros_like(paths[0]))
     # In float32: the filter is bound by memory, and the noise is far above the rounding.
     step = diffusion_step(points).astype(np.float32)
     result = _by_scales(step, _without_fireflies(points, step, _single(paths)))

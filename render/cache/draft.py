@@ -48,7 +48,11 @@ def draft_picture(loaded: LoadedScene) -> Draft:
 def smaller(camera: Camera, pixels: int) -> Camera:
     """Return a camera of the same field of view with at most a number of pixels; one that is that small as it is."""
     scale = min(1.0, float(np.sqrt(pixels / (camera.width * camera.height))))
-    width, height = max(1, int(camera.width * scale)), max(1, int(camera.height * scale))
+    return resized(camera, max(1, int(camera.width * scale)), max(1, int(camera.height * scale)))
+
+
+def resized(camera: Camera, width: int, height: int) -> Camera:
+    """Return a camera of the same field of view with other sides [px]."""
     along = width / camera.width, height / camera.height
     cx, cy = ((centre + 0.5) * factor - 0.5 for centre, factor in zip(camera.centre, along, strict=True))
     sizes = {"width": width, "height": height, "focal": camera.fx * along[0], "focal_y": camera.fy * along[1]}
