@@ -30,6 +30,7 @@ def test_a_new_refinement_changes_nothing_that_matters(tiny, pair, rng):
     finest = torch.from_numpy(rng.normal(size=(1, tiny.pyramid_channels, 16, 32))).float()
     images, *cameras = pair
     refined = net(images, images, *cameras, PLANES, depth, finest, torch.zeros(1, 4, 64, 128))
+    # The others have a tenth of the probability; a tenth of a step of the planes, which is some 20 cm at 0.9 m.
     assert (refined - depth).abs().mean() < 0.02
 
 
