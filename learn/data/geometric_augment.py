@@ -6,7 +6,7 @@ All views of a sample are changed in the same way, so that their epipolar geomet
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,26 +15,12 @@ from ..targets.objects import ViewObject
 from .ground_truth import GroundTruth
 from .settings import AugmentSettings
 from .views import CameraView
+from .windows import Window, cut, cut_labels
 
 #: The mirror of the camera's and of the world's x axis.
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 #: An object's frame is mirrored along y: its z axis stays up, and its x axis towards the camera.
 _OBJECT_MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
-
-
-@dataclass(frozen=True)
-class Window:
-    """Rows and columns of a picture."""
-
-    top: int
-    left: int
-    height: int
-    width: int
-
-    @property
-    def slices(self) -> tuple[slice, slice]:
-        """The rows and the columns."""
-        return slice(self.top, self.top + self.height), slice(self.left, self.left + self.width)
 
 
 def moved_pixels(
@@ -59,8 +45,9 @@ def moved_pixels(
     zoom, down, across = rng.uniform(*settings.zoom), *rng.uniform(size=2)
     height, width = found[0].picture.shape[:2]
     size = max(1, round(height / zoom)), max(1, round(width / zoom))
-    window = Window(round(down * (height - size[0])), round(across * (width - size[1])), *size)
-    return [windowed_view(view, window) for view in found], windowed_labels(labels, window)
+    top, left = round(down * (height - size[0])), round(across * (width - size[1]))
+    window = Window(slice(top, top + size[0]), slice(left, left + size[1]))
+    return [cut(view, window) for view in found], cut_labels(labels, window)
 
 
 def mirrored_view(view: CameraView) -> CameraView:
@@ -96,18 +83,3 @@ def _mirrored_object(item: ViewObject) -> ViewObject:
         camera_T_object=_MIRROR @ item.camera_T_object @ _OBJECT_MIRROR,
         symmetry=Symmetry(turns=item.symmetry.turns, ball=item.symmetry.ball, motions=motions),
     )
-
-
-def windowed_view(view: CameraView, window: Window) -> CameraView:
-    """Return a window of a view; its camera's principal point moves by the window's corner."""
-    K = view.K.copy()
-    K[0, 2] -= window.left
-    K[1, 2] -= window.top
-    return CameraView(np.ascontiguousarray(view.picture[window.slices]), view.world_T_camera, K)
-
-
-def windowed_labels(labels: GroundTruth, window: Window) -> GroundTruth:
-    """Return the labels of a window; objects outside of it have no visible pixel."""
-    instances, Z = (np.ascontiguousarray(values[window.slices]) for values in (labels.instances, labels.Z))
-    objects = tuple(replace(item, visible=int((instances == item.id).sum())) for item in labels.objects)
-    return replace(labels, instances=instances, Z=Z, objects=objects)

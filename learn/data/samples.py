@@ -29,6 +29,7 @@ from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from .views import CameraView, check_colours, check_sides, check_sizes, read_camera, read_view
+from .windows import cut, cut_labels, stored_windows, windowed_K
 
 #: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
 DEPTH_QUANTILES = (0.005, 0.995)
@@ -117,6 +118,8 @@ class SampleDataset(TorchDataset):
     ) -> None:
         if views.rule == "stereo" and views.count != 2:
             raise InputError("views.count", "2 with the rule stereo", views.count)
+        if views.rule != "stereo" and views.convergence is not None:
+            raise InputError("views.convergence", "the rule stereo", views.rule)
         self.root, self._views, self._encoding = root, views, encoding
         self._augment, self._seed, self._with_ground_truth = augment, seed, ground_truth
         self._with_sensor_depth = sensor_depth
@@ -162,7 +165,9 @@ class SampleDataset(TorchDataset):
         check_sizes(views, reference.folder)
         for view, (stored, eye) in zip(views, selected, strict=True):
             check_colours(view.picture, stored.folder / f"{eye}.png")
-        labels = self._ground_truth(scene, reference)
+        window, of_source = stored_windows(read_camera(reference), self._views.convergence, reference.folder)
+        views = [cut(views[0], window), *(cut(view, of_source) for view in views[1:])]
+        labels = cut_labels(self._ground_truth(scene, reference), window)
         size = self._views.size
         if self._augment is not None:
             size = size or (views[0].picture.shape[0], views[0].picture.shape[1])
@@ -177,7 +182,8 @@ class SampleDataset(TorchDataset):
             labels = replace(labels, surface=self._surface(scene))
         sensor = None
         if self._with_sensor_depth and self._converted is None and reference.depth_camera() is not None:
-            sensor = scaled_depth(reference.sensor_depth(), size, self._views.fit)
+            depth = reference.sensor_depth()[window.slices]
+            sensor = scaled_depth(depth, size, self._views.fit)
         return LoadedViews(str(reference.folder.relative_to(self.root)), tuple(views), labels, sensor)
 
     def labels(self, index: int) -> GroundTruth:
@@ -191,7 +197,9 @@ class SampleDataset(TorchDataset):
 
     def _unmoved_labels(self, index: int) -> GroundTruth:
         scene, reference = self._references[index]
-        return scaled_ground_truth(self._ground_truth(scene, reference), self._views.size, self._views.fit)
+        window, _ = stored_windows(read_camera(reference), self._views.convergence, reference.folder)
+        labels = cut_labels(self._ground_truth(scene, reference), window)
+        return scaled_ground_truth(labels, self._views.size, self._views.fit)
 
     def cameras(self, index: int) -> list[tuple[np.ndarray, np.ndarray, tuple[int, int]]]:
         """Return pose, K and (height, width) of all views of a reference's scene, the reference first.
@@ -237,9 +245,11 @@ class SampleDataset(TorchDataset):
 
     def fitted_camera(self, index: int) -> tuple[np.ndarray, tuple[int, int]]:
         """Return K and (height, width) of a reference at the size of the samples, without augmentation."""
-        camera = read_camera(self._references[index][1])
-        fit = fitted((camera.height, camera.width), self._views.size, self._views.fit)
-        return fitted_K(np.array(camera.K), fit), fit.new
+        reference = self._references[index][1]
+        camera = read_camera(reference)
+        window, _ = stored_windows(camera, self._views.convergence, reference.folder)
+        fit = fitted(window.size, self._views.size, self._views.fit)
+        return fitted_K(windowed_K(np.array(camera.K), window), fit), fit.new
 
     def focal_baseline(self) -> float:
         """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""

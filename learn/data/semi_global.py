@@ -30,10 +30,12 @@ def semi_global_depth(left: CameraView, right: CameraView) -> np.ndarray:
 
     Glass has no colours of its own, so what is matched is what is seen through it, as with a stereo camera.
     """
-    width = left.picture.shape[1]
+    # That of an infinitely far point: less than 0 where principal points are moved apart, for pictures that were wider.
+    least = round(float(left.K[0, 2] - right.K[0, 2]))
+    width = left.picture.shape[1] + max(-least, 0)
     most = max(_STEP, int(width * _MOST_DISPARITY) // _STEP * _STEP)
     matcher = cv2.StereoSGBM.create(
-        minDisparity=0,
+        minDisparity=least,
         numDisparities=most,
         blockSize=_BLOCK,
         P1=_SMALL_CHANGE * 3 * _BLOCK**2,
@@ -45,8 +47,10 @@ def semi_global_depth(left: CameraView, right: CameraView) -> np.ndarray:
         mode=cv2.STEREO_SGBM_MODE_SGBM,
     )
     # Beside the picture there is nothing to match: a border lets the first columns have all disparities.
-    padded = (cv2.copyMakeBorder(view.picture, 0, 0, most, 0, cv2.BORDER_REPLICATE) for view in (left, right))
-    disparity = matcher.compute(*padded)[:, most:].astype(np.float32) / _STEP
+    before, after = max(most + least, 0), max(-least, 0)
+    padded = (cv2.copyMakeBorder(view.picture, 0, 0, before, after, cv2.BORDER_REPLICATE) for view in (left, right))
+    columns = slice(before, before + left.picture.shape[1])
+    disparity = matcher.compute(*padded)[:, columns].astype(np.float32) / _STEP
     baseline = np.linalg.norm(right.world_T_camera[:3, 3] - left.world_T_camera[:3, 3])
     disparity += np.float32(right.K[0, 2] - left.K[0, 2])
     known = disparity > 0.0

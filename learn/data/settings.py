@@ -26,6 +26,13 @@ class ViewSettings(Model):
     pool: int = Field(
         default=8, ge=1, le=56, description="With distance, how many of the nearest cameras sources are drawn from"
     )
+    convergence: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1000.0,
+        description="With stereo, the depth at which both pictures of a pair are cut to show the same, as of cameras "
+        "with moved principal points [m]; null: whole pictures, of which the left part has no match",
+    )
     size: tuple[_Side, _Side] | None = Field(
         default=None, description="Height and width that images are resized to, multiples of 32 [px]; null: as stored"
     )

@@ -56,6 +56,8 @@ def load_detector(path: Path, settings: TrainSettings) -> Detector:
         raise InputError(f"{path}: network.name", "mvtrans or simnet, which find objects", theirs.network.name)
     if (theirs.views.size, theirs.views.fit) != (settings.views.size, settings.views.fit):
         raise InputError(f"{path}: views.size", str(settings.views.size), theirs.views.size)
+    if theirs.views.convergence is not None:
+        raise InputError(f"{path}: views.convergence", "none: a detector of whole pictures", theirs.views.convergence)
     return Detector(eval_mode(network), theirs, path)
 
 

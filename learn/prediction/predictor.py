@@ -18,6 +18,7 @@ from ...dataset.cameras.model import Distortion
 from ..data.samples import image_tensor
 from ..data.scaling import fitted, restored, restored_points, scaled_view
 from ..data.views import CameraView, check_camera, check_picture, check_sizes
+from ..data.windows import Window, cut, window_of_source
 from ..decoding.decode import decode
 from ..evaluation.score import check_finite, eval_mode
 from ..networks.build import Network, build_network
@@ -32,7 +33,7 @@ from .own_pictures import OwnPicture, read_picture
 from .picture_checks import check_large_enough, check_light, check_pair
 from .rectification import Pinhole, at_source, pinholes, seen_at
 from .rigs import RigOptions, with_rig
-from .windows import Found, Window, cut, merged, window_of_source, windows
+from .windows import Found, merged, windows
 
 #: Fewer pixels than these, at the network's size, are no object: as in evaluation, where such ones need not be found.
 LEAST_PIXELS = 16
@@ -166,15 +167,16 @@ class Predictor:
         return _in_source(whole, seen[0], sum(left_out for _, left_out in found))
 
     def _cut(self, views: Sequence[CameraView], window: Window) -> list[CameraView]:
-        """Return a window of the first view, and of the others those that show the same at the middle depth.
+        """Return a window of the first view, and of the others those that show the same at one depth.
 
-        Networks that read disparities have windows at one place.
+        It is that of the training's pairs, or the middle of the planes where these were whole pictures. Networks that
+        read disparities have windows at one place.
         """
         reference, *sources = views
         planes = self.settings.network.depth_range
         if planes is None or self.settings.network.name != "mvtrans":
             return [cut(view, window) for view in views]
-        middle = 2.0 / (1.0 / planes[0] + 1.0 / planes[1])  # of the disparities
+        middle = self.settings.views.convergence or 2.0 / (1.0 / planes[0] + 1.0 / planes[1])  # of the disparities
         others = [(source, window_of_source(reference, window, source, middle)) for source in sources]
         return [cut(reference, window), *(cut(source, part) for source, part in others)]
 

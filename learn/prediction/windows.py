@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...annotate.projection import project, transformed
 from ..data.scaling import FitRule, fitted, fitted_K
-from ..data.views import CameraView
+from ..data.windows import Window, whole_picture
 
 #: Focal length of training over that of the whole picture at the network's size, from which windows are taken: the
 #: augmentation of training enlarges pictures by up to 1.3.
@@ -30,14 +29,6 @@ _REACH = 1.0 + (_MOST - 1) * (1.0 - _OVERLAP)
 _EDGE, _CUT = 0.12, 0.4
 
 _Size = tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Window:
-    """A part of a picture."""
-
-    rows: slice
-    columns: slice
 
 
 def windows(size: _Size, K: np.ndarray, network: _Size | None, focal: float | None, rule: FitRule) -> list[Window]:
@@ -56,11 +47,10 @@ def windows(size: _Size, K: np.ndarray, network: _Size | None, focal: float | No
     rule : str
         How pictures are put into that size (`data.scaling.fitted`).
     """
-    whole = [Window(slice(0, size[0]), slice(0, size[1]))]
     if network is None or focal is None:
-        return whole
+        return [whole_picture(size)]
     if focal < _WIDE * fitted_K(K, fitted(size, network, rule))[0, 0]:
-        return whole
+        return [whole_picture(size)]
     # Side of a window in pixels of the picture: it shows the field of view that training pictures have.
     wanted = [(side, part * K[axis, axis] / focal) for axis, side, part in _axes(size, network)]
     larger = max(1.0, *(side / (_REACH * part) for side, part in wanted))
@@ -79,45 +69,6 @@ def _pieces(side: int, part: int) -> list[slice]:
         return [slice(0, side)]
     count = 1 + math.ceil((side - part) / ((1.0 - _OVERLAP) * part))
     return [slice(start, start + part) for start in np.rint(np.linspace(0, side - part, count)).astype(int).tolist()]
-
-
-def window_of_source(reference: CameraView, window: Window, source: CameraView, depth: float) -> Window:
-    """Return the window of another view that shows what a window of the reference shows at a depth.
-
-    Of a pair, at the same place a window of the right eye misses the left part of what the left one shows, as wide as
-    the disparity; nothing is matched there. Moved by the disparity of the middle depth both windows show the same.
-
-    Parameters
-    ----------
-    reference, source : CameraView
-        The views.
-    window : Window
-        Of the reference.
-    depth : float
-        Depth in the reference at which the middles of both windows meet [m].
-    """
-    u, v = (0.5 * (part.start + part.stop - 1) for part in (window.columns, window.rows))
-    point = depth * np.linalg.solve(reference.K, np.array([u, v, 1.0]))
-    ((x, y),), (Z,) = project(transformed(reference.world_T_camera, point[None]), source.K, source.world_T_camera)
-    if Z <= 0.0:
-        return window
-    height, width = source.picture.shape[:2]
-    return Window(_moved(window.rows, y, height), _moved(window.columns, x, width))
-
-
-def _moved(part: slice, middle: float, side: int) -> slice:
-    """Return a part of a side with another middle, as far as the side goes."""
-    length = part.stop - part.start
-    start = round(min(max(middle - 0.5 * (length - 1), 0.0), side - length))
-    return slice(start, start + length)
-
-
-def cut(view: CameraView, window: Window) -> CameraView:
-    """Return a window of a view, with its own K."""
-    K = view.K.copy()
-    K[0, 2] -= window.columns.start
-    K[1, 2] -= window.rows.start
-    return CameraView(np.ascontiguousarray(view.picture[window.rows, window.columns]), view.world_T_camera, K)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from ...dataset.reader import Dataset
 from ..data.scaling import fitted, fitted_K
 from ..data.splits import scenes_of
 from ..data.views import read_camera
+from ..data.windows import stored_windows
 from ..networks.build import build_network
 from .checkpoint import check_weights, load_checkpoint
 from .settings import TrainSettings
@@ -101,7 +102,8 @@ def _median_camera(data: Path, settings: TrainSettings) -> tuple[float, float | 
     focal, baselines = [], []
     for view in views[:: max(1, len(views) // _CAMERAS)]:
         camera = read_camera(view)
-        fit = fitted((camera.height, camera.width), settings.views.size, settings.views.fit)
+        window, _ = stored_windows(camera, settings.views.convergence, view.folder)
+        fit = fitted(window.size, settings.views.size, settings.views.fit)
         focal.append(fitted_K(np.array(camera.K), fit)[0, 0])
         if camera.baseline is not None:
             baselines.append(camera.baseline)

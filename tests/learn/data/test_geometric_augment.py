@@ -7,16 +7,14 @@ import pytest
 
 from glassware.annotate.projection import inverse_pose, pixel_rays, project_camera
 from glassware.learn.data.geometric_augment import (
-    Window,
     mirrored_labels,
     mirrored_view,
     moved_pixels,
-    windowed_labels,
-    windowed_view,
 )
 from glassware.learn.data.ground_truth import GroundTruth
 from glassware.learn.data.settings import AugmentSettings
 from glassware.learn.data.views import CameraView
+from glassware.learn.data.windows import Window, cut, cut_labels
 from glassware.learn.targets.objects import canonical_pose
 
 HEIGHT, WIDTH = 96, 128
@@ -83,11 +81,11 @@ def test_a_mirror_image_is_a_view_of_the_mirrored_world(stereo):
 
 def test_a_window_moves_the_principal_point_and_nothing_else(stereo):
     views, labels = stereo
-    window = Window(top=12, left=20, height=72, width=96)
-    cut = [windowed_view(view, window) for view in views], windowed_labels(labels, window)
-    assert_consistent(*cut)
-    assert cut[0][0].K[0, 2] == views[0].K[0, 2] - 20
-    assert cut[0][0].picture.shape == (72, 96, 3)
+    window = Window(slice(12, 84), slice(20, 116))
+    moved = [cut(view, window) for view in views], cut_labels(labels, window)
+    assert_consistent(*moved)
+    assert moved[0][0].K[0, 2] == views[0].K[0, 2] - 20
+    assert moved[0][0].picture.shape == (72, 96, 3)
 
 
 def test_all_views_of_a_sample_are_moved_alike_and_half_of_the_samples_are_mirrored(stereo, rng):

@@ -177,6 +177,19 @@ def test_semi_global_matching_finds_a_plane(base):
     assert (filled_depth(depth) > 0.0).all()
 
 
+def test_semi_global_matching_takes_pairs_whose_principal_points_are_apart():
+    """A plane behind the depth at which both pictures show the same: columns differ by less than nothing there."""
+    wide = np.random.default_rng(4).integers(0, 256, (64, 200, 3)).astype(np.uint8)
+    K, pose = np.array([[100.0, 0.0, 63.5], [0.0, 100.0, 31.5], [0.0, 0.0, 1.0]]), np.eye(4)
+    pose[0, 3] = 0.06
+    left = CameraView(wide[:, 20:148], np.eye(4), K - np.outer([1, 0, 0], [0, 0, 20.0]))
+    right = CameraView(wide[:, 12:140], pose, K)  # a disparity of 12 px less 20
+    depth = semi_global_depth(left, right)[:, 4:-12]
+    known = depth > 0.0
+    assert known.mean() > 0.8
+    assert np.abs(100.0 * 0.06 / depth[known] - 12).max() <= 0.25
+
+
 def test_holes_take_the_farther_depth_beside_them():
     depth = np.array([[0.0, 2.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0]], np.float32)
     expected = [[2.0, 2.0, 2.0, 1.0, 1.0], [1.5, 1.5, 1.5, 1.5, 1.5]]

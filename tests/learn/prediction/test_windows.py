@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from glassware.annotate.projection import project_camera
 from glassware.learn.data.scaling import fitted, fitted_K
 from glassware.learn.data.views import CameraView
-from glassware.learn.prediction.windows import Found, Window, cut, merged, window_of_source, windows
+from glassware.learn.data.windows import Window, cut
+from glassware.learn.prediction.windows import Found, merged, windows
 
 SIZE = (72, 128)
 K = np.array([[70.0, 0.0, 63.5], [0.0, 70.0, 35.5], [0.0, 0.0, 1.0]])
@@ -66,42 +66,6 @@ def test_windows_of_a_far_wider_lens_are_larger_but_cover_the_picture(focal):
     assert len({window.columns.start for window in parts}) == 6
     lefts = sorted({window.columns.start for window in parts})
     assert max(np.diff(lefts)) <= (parts[0].columns.stop - parts[0].columns.start) / 2 + 1
-
-
-def test_a_window_sees_points_where_the_picture_has_them():
-    window = Window(slice(10, 60), slice(30, 110))
-    point = np.array([[0.1, -0.05, 0.8]])
-    whole, _ = project_camera(point, K)
-    part, _ = project_camera(point, cut(CameraView(np.zeros((*SIZE, 3), np.uint8), np.eye(4), K), window).K)
-    np.testing.assert_allclose(part + np.array([30, 10]), whole)
-
-
-def eye(x: float, K: np.ndarray = K, turn: float = 0.0) -> CameraView:
-    pose = np.eye(4)
-    pose[:3, :3] = [[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]]
-    pose[0, 3] = x
-    return CameraView(np.zeros((*SIZE, 3), np.uint8), pose, K)
-
-
-@pytest.mark.parametrize("right", [eye(0.12), eye(0.12, K + np.outer([0, 1, 0], [0, 0, 4.0])), eye(0.1, turn=0.1)])
-def test_windows_of_both_eyes_have_the_same_middle_at_the_middle_depth(right):
-    """For parallel eyes, for another principal point, and for eyes that turn towards each other."""
-    window, left = Window(slice(20, 50), slice(50, 90)), eye(0.0)
-    part = window_of_source(left, window, right, 0.6)
-    assert (part.rows.stop - part.rows.start, part.columns.stop - part.columns.start) == (30, 40)
-    ray = np.linalg.solve(K, [69.5, 34.5, 1.0])
-    in_right = np.linalg.solve(right.world_T_camera, [*(0.6 * ray), 1.0])[None, :3]
-    (seen,), _ = project_camera(in_right, cut(right, part).K)
-    np.testing.assert_allclose(seen, [19.5, 14.5], atol=0.51)  # whole pixels
-
-
-def test_windows_stay_within_the_picture():
-    window = Window(slice(0, 72), slice(0, 60))
-    assert window_of_source(eye(0.0), window, eye(0.12), 0.6) == window  # a disparity of 14 px would lead beyond
-    whole = Window(slice(0, 72), slice(0, 128))
-    assert window_of_source(eye(0.0), whole, eye(0.12), 0.6) == whole
-    behind = eye(0.0, turn=np.pi)
-    assert window_of_source(eye(0.0), window, behind, 0.6) == window
 
 
 def test_an_object_found_in_two_windows_is_one_and_the_one_that_is_cut_gives_way():
