@@ -29,6 +29,8 @@ from .settings import MachineSettings, TrainSettings
 _VALIDATION_SEED = 0
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
+#: Settings of a network on which none of its weights depends.
+_WITHOUT_WEIGHTS = ("depth_range", "recompute")
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +90,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
-    No weight depends on the depths of the planes: a run on nearer or farther things may ask for others. A refinement of
-    depth may be added (`load_initial_weights`).
+    No weight depends on the depths of the planes, so a run on nearer or farther things may ask for others, nor on what
+    is computed again to save memory. A refinement of depth may be added (`load_initial_weights`).
 
     Raises
     ------
@@ -99,13 +101,13 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        free = name == "depth_range" or (name == "refinement" and found[name] == default[name])
+        free = name in _WITHOUT_WEIGHTS or (name == "refinement" and found[name] == default[name])
         if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     views, open_views = settings.views, ViewSettings()
     left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
     views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
-    moved = {name: wanted[name] for name in ("depth_range", "refinement") if wanted[name] != default[name]}
+    moved = {name: wanted[name] for name in (*_WITHOUT_WEIGHTS, "refinement") if wanted[name] != default[name]}
     return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
 
 

@@ -140,6 +140,8 @@ def test_a_run_that_begins_with_weights_may_move_the_planes_of_depth(settings):
     nearer = settings.model_copy(update={"network": settings.network.model_copy(update={"depth_range": (0.4, 1.1)})})
     moved = with_network_of(nearer, trained, Path("weights"))
     assert moved.network == trained.network.model_copy(update={"depth_range": (0.4, 1.1)})
+    faster = settings.model_copy(update={"network": settings.network.model_copy(update={"recompute": "nothing"})})
+    assert with_network_of(faster, trained, Path("weights")).network.recompute == "nothing"
 
 
 def test_a_run_that_begins_with_weights_may_add_a_refinement_of_depth(settings, rng):
