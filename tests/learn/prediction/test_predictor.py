@@ -238,3 +238,22 @@ def test_pictures_of_a_wide_lens_are_seen_in_windows(weights, view, tmp_path):
     assert found.depth.shape == (192, 256)
     assert np.isfinite(found.depth).all()
     assert found.K[0, 0] == 60.0
+
+
+def test_windows_of_both_eyes_meet_at_the_depth_of_the_training_pairs(weights, view):
+    network, seen = load(weights), []
+
+    class Watched(torch.nn.Module):
+        def forward(self, images, world_T_camera, K):
+            seen.append(K[0].numpy())
+            return network.network(images, world_T_camera, K)
+
+    views = network.settings.views.model_copy(update={"size": (96, 128), "convergence": 0.4})
+    sized = Predictor(Watched(), network.settings.model_copy(update={"views": views}), network.focal, "cpu")
+    pictures = [cv2.resize(read_png(view.folder / f"{eye}.png"), (256, 192)) for eye in ("left", "right")]
+    sized.stereo(*pictures, baseline=0.06, focal=60.0)
+    # At 0.4 m the disparity is 9 px, and windows of as many pixels as the network's are moved by it where they can.
+    apart = np.array([right[0, 2] - left[0, 2] for left, right in seen])
+    assert len(apart) == 9
+    np.testing.assert_allclose(apart[np.arange(9) % 3 > 0], 9.0)  # in the first of each row there is nothing to the left
+    np.testing.assert_allclose(apart[::3], 0.0)
