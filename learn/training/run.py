@@ -101,7 +101,7 @@ def train(
         _check_samples(state, data)
         if start is None:
             if init is not None and weights is not None:
-                load_initial_weights(state.network, weights.weights, init)
+                load_initial_weights(state.network, weights, init)
             else:
                 load_pretrained_context(state)
             start = _initial_checkpoint(state)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -21,16 +20,17 @@ from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
-from .checkpoint import Checkpoint, check_weights, load_weights
+from .checkpoint import Checkpoint, TrainedWeights, check_weights, load_weights
 from .methods import samples_of, training_samples, with_data
+from .plane_weights import on_planes
 from .settings import MachineSettings, TrainSettings
 
 #: Seed of the validation samples: the same in every run, so that their losses compare.
 _VALIDATION_SEED = 0
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
-#: Settings of a network on which none of its weights depends.
-_WITHOUT_WEIGHTS = ("depth_range", "recompute")
+#: Settings of a network that may differ from those of the weights with which a run begins.
+_MAY_DIFFER = ("depth_range", "planes", "recompute")
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +90,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
-    No weight depends on the depths of the planes, so a run on nearer or farther things may ask for others, nor on what
-    is computed again to save memory. A refinement of depth may be added (`load_initial_weights`).
+    A run on nearer or farther things may ask for other planes (`on_planes`), and a refinement of depth may be added
+    (`load_initial_weights`). What is computed again to save memory is free.
 
     Raises
     ------
@@ -101,19 +101,24 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        free = name in _WITHOUT_WEIGHTS or (name == "refinement" and found[name] == default[name])
+        free = name in _MAY_DIFFER or (name == "refinement" and found[name] == default[name])
         if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     views, open_views = settings.views, ViewSettings()
     left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
     views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
-    moved = {name: wanted[name] for name in (*_WITHOUT_WEIGHTS, "refinement") if wanted[name] != default[name]}
+    moved = {name: wanted[name] for name in (*_MAY_DIFFER, "refinement") if wanted[name] != default[name]}
     return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
 
 
-def load_initial_weights(network: torch.nn.Module, weights: Mapping[str, Tensor], where: Path) -> None:
-    """Load the weights that a run begins with; where they have no refinement of depth, a new one stays as it is."""
-    own = network.state_dict()
+def load_initial_weights(network: torch.nn.Module, trained: TrainedWeights, where: Path) -> None:
+    """Load the weights that a run begins with, for the network's planes.
+
+    Where they have no refinement of depth, a new one stays as it is.
+    """
+    weights, own = dict(trained.weights), network.state_dict()
+    if isinstance(network, MVTrans):
+        weights = on_planes(weights, trained.settings.network, network.settings)
     new = {} if any(map(_of_refinement, weights)) else {name: own[name] for name in own if _of_refinement(name)}
     load_weights(network, {**weights, **new}, where)
 

@@ -255,5 +255,7 @@ def test_windows_of_both_eyes_meet_at_the_depth_of_the_training_pairs(weights, v
     # At 0.4 m the disparity is 9 px, and windows of as many pixels as the network's are moved by it where they can.
     apart = np.array([right[0, 2] - left[0, 2] for left, right in seen])
     assert len(apart) == 9
-    np.testing.assert_allclose(apart[np.arange(9) % 3 > 0], 9.0)  # in the first of each row there is nothing to the left
+    np.testing.assert_allclose(
+        apart[np.arange(9) % 3 > 0], 9.0
+    )  # in the first of each row there is nothing to the left
     np.testing.assert_allclose(apart[::3], 0.0)

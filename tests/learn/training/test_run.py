@@ -11,7 +11,7 @@ import torch
 from glassware.core.errors import InputError
 from glassware.core.exit_codes import WorkFailed
 from glassware.learn.networks.build import build_network
-from glassware.learn.training.checkpoint import load_checkpoint, load_network, save_checkpoint
+from glassware.learn.training.checkpoint import TrainedWeights, load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import OptimiserSettings
 from glassware.learn.training.train_state import load_initial_weights, with_network_of
@@ -126,8 +126,8 @@ def test_a_new_run_begins_with_the_weights_of_another_one(settings, rendered, tm
     for name, value in before.eval_weights().items():
         if "running" not in name and "batches" not in name:
             torch.testing.assert_close(after.network[name], value)
-    other = settings.model_copy(update={"network": settings.network.model_copy(update={"planes": 9})})
-    with pytest.raises(InputError, match=r"network\.planes: expected 9, as the settings say, found 8"):
+    other = settings.model_copy(update={"network": settings.network.model_copy(update={"groups": 2})})
+    with pytest.raises(InputError, match=r"network\.groups: expected 2, as the settings say, found 8"):
         train(other, rendered, tmp_path / "third", None, lines.append, init=best)
     with pytest.raises(InputError, match="init: expected none beside resume"):
         train(settings, rendered, tmp_path / "first", best, lines.append, init=best)
@@ -152,9 +152,11 @@ def test_a_run_that_begins_with_weights_may_add_a_refinement_of_depth(settings, 
     network = with_network_of(asked, trained, Path("weights")).network
     assert network.refinement == "half"
     before, after = build_network(plain).eval(), build_network(network).eval()
-    load_initial_weights(after, before.state_dict(), Path("weights"))
+    load_initial_weights(after, TrainedWeights(trained, before.state_dict(), None), Path("weights"))
     again = build_network(network).eval()
-    load_initial_weights(again, after.state_dict(), Path("weights"))
+    load_initial_weights(
+        again, TrainedWeights(asked.model_copy(update={"network": network}), after.state_dict(), None), Path("weights")
+    )
     images = torch.from_numpy(rng.uniform(size=(1, 2, 3, 64, 96))).float()
     poses = torch.eye(4).repeat(1, 2, 1, 1)
     poses[0, 1, 0, 3] = 0.05
