@@ -19,7 +19,8 @@ def on_planes(weights: Mapping[str, Tensor], old: NetworkSettings, new: NetworkS
     """Return weights of MVTrans for the planes of other settings.
 
     Each new plane takes the context map of the old one that is nearest (by 1 / depth), and what reads the maps reads
-    copies by equal parts: a network with more planes, as far apart, finds the same where it did before. The coarse depth, which the pyramid sees over the range of the planes, keeps its scale.
+    copies by equal parts: a network with more planes, as far apart, finds the same where it did before. The coarse
+    depth, which the pyramid sees over the range of the planes, keeps its scale.
 
     Parameters
     ----------
