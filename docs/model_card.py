@@ -59,6 +59,8 @@ def card(record: Mapping[str, Any]) -> Iterator[str]:
     yield f"| planes | {network['planes']}, {network['spacing']}, from {_planes(network)} m |"
     if size:
         yield f"| size of pictures | {size[1]} x {size[0]} px |"
+    if convergence := weights["views"].get("convergence"):
+        yield f"| pairs are cut to what both eyes see at | {convergence:.2f} m |"
     if weights["focal"] is not None:
         median = f"{weights['focal']:.0f} px, {_mm(weights['baseline'])}"
         yield f"| focal length and baseline in training, medians | {median} |"
