@@ -77,6 +77,7 @@ NOT_RUN = {
     "glassware evaluate keypose/": "needs trained networks; tests/learn/test_baselines.py runs it",
     "glassware train keypose-ours ": "takes minutes; tests/learn/data/test_partial_truth.py trains on such data",
     "glassware evaluate out-keypose/": "needs the weights of the run above",
+    "glassware train large": "takes an hour; tests/learn/training runs such settings",
     "glassware train base-data": "takes an hour; tests/learn/training runs such settings",
     "glassware evaluate base unseen ": "renders for minutes; tests/learn/prediction/test_shipped.py loads `base`",
     "glassware predict base left.png": "needs a pair of one's own; tests/learn/prediction reads such pairs",

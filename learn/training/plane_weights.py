@@ -33,12 +33,12 @@ def on_planes(weights: Mapping[str, Tensor], old: NetworkSettings, new: NetworkS
         return dict(weights)
     before, after = _depths(old), _depths(new)
     nearest = (1.0 / after[:, None] - 1.0 / before).abs().argmin(1)
-    share = 1.0 / torch.bincount(nearest, minlength=len(before))[nearest]
+    weight = 1.0 / torch.bincount(nearest, minlength=len(before))[nearest]
     found = {name: w[nearest] if name.startswith(_MAPS) and w.ndim else w for name, w in weights.items()}
     features = old.feature_channels
     matching, coarse, maps = weights[_STEM].split([features, 1, weights[_STEM].shape[1] - features - 1], dim=1)
     if old.heads_see_context:
-        maps = maps[:, nearest] * share.to(maps)[:, None, None]
+        maps = maps[:, nearest] * weight.to(maps)[:, None, None]
     coarse = coarse * float((after[-1] - after[0]) / (before[-1] - before[0]))
     return found | {_STEM: torch.cat([matching, coarse, maps], dim=1)}
 
