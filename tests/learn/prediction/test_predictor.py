@@ -249,9 +249,9 @@ def test_windows_of_both_eyes_meet_at_the_depth_of_the_training_pairs(weights, v
             return network.network(images, world_T_camera, K)
 
     views = network.settings.views.model_copy(update={"size": (96, 128), "convergence": 0.4})
-    sized = Predictor(Watched(), network.settings.model_copy(update={"views": views}), network.focal, "cpu")
+    sized = replace(network, network=Watched(), settings=network.settings.model_copy(update={"views": views}))
     pictures = [cv2.resize(read_png(view.folder / f"{eye}.png"), (256, 192)) for eye in ("left", "right")]
-    sized.stereo(*pictures, baseline=0.06, focal=60.0)
+    sized.stereo(pictures[0], pictures[1], baseline=0.06, focal=60.0)
     # At 0.4 m the disparity is 9 px, and windows of as many pixels as the network's are moved by it where they can.
     apart = np.array([right[0, 2] - left[0, 2] for left, right in seen])
     assert len(apart) == 9
