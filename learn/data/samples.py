@@ -29,7 +29,7 @@ from .settings import AugmentSettings, ViewSettings
 from .splits import SplitName, scenes_of
 from .view_selection import LAST_REFERENCE, grid_neighbours, nearest_cameras
 from .views import CameraView, check_colours, check_sides, check_sizes, read_camera, read_view
-from .windows import cut, cut_labels, stored_windows, windowed_K
+from .windows import Window, cut, cut_labels, stored_windows, windowed_K
 
 #: Fractions of object pixels that are nearer than the first plane, and nearer than the last one.
 DEPTH_QUANTILES = (0.005, 0.995)
@@ -165,7 +165,7 @@ class SampleDataset(TorchDataset):
         check_sizes(views, reference.folder)
         for view, (stored, eye) in zip(views, selected, strict=True):
             check_colours(view.picture, stored.folder / f"{eye}.png")
-        window, of_source = stored_windows(read_camera(reference), self._views.convergence, reference.folder)
+        window, of_source = self._windows(reference)
         views = [cut(views[0], window), *(cut(view, of_source) for view in views[1:])]
         labels = cut_labels(self._ground_truth(scene, reference), window)
         size = self._views.size
@@ -197,8 +197,7 @@ class SampleDataset(TorchDataset):
 
     def _unmoved_labels(self, index: int) -> GroundTruth:
         scene, reference = self._references[index]
-        window, _ = stored_windows(read_camera(reference), self._views.convergence, reference.folder)
-        labels = cut_labels(self._ground_truth(scene, reference), window)
+        labels = cut_labels(self._ground_truth(scene, reference), self._windows(reference)[0])
         return scaled_ground_truth(labels, self._views.size, self._views.fit)
 
     def cameras(self, index: int) -> list[tuple[np.ndarray, np.ndarray, tuple[int, int]]]:
@@ -246,16 +245,18 @@ class SampleDataset(TorchDataset):
     def fitted_camera(self, index: int) -> tuple[np.ndarray, tuple[int, int]]:
         """Return K and (height, width) of a reference at the size of the samples, without augmentation."""
         reference = self._references[index][1]
-        camera = read_camera(reference)
-        window, _ = stored_windows(camera, self._views.convergence, reference.folder)
+        window, _ = self._windows(reference)
         fit = fitted(window.size, self._views.size, self._views.fit)
-        return fitted_K(windowed_K(np.array(camera.K), window), fit), fit.new
+        return fitted_K(windowed_K(np.array(read_camera(reference).K), window), fit), fit.new
 
     def focal_baseline(self) -> float:
         """Return the greatest focal length times baseline of the stereo pairs, at the size of the samples [px m]."""
         baselines = [read_camera(view).baseline or 0.0 for _, view in self._references]
         focal = (float(self.fitted_camera(index)[0][0, 0]) for index in range(len(self)))
         return max(length * baseline for length, baseline in zip(focal, baselines, strict=True))
+
+    def _windows(self, reference: StoredView) -> tuple[Window, Window]:
+        return stored_windows(read_camera(reference), self._views.convergence, reference.folder)
 
     def _can_be_reference(self, view: StoredView) -> bool:
         return self._views.rule != "grid" or _grid_index(view, read_camera(view)) <= LAST_REFERENCE
