@@ -51,7 +51,7 @@ def with_own_views(settings: TrainSettings) -> TrainSettings:
         found = f"{settings.views.count} by the rule {settings.views.rule}"
         raise InputError("views", f"the two eyes of a stereo pair, which {settings.network.name} takes", found)
     if settings.views.convergence is not None:
-        expected = f"nothing: {settings.network.name} reads disparities of whole pictures"
+        expected = f"none: {settings.network.name} takes whole pictures"
         raise InputError("views.convergence", expected, settings.views.convergence)
     views = settings.views.model_copy(update={"rule": "stereo"})
     augment = settings.augment.model_copy(update={"flip": 0.0})

@@ -159,35 +159,22 @@ def test_objects_of_unknown_categories_are_counted(base):
     assert len(fewer) + len(fewer.unknown) == len(samples)
 
 
-def test_semi_global_matching_finds_a_plane(base):
-    rng = np.random.default_rng(4)
-    wide = rng.integers(0, 256, (64, 200, 3)).astype(np.uint8)
-    disparity, K = 12, np.array([[100.0, 0.0, 63.5], [0.0, 100.0, 31.5], [0.0, 0.0, 1.0]])
-    left = CameraView(wide[:, 20:148], np.eye(4), K)
-    pose = np.eye(4)
+# What is in the first columns of the left eye is beside the picture of the right one, or what is in its last ones.
+@pytest.mark.parametrize(("apart", "seen"), [(0, slice(16, None)), (20, slice(4, -12))])
+def test_semi_global_matching_finds_a_plane(apart, seen):
+    """Also behind the depth at which both pictures show the same, of cameras whose principal points are apart."""
+    wide = np.random.default_rng(4).integers(0, 256, (64, 200, 3)).astype(np.uint8)
+    disparity, K, pose = 12, np.array([[100.0, 0.0, 63.5], [0.0, 100.0, 31.5], [0.0, 0.0, 1.0]]), np.eye(4)
     pose[0, 3] = 0.06
-    right = replace(left, picture=wide[:, 20 + disparity : 148 + disparity], world_T_camera=pose)
-    depth = semi_global_depth(left, right)
-    # What is in the first columns of the left eye is beside the picture of the right one.
-    seen = depth[:, disparity + 4 :]
-    known = seen > 0.0
+    first = 20 + disparity - apart
+    left = CameraView(wide[:, 20:148], np.eye(4), K - np.outer([1, 0, 0], [0, 0, apart]))
+    depth = semi_global_depth(left, CameraView(wide[:, first : first + 128], pose, K))
+    inside = depth[:, seen]
+    known = inside > 0.0
     assert known.mean() > 0.8
     # Steps are of 1/16 px, and blocks at the border of what both eyes see are cut.
-    assert np.abs(100.0 * 0.06 / seen[known] - disparity).max() <= 0.25
+    assert np.abs(100.0 * 0.06 / inside[known] - disparity).max() <= 0.25
     assert (filled_depth(depth) > 0.0).all()
-
-
-def test_semi_global_matching_takes_pairs_whose_principal_points_are_apart():
-    """A plane behind the depth at which both pictures show the same: columns differ by less than nothing there."""
-    wide = np.random.default_rng(4).integers(0, 256, (64, 200, 3)).astype(np.uint8)
-    K, pose = np.array([[100.0, 0.0, 63.5], [0.0, 100.0, 31.5], [0.0, 0.0, 1.0]]), np.eye(4)
-    pose[0, 3] = 0.06
-    left = CameraView(wide[:, 20:148], np.eye(4), K - np.outer([1, 0, 0], [0, 0, 20.0]))
-    right = CameraView(wide[:, 12:140], pose, K)  # a disparity of 12 px less 20
-    depth = semi_global_depth(left, right)[:, 4:-12]
-    known = depth > 0.0
-    assert known.mean() > 0.8
-    assert np.abs(100.0 * 0.06 / depth[known] - 12).max() <= 0.25
 
 
 def test_holes_take_the_farther_depth_beside_them():

@@ -59,6 +59,10 @@ def _check(words: str) -> None:
             "views.rule: expected stereo, which simnet takes here, found di",
         ),
         (
+            "--views.convergence 0.5 --network.name simnet",
+            "views.convergence: expected none: simnet takes whole pictures, found 0.5",
+        ),
+        (
             "--losses.planes 2",
             "losses.planes: expected network.readout windowed with it, as it has no effect otherwise",
         ),
