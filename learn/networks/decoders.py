@@ -153,6 +153,25 @@ class FieldHead(nn.Module):
         return self.predictor(self.p3(pyramid[1]) + self.p4(pyramid[2]))
 
 
+class UpsamplingHead(nn.Module):
+    """A head over matching features: for each cell of 4 x 4 pixels, what upsamples its depth.
+
+    Parameters
+    ----------
+    inputs, outputs : int
+        Channels of the features, and number of maps.
+    """
+
+    def __init__(self, inputs: int, outputs: int, width: int = 32, kind: Norm = "batch") -> None:
+        super().__init__()
+        self.enter = _Conv(inputs, width, kind)
+        self.predictor = nn.Conv2d(width, outputs, 1)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Return the maps, (B, outputs, H/4, W/4), of features, (B, inputs, H/4, W/4)."""
+        return self.predictor(self.enter(features))
+
+
 def _upsample_nearest(x: Tensor) -> Tensor:
     return functional.interpolate(x, scale_factor=2, mode="nearest")
 

@@ -95,6 +95,24 @@ def upsample(values: Tensor, factor: int) -> Tensor:
     return functional.interpolate(padded, size, mode="bilinear", align_corners=True)[..., :-1, :-1]
 
 
+def half_size(images: Tensor) -> Tensor:
+    """Return images at half of their size, with new pixel i over old pixel ``2 i``.
+
+    The mean of 1, 2 and 1 parts of three pixels in each direction; beyond the edge its pixels are repeated.
+
+    Parameters
+    ----------
+    images : (B, C, H, W) Tensor
+        H and W are even.
+
+    Returns
+    -------
+    (B, C, H/2, W/2) Tensor
+    """
+    between = functional.avg_pool2d(functional.pad(images, (1, 1, 1, 1), mode="replicate"), 2, 1)  # (H + 1, W + 1)
+    return functional.avg_pool2d(between, 2)
+
+
 def convex_upsample(values: Tensor, logits: Tensor, factor: int) -> Tensor:
     """Return a map upsampled as a convex combination of the 3x3 nearest cells, with learnt weights for each pixel.
 
@@ -119,25 +137,27 @@ def convex_upsample(values: Tensor, logits: Tensor, factor: int) -> Tensor:
     return functional.pixel_shuffle((weights * near).sum(1), factor)  # (B, 1, factor H, factor W)
 
 
-def check_inputs(images: Tensor, world_T_camera: Tensor, K: Tensor) -> None:
+def check_inputs(images: Tensor, world_T_camera: Tensor, K: Tensor, multiple: int = SIZE_MULTIPLE) -> None:
     """Raise InputError where the inputs of a network have wrong shapes.
 
     Parameters
     ----------
     images : (B, V, 3, H, W) Tensor
-        V is 2 or more; H and W are multiples of `SIZE_MULTIPLE`.
+        V is 2 or more; H and W are multiples of `multiple`.
     world_T_camera : (B, V, 4, 4) Tensor
         Camera poses.
     K : (B, V, 3, 3) Tensor
         Intrinsic matrices.
+    multiple : int
+        Pixels of a cell of the network's coarsest features [px].
     """
     if images.ndim != 5 or images.shape[2] != 3:
         raise InputError("images", "shape (B, V, 3, H, W)", tuple(images.shape))
     batch, views, _, height, width = images.shape
     if views < 2:
         raise InputError("images", "two views or more", views)
-    if height % SIZE_MULTIPLE or width % SIZE_MULTIPLE:
-        expected = f"a height and a width that are multiples of {SIZE_MULTIPLE} px"
+    if height % multiple or width % multiple:
+        expected = f"a height and a width that are multiples of {multiple} px"
         raise InputError("images", expected, f"{height} x {width}")
     if world_T_camera.shape != (batch, views, 4, 4):
         raise InputError("world_T_camera", f"shape {(batch, views, 4, 4)}", tuple(world_T_camera.shape))

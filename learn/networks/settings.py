@@ -84,6 +84,11 @@ class NetworkSettings(Model):
         description="Whether the maps of the context decoder enter the backbone of all heads beside matching features "
         "and coarse depth, or the cost volume alone, as in the paper",
     )
+    objects_at: Literal["full", "half"] = Field(
+        default="full",
+        description="Size of the pictures in which objects are found: full, that of matching; or half of it, where "
+        "matching needs finer pictures than recognition",
+    )
     refinement: Literal["none", "half"] = Field(
         default="none",
         description="half: the full-size depth is corrected at 1/2 of the image size, by a choice among planes around "

@@ -22,6 +22,8 @@ from ..data.loading import load_batches
 from ..data.samples import Batch, collate
 from ..networks.build import Network, build_network
 from .checkpoint import Checkpoint, load_checkpoint, load_trained, save_checkpoint
+from .frozen import set_training_mode
+from .initial_weights import load_initial_weights
 from .losses import total_loss
 from .methods import losses_of, note_step, outputs_of, with_own_views
 from .out_folder import locked_out_folder
@@ -30,7 +32,6 @@ from .schedule import StepBatches, learning_rate_at
 from .settings import TrainSettings
 from .train_state import (
     TrainState,
-    load_initial_weights,
     load_pretrained_context,
     optimiser_tensors,
     restore_train_state,
@@ -133,7 +134,7 @@ def _train_steps(state: TrainState, start: Checkpoint, say: Callable[[str], None
         for group in optimiser.param_groups:
             group["lr"] = learning_rate_at(step, settings.steps, settings.optimiser)
         batch = loaded.to(fabric.device)
-        model.train()
+        set_training_mode(state.network, settings.optimiser.frozen)
         progress = step / settings.steps
         outputs = outputs_of(model, batch, settings.network, progress)
         terms = losses_of(outputs, batch, settings, progress)

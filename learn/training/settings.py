@@ -36,6 +36,12 @@ class OptimiserSettings(Model):
         lt=1.0,
         description="Decay of the exponential moving average of the weights, which is then evaluated; 0: none",
     )
+    frozen: tuple[str, ...] = Field(
+        default=(),
+        max_length=64,
+        description="Parts of the network that stay as they are, such as context: few pictures do not spoil what many "
+        "have taught. Names are the first parts of the names of weights",
+    )
 
 
 class MachineSettings(Model):

@@ -20,17 +20,16 @@ from ..networks.layers import set_memory_formats
 from ..networks.mvtrans import MVTrans
 from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
-from .checkpoint import Checkpoint, TrainedWeights, check_weights, load_weights
+from .checkpoint import Checkpoint, check_weights, load_weights
+from .frozen import freeze
+from .initial_weights import MAY_BE_ADDED, MAY_DIFFER
 from .methods import samples_of, training_samples, with_data
-from .plane_weights import on_planes
 from .settings import MachineSettings, TrainSettings
 
 #: Seed of the validation samples: the same in every run, so that their losses compare.
 _VALIDATION_SEED = 0
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
-#: Settings of a network that may differ from those of the weights with which a run begins.
-_MAY_DIFFER = ("depth_range", "planes", "recompute")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +69,9 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     kind = torch.optim.Adam if settings.optimiser.name == "adam" else torch.optim.AdamW
     network.to(fabric.device)
     set_memory_formats(network)
-    optimiser = kind(network.parameters(), weight_decay=settings.optimiser.weight_decay, fused=True, **options)
+    freeze(network, settings.optimiser.frozen)
+    learnt = [parameter for parameter in network.parameters() if parameter.requires_grad]
+    optimiser = kind(learnt, weight_decay=settings.optimiser.weight_decay, fused=True, **options)
     return TrainState(fabric, settings, train, val, dataset_record(data, settings.also), network, optimiser, out)
 
 
@@ -90,8 +91,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
-    A run on nearer or farther things may ask for other planes (`on_planes`), and a refinement of depth may be added
-    (`load_initial_weights`). What is computed again to save memory is free.
+    A run on nearer or farther things may ask for other planes, a refinement of depth may be added, and objects may be
+    found at half size (`initial_weights`). What is computed again to save memory is free.
 
     Raises
     ------
@@ -101,30 +102,14 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        free = name in _MAY_DIFFER or (name == "refinement" and found[name] == default[name])
+        free = name in MAY_DIFFER or (name in MAY_BE_ADDED and found[name] == default[name])
         if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     views, open_views = settings.views, ViewSettings()
     left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
     views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
-    moved = {name: wanted[name] for name in (*_MAY_DIFFER, "refinement") if wanted[name] != default[name]}
+    moved = {name: wanted[name] for name in (*MAY_DIFFER, *MAY_BE_ADDED) if wanted[name] != default[name]}
     return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
-
-
-def load_initial_weights(network: torch.nn.Module, trained: TrainedWeights, where: Path) -> None:
-    """Load the weights that a run begins with, for the network's planes.
-
-    Where they have no refinement of depth, a new one stays as it is.
-    """
-    weights, own = dict(trained.weights), network.state_dict()
-    if isinstance(network, MVTrans):
-        weights = on_planes(weights, trained.settings.network, network.settings)
-    new = {} if any(map(_of_refinement, weights)) else {name: own[name] for name in own if _of_refinement(name)}
-    load_weights(network, {**weights, **new}, where)
-
-
-def _of_refinement(name: str) -> bool:
-    return name.startswith("refinement.")
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:

@@ -40,6 +40,8 @@ def batch(rng: np.random.Generator, samples: int, views: int, height: int, width
         (5, 64, 32, {"fusion": "visibility", "readout": "windowed", "planes": 9}),
         (2, 64, 96, {"norm": "group", "head_norm": "batch", "matching": "group", "fusion": "visibility"}),
         (3, 64, 32, {"heads_see_context": True, "refinement": "half", "matching": "group"}),
+        (2, 64, 128, {"heads_see_context": True, "refinement": "half", "matching": "group", "objects_at": "half"}),
+        (3, 128, 64, {"objects_at": "half", "recompute": "features"}),
     ],
 )
 def test_any_number_of_views_and_any_multiple_of_32_give_all_outputs(tiny, rng, views, height, width, changes):
@@ -83,15 +85,21 @@ def test_the_order_of_the_sources_does_not_matter(tiny, rng):
 
 
 def test_every_weight_learns(tiny, rng):
-    for changes in ({}, {"matching": "group", "fusion": "visibility", "readout": "windowed"}):
+    for changes in ({}, {"matching": "group", "fusion": "visibility", "readout": "windowed"}, {"objects_at": "half"}):
         net = build_network(tiny.model_copy(update=changes))
         # The last convolutions of these start at 0: before them nothing is learnt in the first step.
         for head in ("depth_head", "heatmap_head", "z_centroid_head"):
             torch.nn.init.normal_(net.get_parameter(f"{head}.predictor.weight"))
-        outputs = net(*batch(rng, 2, 3, 64, 96))
+        outputs = net(*batch(rng, 2, 3, 64, 128))
         torch.stack([(outputs[name] ** 2).mean() for name in OUTPUTS]).sum().backward()
         dead = [name for name, p in net.named_parameters() if p.grad is None or not p.grad.abs().max() > 0]
         assert not dead
+
+
+def test_objects_at_half_size_need_sizes_that_are_multiples_of_64(tiny, rng):
+    net = build_network(tiny.model_copy(update={"objects_at": "half"}))
+    with pytest.raises(InputError, match="multiples of 64 px, found 96 x 128"):
+        net(*batch(rng, 1, 2, 96, 128))
 
 
 def test_a_new_network_sees_no_heat(tiny, rng):

@@ -12,9 +12,10 @@ from glassware.core.errors import InputError
 from glassware.core.exit_codes import WorkFailed
 from glassware.learn.networks.build import build_network
 from glassware.learn.training.checkpoint import TrainedWeights, load_checkpoint, load_network, save_checkpoint
+from glassware.learn.training.initial_weights import load_initial_weights
 from glassware.learn.training.run import train
 from glassware.learn.training.settings import OptimiserSettings
-from glassware.learn.training.train_state import load_initial_weights, with_network_of
+from glassware.learn.training.train_state import with_network_of
 
 
 @pytest.fixture

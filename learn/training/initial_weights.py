@@ -1,0 +1,54 @@
+"""Weights that a run begins with: those of another run, fitted to what the network has more than the trained one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from torch import Tensor, nn
+
+from ..networks.mvtrans import MVTrans
+from ..networks.settings import NetworkSettings
+from .checkpoint import TrainedWeights, load_weights
+from .plane_weights import on_planes
+
+#: Settings of a network that may differ from those of the weights with which a run begins.
+MAY_DIFFER = ("depth_range", "planes", "recompute")
+#: Settings that may ask for a part that the weights do not have.
+MAY_BE_ADDED = ("refinement", "objects_at")
+#: Parts by the first part of the names of their tensors.
+_REFINEMENT, _MATCHING, _OBJECTS, _DEPTH = "refinement.", "features.", "object_features.", "depth_head."
+
+
+def load_initial_weights(network: nn.Module, trained: TrainedWeights, where: Path) -> None:
+    """Load the weights that a run begins with.
+
+    They follow the network's planes. A refinement of depth that they do not have stays as it is. Where objects are
+    found at half size for the first time, what recognises them gets the weights that it had at full size, and the head
+    that upsamples depth, which sees other features now, stays as it is.
+    """
+    weights, own = dict(trained.weights), network.state_dict()
+    if isinstance(network, MVTrans):
+        weights = on_planes(weights, trained.settings.network, network.settings)
+        if not _has(weights, _REFINEMENT):
+            weights |= _part(own, _REFINEMENT)
+        weights = _objects_at_half(weights, own, trained.settings.network, network.settings)
+    load_weights(network, weights, where)
+
+
+def _objects_at_half(
+    weights: Mapping[str, Tensor], own: Mapping[str, Tensor], old: NetworkSettings, new: NetworkSettings
+) -> dict[str, Tensor]:
+    if old.objects_at == new.objects_at:
+        return dict(weights)
+    copied = {_OBJECTS + name.removeprefix(_MATCHING): value for name, value in _part(weights, _MATCHING).items()}
+    kept = {name: value for name, value in weights.items() if not name.startswith(_DEPTH)}
+    return kept | copied | _part(own, _DEPTH)
+
+
+def _part(weights: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    return {name: value for name, value in weights.items() if name.startswith(prefix)}
+
+
+def _has(weights: Mapping[str, Tensor], prefix: str) -> bool:
+    return any(name.startswith(prefix) for name in weights)

@@ -1,0 +1,37 @@
+"""Parts of a network that a run leaves as they are."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from glassware.core.errors import InputError
+from glassware.learn.networks.build import build_network
+from glassware.learn.training.checkpoint import load_checkpoint
+from glassware.learn.training.frozen import freeze
+from glassware.learn.training.run import train
+
+
+def test_frozen_parts_keep_weights_and_statistics_and_the_others_learn(settings, rendered, tmp_path):
+    optimiser = settings.optimiser.model_copy(update={"frozen": ("context", "pyramid"), "ema": 0.5})
+    train(settings.model_copy(update={"optimiser": optimiser}), rendered, tmp_path, None, lambda line: None)
+    found = load_checkpoint(tmp_path / "last.safetensors")
+    torch.manual_seed(settings.seed)
+    first = build_network(found.settings.network).state_dict()
+    assert found.ema is not None
+    for name, value in first.items():
+        if name.startswith(("context.", "pyramid.")):
+            assert torch.equal(found.network[name], value), name
+            assert torch.equal(found.ema[name], value), name
+        elif name.startswith("features.") and name.endswith((".weight", "running_mean")):
+            assert not torch.equal(found.network[name], value), name
+
+
+def test_only_parts_that_exist_can_be_frozen_and_one_must_learn(tiny):
+    network = build_network(tiny)
+    with pytest.raises(
+        InputError, match=r"optimiser\.frozen: expected parts of the network: features,.*context.*found contxt"
+    ):
+        freeze(network, ["contxt"])
+    with pytest.raises(InputError, match=r"optimiser\.frozen: expected a part that is trained, found none"):
+        freeze(network, [name for name, _ in network.named_children()])
