@@ -1,4 +1,4 @@
-"""Write the model card in ``docs/pretrained.md`` from the record of the weights: run it after they have changed."""
+"""Write the model cards in the pages on weights from the records of these: run it after they have changed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any
 from glassware.core.json_file import read_json
 from glassware.learn.training.weights import SHIPPED
 
-PAGE = Path(__file__).with_name("pretrained.md")
-#: Lines of the page between which the card stands.
+#: The page of each file of weights that comes with glassware.
+PAGES = {"base": Path(__file__).with_name("pretrained.md"), "large": Path(__file__).with_name("large_pairs.md")}
+#: Lines of a page between which the card stands.
 BEGIN, END = "<!-- made by docs/model_card.py -->\n", "<!-- end of what it makes -->\n"
 #: Columns of depth: name, key of the report, factor, digits.
 _DEPTH = (
@@ -42,8 +43,8 @@ def with_card(text: str, record: Mapping[str, Any] | None) -> str:
         return text
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
-    assert begin, f"{PAGE}: no place for the card"
-    assert end, f"{PAGE}: no end of the card"
+    assert begin, "no place for the card"
+    assert end, "no end of the card"
     return before + begin + "\n" + "\n".join(card(record)) + "\n\n" + end + after
 
 
@@ -58,7 +59,7 @@ def card(record: Mapping[str, Any]) -> Iterator[str]:
     yield f"| network | MVTrans, corrected; context {network['context']}, matching {network['matching']} |"
     yield f"| planes | {network['planes']}, {network['spacing']}, from {_planes(network)} m |"
     if size:
-        yield f"| size of pictures | {size[1]} x {size[0]} px |"
+        yield f"| size of pictures | {size[1]} x {size[0]} px{_at_half(network)} |"
     if convergence := weights["views"].get("convergence"):
         yield f"| pairs are cut to what both eyes see at | {convergence:.2f} m |"
     if weights["focal"] is not None:
@@ -117,15 +118,20 @@ def _planes(network: Mapping[str, Any]) -> str:
     return f"{near:.2f} to {far:.2f}"
 
 
+def _at_half(network: Mapping[str, Any]) -> str:
+    return "; objects are found at half of it" if network.get("objects_at") == "half" else ""
+
+
 def _mm(metres: float | None) -> str:
     return "-" if metres is None else f"{1e3 * metres:.0f} mm"
 
 
-def record(name: str = "base") -> dict[str, Any] | None:
+def record(name: str) -> dict[str, Any] | None:
     """Return the record of weights that come with glassware; None where there are none of that name."""
     path = SHIPPED / f"{name}.json"
     return read_json(path) if path.is_file() else None
 
 
 if __name__ == "__main__":
-    PAGE.write_text(with_card(PAGE.read_text("utf-8"), record()), "utf-8")
+    for weights, page in PAGES.items():
+        page.write_text(with_card(page.read_text("utf-8"), record(weights)), "utf-8")

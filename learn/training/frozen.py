@@ -33,4 +33,4 @@ def set_training_mode(network: nn.Module, frozen: Iterable[str]) -> None:
     """Set a network to training, but its frozen parts to evaluation: they normalise by their own statistics."""
     network.train()
     for name in frozen:
-        network.get_submodule(name).eval()
+        network.get_submodule(name).train(False)
