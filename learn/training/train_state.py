@@ -31,6 +31,9 @@ _VALIDATION_SEED = 0
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
 
+#: Samples of a step for which batch norms over one picture of each are defined.
+_LEAST_AT_HALF = 2
+
 
 @dataclass(frozen=True, eq=False)
 class TrainState:
@@ -58,6 +61,7 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     fabric.launch()
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
+    _check_batch(settings, settings.batch // fabric.world_size)
     train = training_samples(settings, data)
     settings, train = with_data(settings, train)
     val = None
@@ -73,6 +77,19 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     learnt = [parameter for parameter in network.parameters() if parameter.requires_grad]
     optimiser = kind(learnt, weight_decay=settings.optimiser.weight_decay, fused=True, **options)
     return TrainState(fabric, settings, train, val, dataset_record(data, settings.also), network, optimiser, out)
+
+
+def _check_batch(settings: TrainSettings, batch: int) -> None:
+    """Refuse one sample a step where a batch norm would have a single value to normalise.
+
+    The features of objects at half size see one picture of a sample, and average it as a whole; those of matching see
+    two or more.
+    """
+    network = settings.network
+    alone = network.name == "mvtrans" and network.objects_at == "half" and network.norm == "batch"
+    if alone and batch < _LEAST_AT_HALF and "object_features" not in settings.optimiser.frozen:
+        expected = f"{_LEAST_AT_HALF} or more on each device with network.objects_at half, or object_features frozen"
+        raise InputError("batch", expected, batch)
 
 
 def load_pretrained_context(state: TrainState) -> None:
