@@ -166,7 +166,7 @@ class MVTrans(nn.Module):
     def _pyramid(self, features: Tensor, reference: Tensor, relative: Tensor, context: Tensor) -> Pyramid:
         """Return what the heads see, of matching features, (B, C, H/4, W/4), and the image in which objects are."""
         if self.object_features is not None:
-            features = self._features(reference.contiguous(), self.object_features)
+            features = self._features(reference, self.object_features)
         seen = [features, relative[..., :: self.scale, :: self.scale]]
         if self.settings.heads_see_context:
             seen.append(context.to(features))

@@ -30,7 +30,7 @@ def load_initial_weights(network: nn.Module, trained: TrainedWeights, where: Pat
     weights, own = dict(trained.weights), network.state_dict()
     if isinstance(network, MVTrans):
         weights = on_planes(weights, trained.settings.network, network.settings)
-        if not _has(weights, _REFINEMENT):
+        if not _part(weights, _REFINEMENT):
             weights |= _part(own, _REFINEMENT)
         weights = _objects_at_half(weights, own, trained.settings.network, network.settings)
     load_weights(network, weights, where)
@@ -48,7 +48,3 @@ def _objects_at_half(
 
 def _part(weights: Mapping[str, Tensor], prefix: str) -> dict[str, Tensor]:
     return {name: value for name, value in weights.items() if name.startswith(prefix)}
-
-
-def _has(weights: Mapping[str, Tensor], prefix: str) -> bool:
-    return any(name.startswith(prefix) for name in weights)

@@ -30,7 +30,6 @@ from .settings import MachineSettings, TrainSettings
 _VALIDATION_SEED = 0
 #: Settings that may change when a run resumes: they decide where it runs and what it logs, not what it computes.
 _FREE = ("machine", "log_every", "pictures_every", "save_every")
-
 #: Samples of a step for which batch norms over one picture of each are defined.
 _LEAST_AT_HALF = 2
 
@@ -61,7 +60,6 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     fabric.launch()
     if settings.batch % fabric.world_size:
         raise InputError("batch", f"a multiple of the {fabric.world_size} devices", settings.batch)
-    _check_batch(settings, settings.batch // fabric.world_size)
     train = training_samples(settings, data)
     settings, train = with_data(settings, train)
     val = None
@@ -74,20 +72,21 @@ def set_up_training(settings: TrainSettings, data: Path, out: Path) -> TrainStat
     network.to(fabric.device)
     set_memory_formats(network)
     freeze(network, settings.optimiser.frozen)
+    _check_batch(network, settings.batch // fabric.world_size)
     learnt = [parameter for parameter in network.parameters() if parameter.requires_grad]
     optimiser = kind(learnt, weight_decay=settings.optimiser.weight_decay, fused=True, **options)
     return TrainState(fabric, settings, train, val, dataset_record(data, settings.also), network, optimiser, out)
 
 
-def _check_batch(settings: TrainSettings, batch: int) -> None:
+def _check_batch(network: Network, batch: int) -> None:
     """Refuse one sample a step where a batch norm would have a single value to normalise.
 
     The features of objects at half size see one picture of a sample, and average it as a whole; those of matching see
     two or more.
     """
-    network = settings.network
-    alone = network.name == "mvtrans" and network.objects_at == "half" and network.norm == "batch"
-    if alone and batch < _LEAST_AT_HALF and "object_features" not in settings.optimiser.frozen:
+    features = network.object_features if isinstance(network, MVTrans) and network.settings.norm == "batch" else None
+    learns = features is not None and any(parameter.requires_grad for parameter in features.parameters())
+    if learns and batch < _LEAST_AT_HALF:
         expected = f"{_LEAST_AT_HALF} or more on each device with network.objects_at half, or object_features frozen"
         raise InputError("batch", expected, batch)
 
