@@ -67,7 +67,8 @@ def train(
     out : Path
         Folder of the run: checkpoints `LAST` and `BEST`, and the TensorBoard log.
     resume : Path, optional
-        A checkpoint to resume from, of the same settings and data set.
+        A checkpoint to resume from, of the same settings and data set; of network and views, what the settings leave
+        open is the checkpoint's.
     say : callable
         Takes lines about the progress.
     init : Path, optional
@@ -86,19 +87,20 @@ def train(
     Dataset.open(data)
     requested = settings
     if init is not None and resume is not None:
-        raise InputError("init", "none beside resume, which goes on with a run", init)
+        raise InputError("init", "none beside resume: the checkpoint goes on with the network that its run began with", init)
     weights = None if init is None else load_trained(init)
     if init is not None and weights is not None:
         settings = with_network_of(settings, weights.settings, init)
     settings = with_own_views(settings)
-    check_used(typed, requested, settings)
     start = None if resume is None else resumed_checkpoint(load_checkpoint(resume), settings, data, resume)
+    settings = settings if start is None else start.settings
+    check_used(typed, requested, settings)
     with locked_out_folder(out, say):
         if (out / LAST).exists() and (resume is None or resume.resolve().parent != out.resolve()):
             raise InputError(out, f"a folder without {LAST} (or --resume {out / LAST})", "one of an earlier run")
         if settings.machine.threads is not None:
             torch.set_num_threads(settings.machine.threads)
-        state = set_up_training(settings if start is None else start.settings, data, out)
+        state = set_up_training(settings, data, out)
         _check_samples(state, data)
         if start is None:
             if init is not None and weights is not None:

@@ -11,6 +11,7 @@ from lightning_fabric import Fabric
 from torch import Tensor
 
 from ...core.errors import InputError
+from ...dataset.output_checks import differences
 from ..data.dataset_digest import DatasetRecord, dataset_record
 from ..data.samples import Samples
 from ..data.settings import ViewSettings
@@ -129,15 +130,20 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
 
 
 def resumed_checkpoint(start: Checkpoint, settings: TrainSettings, data: Path, where: Path) -> Checkpoint:
-    """Return a checkpoint with the new values of the settings that may change; InputError where others changed."""
+    """Return a checkpoint with the new values of the settings that may change; InputError where others changed.
+
+    Settings of the network and of the views that are left open are those of the checkpoint: its run may have taken
+    them from its data, or from the weights that it began with.
+    """
     if start.data is None or start.data.sha256 != dataset_record(data, settings.also).sha256:
         found = "none" if start.data is None else f"{start.data.name} with seed {start.data.seed} and other content"
         raise InputError(f"{where}: data set", f"that of {data}", found)
     new, old = settings.model_dump(mode="json"), start.settings.model_dump(mode="json")
-    new["network"] = _with_open_values(new["network"], old["network"])
-    for name in sorted(new.keys() - set(_FREE)):
-        if new[name] != old[name]:
-            raise InputError(f"{where}: {name}", f"{new[name]}", f"{old[name]} in the checkpoint")
+    for group, default in (("network", NetworkSettings()), ("views", ViewSettings())):
+        new[group] = _with_open_values(new[group], old[group], default.model_dump(mode="json"))
+    for name, expected, found in differences(new, old):
+        if name.partition(".")[0] not in _FREE:
+            raise InputError(f"{where}: {name}", f"{expected}", f"{found} in the checkpoint")
     free = {name: getattr(settings, name) for name in _FREE}
     return replace(start, settings=start.settings.model_copy(update=free))
 
@@ -208,12 +214,12 @@ def _precision(machine: MachineSettings) -> Literal["32-true", "bf16-mixed"]:
     return "bf16-mixed" if torch.cuda.is_bf16_supported(including_emulation=False) else "32-true"
 
 
-def _with_open_values(new: dict[str, Any], old: dict[str, Any]) -> dict[str, Any]:
-    """Return settings of a network with those of a checkpoint that follow from the data, where they are left open."""
+def _with_open_values(new: dict[str, Any], old: dict[str, Any], default: dict[str, Any]) -> dict[str, Any]:
+    """Return settings with those of a checkpoint where they are left open, at their default."""
     result = dict(new)
     for name, value in new.items():
         if isinstance(value, dict):
-            result[name] = _with_open_values(value, old[name])
-        elif value in (None, []):
+            result[name] = _with_open_values(value, old[name], default[name])
+        elif value == default[name]:
             result[name] = old[name]
     return result

@@ -11,6 +11,7 @@ import torch
 from glassware.core.errors import InputError
 from glassware.core.exit_codes import WorkFailed
 from glassware.learn.networks.build import build_network
+from glassware.learn.networks.settings import NetworkSettings
 from glassware.learn.training.checkpoint import TrainedWeights, load_checkpoint, load_network, save_checkpoint
 from glassware.learn.training.initial_weights import load_initial_weights
 from glassware.learn.training.run import train
@@ -127,10 +128,16 @@ def test_a_new_run_begins_with_the_weights_of_another_one(settings, rendered, tm
     for name, value in before.eval_weights().items():
         if "running" not in name and "batches" not in name:
             torch.testing.assert_close(after.network[name], value)
+    # It goes on without the settings of a network that its weights have brought.
+    bare = again.model_copy(update={"network": NetworkSettings()})
+    second = tmp_path / "second" / "last.safetensors"
+    train(bare, rendered, tmp_path / "second", second, lines.append)
+    with pytest.raises(InputError, match=r"network\.planes: expected 8, which mvtrans takes here, found 32"):
+        train(bare, rendered, tmp_path / "second", second, lines.append, typed=["network.planes"])
     other = settings.model_copy(update={"network": settings.network.model_copy(update={"groups": 2})})
     with pytest.raises(InputError, match=r"network\.groups: expected 2, as the settings say, found 8"):
         train(other, rendered, tmp_path / "third", None, lines.append, init=best)
-    with pytest.raises(InputError, match="init: expected none beside resume"):
+    with pytest.raises(InputError, match="init: expected none beside resume: the checkpoint"):
         train(settings, rendered, tmp_path / "first", best, lines.append, init=best)
 
 
@@ -179,7 +186,7 @@ def test_only_the_same_run_goes_on(settings, rendered, copied, tmp_path, lines):
     for change, message in (
         ({"batch": 3}, "batch: expected 3, found 2 in the checkpoint"),
         ({"steps": 9}, "steps: expected 9, found 3 in the checkpoint"),
-        ({"network": settings.network.model_copy(update={"planes": 9})}, "network: expected"),
+        ({"network": settings.network.model_copy(update={"planes": 9})}, r"network\.planes: expected 9, found"),
     ):
         with pytest.raises(InputError, match=message):
             train(short.model_copy(update=change), rendered, tmp_path, last, lines.append)
