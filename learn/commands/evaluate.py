@@ -24,9 +24,9 @@ _DESCRIPTION = """Measure how well a network finds glass: its predictions agains
   glassware evaluate base data --split test
 
 CHECKPOINT is a file of weights that train wrote, or the name of weights that come with glassware, DATA a data set with
-that split. Depth error, precision of boxes,
-masks and poses are printed as tables and written to OUT/report.json, beside images of the samples with the greatest
-depth error (predictions above, ground truth below). The network does not change."""
+that split. Depth error, precision of boxes, masks and poses are printed as tables and written to OUT/report.json,
+beside images of the samples with the greatest depth error (predictions above, ground truth below). The network does not
+change. --convergence gives networks that learnt from whole pairs the same pixels as those that learnt from cut ones."""
 
 #: Columns of output that goes to a file or a pipe.
 _WIDTH = 160
@@ -45,6 +45,13 @@ class Evaluate(Model):
         default=None,
         description="Checkpoint of a network that says where objects are, for networks that have to be told (keypose, "
         "densefusion)",
+    )
+    convergence: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1000.0,
+        description="For stereo pairs, the depth at which both pictures are cut to show the same [m] "
+        "(views.convergence); by default as in training",
     )
     worst: int = Field(default=8, ge=0, le=1000, description="Number of worst samples drawn as images")
     workers: int = Field(default=2, ge=0, le=256, description="Processes that load samples; 0: in the main process")
@@ -88,6 +95,7 @@ def _evaluate(arguments: Sequence[str]) -> None:
         workers=request.workers,
         device=select_device(request.device, request.threads),
         detector=request.detector,
+        convergence=request.convergence,
     )
     for table in tables(found):
         console.print(table)

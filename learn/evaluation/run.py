@@ -28,7 +28,7 @@ from ..networks.photometric import seen_by_others
 from ..networks.settings import NetworkSettings
 from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
-from ..training.methods import outputs_of, samples_of
+from ..training.methods import outputs_of, samples_of, with_own_views
 from ..training.out_folder import make_out_folder
 from .object_scores import evaluate_objects, load_detector
 from .report import summarise
@@ -59,6 +59,7 @@ def evaluate(
     workers: int = 0,
     device: str = "cpu",
     detector: Path | None = None,
+    convergence: float | None = None,
 ) -> dict[str, Any]:
     """Evaluate the network of a checkpoint and write ``report.json`` and images of the worst samples.
 
@@ -82,6 +83,8 @@ def evaluate(
         Torch's name of the device.
     detector : Path, optional
         Checkpoint of a network that says where objects are, for KeyPose and DenseFusion.
+    convergence : float, optional
+        Depth at which both pictures of a stereo pair are cut to show the same [m]; by default that of the training.
 
     Returns
     -------
@@ -90,6 +93,9 @@ def evaluate(
     """
     digest = dataset_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
+    if convergence is not None:
+        views = settings.views.model_copy(update={"convergence": convergence})
+        settings = with_own_views(settings.model_copy(update={"views": views}))
     make_out_folder(out)
     network = network.to(device)
     worst_samples: list[WorstSample] = []

@@ -87,7 +87,8 @@ def train(
     Dataset.open(data)
     requested = settings
     if init is not None and resume is not None:
-        raise InputError("init", "none beside resume: the checkpoint goes on with the network that its run began with", init)
+        expected = "none beside resume: the checkpoint goes on with the network that its run began with"
+        raise InputError("init", expected, init)
     weights = None if init is None else load_trained(init)
     if init is not None and weights is not None:
         settings = with_network_of(settings, weights.settings, init)

@@ -78,6 +78,19 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
     np.testing.assert_array_equal(a, b)
 
 
+def test_weights_of_whole_pairs_are_evaluated_on_what_both_eyes_see(rendered, tmp_path):
+    reports = []
+    for more in ([], ["--convergence", "0.8"]):
+        out = ["--out", str(tmp_path), "--worst", "0", "--workers", "0", "--threads", "1", "--device", "cpu"]
+        assert main(["evaluate", "base", str(rendered), *out, *more]) == 0
+        reports.append(json.loads((tmp_path / "report.json").read_text()))
+    whole, cut = reports
+    assert (whole["views"]["convergence"], cut["views"]["convergence"]) == (None, 0.8)
+    for pixels in ("transparent", "opaque", "all"):  # the floors see the labels alone
+        floors = [report["floors"]["full"][pixels]["constant"]["mae"] for report in reports]
+        assert floors[0] != floors[1]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -91,6 +104,7 @@ def test_pictures_with_cameras_of_their_own_give_the_same(run, rendered, tmp_pat
             ["evaluate", "{data}/dataset.json", "{data}"],
             "dataset.json: expected an undamaged safetensors or",
         ),
+        (["evaluate", "{ckpt}", "{data}", "--convergence", "0.6"], "views.convergence: expected the rule stereo"),
         (["evaluate", "{ckpt}", "{data}", "--device", "moon"], "--device: expected a device of this machine"),
         (["evaluate", "{ckpt}", "{data}", "--device", "cuda:7"], "--device: expected a device of this machine"),
         (
