@@ -66,6 +66,9 @@ def card(record: Mapping[str, Any]) -> Iterator[str]:
         median = f"{weights['focal']:.0f} px, {_mm(weights['baseline'])}"
         yield f"| focal length and baseline in training, medians | {median} |"
     yield f"| steps and samples of a step | {weights['step']}, {record['settings']['batch']} |"
+    mean = record.get("interpolated")
+    if mean is not None:
+        yield f"| weights | {mean['alpha']:g} of those after these steps, the rest of those before, `{mean['with']}` |"
     for heading, text in sorted(record["notes"].items()):
         yield f"| {heading} | {text} |"
     for words, report in record["reports"].items():

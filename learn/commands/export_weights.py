@@ -41,6 +41,17 @@ class ExportWeights(Model):
     notes: UserPath | None = Field(
         default=None, description="YAML file with texts for the model card by their headings, such as machine"
     )
+    interpolate_with: UserPath | None = Field(
+        default=None,
+        description="Checkpoint, or weights by name, such as those that the run began with: weights between them and "
+        "the checkpoint's are written, which keep more of what the run forgot",
+    )
+    alpha: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1.0,
+        description="With --interpolate-with, the part of the checkpoint's weights; 0.5 by default",
+    )
     out: UserPath = Field(default=Path("out-weights"), description="Output folder")
     config: UserPath | None = Field(default=None, description="YAML file of these settings")
 
@@ -64,6 +75,8 @@ def _export(arguments: Sequence[str]) -> None:
     from ..training.export_weights import export_weights
     from ..training.out_folder import make_out_folder
 
+    if request.alpha is not None and request.interpolate_with is None:
+        raise InputError("--alpha", "--interpolate-with beside it, as it has no effect otherwise", request.alpha)
     reports = {}
     for text in request.reports:
         words, equals, path = text.partition("=")
@@ -71,7 +84,16 @@ def _export(arguments: Sequence[str]) -> None:
             raise InputError("--reports", "words and a file, such as test=out-evaluate/report.json", text)
         reports[words] = Path(path)
     make_out_folder(request.out)
-    path = export_weights(request.checkpoint, request.out, request.name, request.data, reports, request.notes)
+    path = export_weights(
+        request.checkpoint,
+        request.out,
+        request.name,
+        request.data,
+        reports,
+        request.notes,
+        request.interpolate_with,
+        0.5 if request.alpha is None else request.alpha,
+    )
     line = f"{path}: {sized(path.stat().st_size)}"
     Console().print(line, markup=False, highlight=False, soft_wrap=True)
 

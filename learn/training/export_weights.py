@@ -18,7 +18,8 @@ from ..data.splits import scenes_of
 from ..data.views import read_camera
 from ..data.windows import stored_windows
 from ..networks.build import build_network
-from .checkpoint import check_weights, load_checkpoint
+from .checkpoint import check_weights, load_checkpoint, load_trained
+from .interpolated import interpolated_weights
 from .settings import TrainSettings
 from .weights import WeightsHeader, glassware_version, write_weights
 
@@ -36,6 +37,8 @@ def export_weights(
     data: Path | None = None,
     reports: Mapping[str, Path] | None = None,
     notes: Path | None = None,
+    interpolate_with: Path | None = None,
+    alpha: float = 0.5,
 ) -> Path:
     """Write the weights of a checkpoint as OUT/NAME.safetensors, and their record as OUT/NAME.json.
 
@@ -53,6 +56,11 @@ def export_weights(
         ``report.json`` files of `glassware evaluate`, by the words under which the model card shows them.
     notes : Path, optional
         YAML file with texts by their headings, such as ``command`` and ``machine``.
+    interpolate_with : Path, optional
+        A checkpoint, or weights by name, such as those that the run began with: (1 - `alpha`) of them and `alpha` of
+        the checkpoint's are written.
+    alpha : float
+        0 to 1.
 
     Returns
     -------
@@ -61,6 +69,8 @@ def export_weights(
     """
     run = load_checkpoint(checkpoint)
     weights = run.eval_weights()
+    if interpolate_with is not None:
+        weights = interpolated_weights(run, load_trained(interpolate_with), alpha, interpolate_with)
     check_weights(build_network(run.settings.network).state_dict(), weights, checkpoint)
     focal, baseline = (None, None) if data is None else _median_camera(data, run.settings)
     header = WeightsHeader(
@@ -79,6 +89,7 @@ def export_weights(
         "weights": header.model_dump(mode="json"),
         "parameters": sum(value.numel() for value in weights.values()),
         "averaged": run.ema is not None,
+        "interpolated": None if interpolate_with is None else {"with": interpolate_with.stem, "alpha": alpha},
         "settings": {
             **run.settings.model_dump(mode="json", exclude=_LEFT_OUT),
             "also": [path.resolve().name for path in run.settings.also],  # their folders say nothing on another machine

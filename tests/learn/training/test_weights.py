@@ -84,6 +84,37 @@ def test_the_record_of_the_model_card_has_settings_and_reports_without_paths_of_
     assert "/home/me" not in text
 
 
+def test_weights_may_lie_between_those_before_and_after_a_run(checkpoint, tiny, tmp_path):
+    """By the definition of the mean, kernels and statistics alike; 0 and 1 are the weights before and after."""
+    after = checkpoint[1]
+    settings = TrainSettings.model_validate({"network": tiny})
+    torch.manual_seed(5)
+    before = build_network(tiny).state_dict()
+    save_checkpoint(
+        tmp_path / "before.ckpt", Checkpoint(settings, None, 1, before, None, {}, torch.get_rng_state(), 1.0)
+    )
+    for alpha in (0.0, 0.3, 1.0):
+        path = export_weights(
+            checkpoint[0], tmp_path / "out", "mine", interpolate_with=tmp_path / "before.ckpt", alpha=alpha
+        )
+        found = load_trained(path).weights
+        for name, value in after.items():
+            if value.is_floating_point():
+                expected = (1.0 - alpha) * before[name].double() + alpha * value.double()
+                bound = HALF if value.ndim >= 2 else 1e-6
+                torch.testing.assert_close(found[name].double(), expected, rtol=bound, atol=1e-6)
+            else:
+                assert torch.equal(found[name], value), name
+    assert json.loads((tmp_path / "out" / "mine.json").read_text())["interpolated"] == {"with": "before", "alpha": 1.0}
+    other = settings.model_copy(update={"network": tiny.model_copy(update={"planes": 9})})
+    network = build_network(other.network)
+    save_checkpoint(
+        tmp_path / "other.ckpt", Checkpoint(other, None, 1, network.state_dict(), None, {}, torch.get_rng_state(), 1.0)
+    )
+    with pytest.raises(InputError, match=r"network\.planes: expected 8, as in the checkpoint, found 9"):
+        export_weights(checkpoint[0], tmp_path, "mine", interpolate_with=tmp_path / "other.ckpt")
+
+
 def test_the_cameras_of_the_training_go_with_the_weights(tiny, rendered, tmp_path, checkpoint):
     """Pictures of 128 x 96 px with a focal length f have f at 128 x 96, whatever the settings of the views."""
     path = export_weights(checkpoint[0], tmp_path, "mine", data=rendered)
