@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import (
@@ -35,6 +36,15 @@ class Model(BaseModel):
                 expected = f"a changed copy, model_copy(update={{{name!r}: ...}}), as fields are frozen"
                 raise InputError(f"{type(self).__name__}.{name}", expected, "an assignment")
             super().__setattr__(name, value)
+
+
+def differences(expected: Any, found: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Yield the dotted name and both values of each field that differs between two dumped models."""
+    if isinstance(expected, dict) and isinstance(found, dict):
+        for key in sorted({*expected, *found}):
+            yield from differences(expected.get(key), found.get(key), f"{name}.{key}" if name else key)
+    elif expected != found:
+        yield name, expected, found
 
 
 def _matrix4(value: object) -> np.ndarray:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Any
 
 from ..core.atomic_io import is_leftover, is_written_by_another
 from ..core.errors import InputError
+from ..core.model import differences
 from ..core.setting_errors import shortened
 from .format import layout
 from .format.dataset_file import DatasetFile, read_head
@@ -72,15 +72,6 @@ def check_same_head(
     if listed:
         rest = f" and {len(listed) - _MAX_LISTED} more" if len(listed) > _MAX_LISTED else ""
         raise InputError(where, expected, ", ".join(listed[:_MAX_LISTED]) + rest)
-
-
-def differences(expected: Any, found: Any, name: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Yield the dotted name and both values of each setting that differs."""
-    if isinstance(expected, dict) and isinstance(found, dict):
-        for key in sorted({*expected, *found}):
-            yield from differences(expected.get(key), found.get(key), f"{name}.{key}" if name else key)
-    elif expected != found:
-        yield name, expected, found
 
 
 def _set_to(value: object) -> str:

@@ -30,6 +30,7 @@ from ..targets.encoding import encoding_of
 from ..training.checkpoint import load_network
 from ..training.methods import outputs_of, samples_of, with_own_views
 from ..training.out_folder import make_out_folder
+from ..training.settings import TrainSettings
 from .object_scores import evaluate_objects, load_detector
 from .report import summarise
 from .score import SampleScore, eval_mode, score_sample
@@ -93,9 +94,7 @@ def evaluate(
     """
     digest = dataset_digest(Dataset.open(data).root)
     network, settings = load_network(checkpoint)
-    if convergence is not None:
-        views = settings.views.model_copy(update={"convergence": convergence})
-        settings = with_own_views(settings.model_copy(update={"views": views}))
+    settings = settings if convergence is None else _cut_at(settings, convergence)
     make_out_folder(out)
     network = network.to(device)
     worst_samples: list[WorstSample] = []
@@ -115,12 +114,21 @@ def evaluate(
         "views": settings.views.model_dump(mode="json"),
         **summary,
     }
+    write_atomically(out / "report.json", json_text(found).encode())
+    _write_worst(out, worst_samples)
+    return found
+
+
+def _write_worst(out: Path, samples: list[WorstSample]) -> None:
     for earlier in out.glob("worst-*.png"):
         earlier.unlink()
-    write_atomically(out / "report.json", json_text(found).encode())
-    for rank, case in enumerate(worst_samples):
+    for rank, case in enumerate(samples):
         write_png(out / f"worst-{rank:02d}-{case.score.name.replace('/', '-')}.png", case.picture)
-    return found
+
+
+def _cut_at(settings: TrainSettings, convergence: float) -> TrainSettings:
+    views = settings.views.model_copy(update={"convergence": convergence})
+    return with_own_views(settings.model_copy(update={"views": views}))
 
 
 def score_all(

@@ -18,7 +18,7 @@ from ..data.splits import scenes_of
 from ..data.views import read_camera
 from ..data.windows import stored_windows
 from ..networks.build import build_network
-from .checkpoint import check_weights, load_checkpoint, load_trained
+from .checkpoint import Checkpoint, check_weights, load_checkpoint, load_trained
 from .interpolated import interpolated_weights
 from .settings import TrainSettings
 from .weights import WeightsHeader, glassware_version, write_weights
@@ -72,17 +72,7 @@ def export_weights(
     if interpolate_with is not None:
         weights = interpolated_weights(run, load_trained(interpolate_with), alpha, interpolate_with)
     check_weights(build_network(run.settings.network).state_dict(), weights, checkpoint)
-    focal, baseline = (None, None) if data is None else _median_camera(data, run.settings)
-    header = WeightsHeader(
-        name=name,
-        glassware=glassware_version(),
-        network=run.settings.network,
-        views=run.settings.views,
-        focal=focal,
-        baseline=baseline,
-        step=run.step,
-        data=run.data,
-    )
+    header = _header(run, name, data)
     record = {
         "schema_version": CARD_SCHEMA,
         "name": name,
@@ -103,6 +93,20 @@ def export_weights(
     record["bytes"] = path.stat().st_size
     write_atomically(out / f"{name}.json", json_text(record).encode())
     return path
+
+
+def _header(run: Checkpoint, name: str, data: Path | None) -> WeightsHeader:
+    focal, baseline = (None, None) if data is None else _median_camera(data, run.settings)
+    return WeightsHeader(
+        name=name,
+        glassware=glassware_version(),
+        network=run.settings.network,
+        views=run.settings.views,
+        focal=focal,
+        baseline=baseline,
+        step=run.step,
+        data=run.data,
+    )
 
 
 def _median_camera(data: Path, settings: TrainSettings) -> tuple[float, float | None]:

@@ -11,7 +11,7 @@ from lightning_fabric import Fabric
 from torch import Tensor
 
 from ...core.errors import InputError
-from ...dataset.output_checks import differences
+from ...core.model import differences
 from ..data.dataset_digest import DatasetRecord, dataset_record
 from ..data.samples import Samples
 from ..data.settings import ViewSettings
