@@ -72,7 +72,7 @@ def _export(arguments: Sequence[str]) -> None:
         raise InputError("glassware export-weights", "a checkpoint of glassware train", "none")
     check_extra("glassware export-weights")
     # Loaded here: torch is an extra, and takes longer to load than help should take.
-    from ..training.export_weights import export_weights
+    from ..training.export_weights import ALPHA, export_weights
     from ..training.out_folder import make_out_folder
 
     if request.alpha is not None and request.interpolate_with is None:
@@ -92,7 +92,7 @@ def _export(arguments: Sequence[str]) -> None:
         reports,
         request.notes,
         request.interpolate_with,
-        0.5 if request.alpha is None else request.alpha,
+        ALPHA if request.alpha is None else request.alpha,
     )
     line = f"{path}: {sized(path.stat().st_size)}"
     Console().print(line, markup=False, highlight=False, soft_wrap=True)

@@ -24,6 +24,8 @@ from .settings import TrainSettings
 from .weights import WeightsHeader, glassware_version, write_weights
 
 CARD_SCHEMA = "glassware/model-card/1"
+#: Part of a run's weights where they are interpolated with others: what Wortsman et al. take without a choice by data.
+ALPHA = 0.5
 #: Views whose cameras are read, evenly spaced: enough for a median.
 _CAMERAS = 200
 #: Settings of a run that say nothing about its weights.
@@ -38,7 +40,7 @@ def export_weights(
     reports: Mapping[str, Path] | None = None,
     notes: Path | None = None,
     interpolate_with: Path | None = None,
-    alpha: float = 0.5,
+    alpha: float = ALPHA,
 ) -> Path:
     """Write the weights of a checkpoint as OUT/NAME.safetensors, and their record as OUT/NAME.json.
 

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from ...core.errors import InputError
+from ...core.model import differences
 from .checkpoint import Checkpoint, TrainedWeights, check_weights
 
 
@@ -35,12 +36,9 @@ def interpolated_weights(run: Checkpoint, before: TrainedWeights, alpha: float, 
     InputError
         Where the networks differ.
     """
-    network, other = (
-        settings.network.model_dump(exclude={"recompute"}) for settings in (run.settings, before.settings)
-    )
-    for name, value in network.items():
-        if other[name] != value:
-            raise InputError(f"{where}: network.{name}", f"{value}, as in the checkpoint", other[name])
+    network, other = (one.settings.network.model_dump(exclude={"recompute"}) for one in (run, before))
+    for name, expected, found in differences(network, other):
+        raise InputError(f"{where}: network.{name}", f"{expected}, as in the checkpoint", found)
     after = run.eval_weights()
     check_weights(after, before.weights, where)
     return {name: _between(before.weights, name, value, alpha) for name, value in after.items()}
