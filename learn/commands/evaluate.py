@@ -15,6 +15,7 @@ from ...core.exit_codes import run_command
 from ...core.model import Model
 from ...core.user_text import UserPath
 from ...dataset.settings.config import parse_request
+from ..data.settings import Convergence
 from ..data.splits import SplitName
 from .extra import check_extra
 
@@ -46,10 +47,8 @@ class Evaluate(Model):
         description="Checkpoint of a network that says where objects are, for networks that have to be told (keypose, "
         "densefusion)",
     )
-    convergence: float | None = Field(
+    convergence: Convergence | None = Field(
         default=None,
-        gt=0.0,
-        le=1000.0,
         description="For stereo pairs, the depth at which both pictures are cut to show the same [m] "
         "(views.convergence); by default as in training",
     )

@@ -11,6 +11,8 @@ from ..networks.settings import SIZE_MULTIPLE
 
 _Side = Annotated[int, Field(ge=SIZE_MULTIPLE, le=8192, multiple_of=SIZE_MULTIPLE)]
 _Zoom = Annotated[float, Field(ge=1.0, le=8.0)]
+#: Depth at which both pictures of a pair are cut to show the same [m].
+Convergence = Annotated[float, Field(gt=0.0, le=1000.0)]
 _Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -26,10 +28,8 @@ class ViewSettings(Model):
     pool: int = Field(
         default=8, ge=1, le=56, description="With distance, how many of the nearest cameras sources are drawn from"
     )
-    convergence: float | None = Field(
+    convergence: Convergence | None = Field(
         default=None,
-        gt=0.0,
-        le=1000.0,
         description="With stereo, the depth at which both pictures of a pair are cut to show the same, as of cameras "
         "with moved principal points [m]; null: whole pictures, of which the left part has no match",
     )

@@ -122,9 +122,8 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
         free = name in MAY_DIFFER or (name in MAY_BE_ADDED and found[name] == default[name])
         if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
-    views, open_views = settings.views, ViewSettings()
-    left_open = {name for name in ViewSettings.model_fields if getattr(views, name) == getattr(open_views, name)}
-    views = views.model_copy(update={name: getattr(trained.views, name) for name in left_open})
+    of_views = (one.model_dump() for one in (settings.views, trained.views, ViewSettings()))
+    views = ViewSettings.model_validate(_with_open_values(*of_views))
     moved = {name: wanted[name] for name in (*MAY_DIFFER, *MAY_BE_ADDED) if wanted[name] != default[name]}
     return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
 
