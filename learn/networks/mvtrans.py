@@ -86,7 +86,7 @@ class MVTrans(nn.Module):
         self.offset_head, self.heatmap_head = DenseHead(2, **sizes), DenseHead(1, **sizes)
         self.vertex_head, self.covariance_head = FieldHead(16, **sizes), FieldHead(6, **sizes)
         self.z_centroid_head = FieldHead(1, **sizes)
-        self.refinement = Refinement(settings, CLASSES) if settings.refinement == "half" else None
+        self.refinement = Refinement(settings, CLASSES) if settings.refinement != "none" else None
         self.register_buffer("mean", torch.tensor(_MEAN)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(_STD)[:, None, None], persistent=False)
         initialise(self)

@@ -34,10 +34,20 @@ def local_contrast(images: Tensor) -> Tensor:
     (N, 3, H/2, W/2) Tensor
         Pixel i lies over pixel 2 i of the images.
     """
+    residual, variance = _local_moments(images)
+    return residual / (variance + _NOISE).sqrt()
+
+
+def local_deviation(images: Tensor) -> Tensor:
+    """Return the deviation of colours over a window at 1/2 of the image size, (N, H/2, W/2), of images as there."""
+    return _local_moments(images)[1][:, 0].sqrt()
+
+
+def _local_moments(images: Tensor) -> tuple[Tensor, Tensor]:
+    """Return colours at 1/2 of the size less their local mean, (N, 3, h, w), and their mean variance, (N, 1, h, w)."""
     half = functional.avg_pool2d(images, 3, STRIDE, 1, count_include_pad=False)
-    mean = window_mean(half, _CONTRAST)
-    variance = window_mean((half - mean).square(), _CONTRAST).mean(1, keepdim=True)
-    return (half - mean) / (variance + _NOISE).sqrt()
+    residual = half - window_mean(half, _CONTRAST)
+    return residual, window_mean(residual.square(), _CONTRAST).mean(1, keepdim=True)
 
 
 def photometric_similarity(contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor) -> Tensor:

@@ -2,8 +2,9 @@
 
 A layer that predicts a correction has to be exact to a hundredth of its range, which it did not learn in ten thousand
 steps. To choose is easier: candidates are planes close around the depth found so far, the depths at which the pictures
-are most alike, and the table's plane. Their probabilities give the depth, as in the cost volume. (From coarse to fine,
-as in Gu et al., "Cascade Cost Volume for High-Resolution Multi-View Stereo and Stereo Matching", CVPR 2020.)
+are most alike, the table's plane, and, where asked for, depths of semi-global matching (`fused_depth`). Their
+probabilities give the depth, as in the cost volume. (From coarse to fine, as in Gu et al., "Cascade Cost Volume for
+High-Resolution Multi-View Stereo and Stereo Matching", CVPR 2020.)
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor, nn
 
+from . import fused_depth
 from .layers import conv_norm, convex_upsample, upsample
 from .photometric import STRIDE, local_contrast, photometric_similarity, seen_by_others, window_mean
 from .plane_sweep import plane_depths
@@ -43,6 +45,7 @@ class Candidates:
 
     inverse: Tensor  #: (B, N, h, w) [1/m]
     evidence: Tensor  #: (B, C, h, w)
+    of_fused: Tensor  #: (B, F, h, w), evidence about fused depths, the last candidates; F is 0 without them
 
 
 class _Block(nn.Module):
@@ -80,10 +83,13 @@ class Refinement(nn.Module):
             nn.ReLU(inplace=True),
         )
         self.reduce = nn.Conv2d(settings.pyramid_channels, _WIDTH, 1)
-        inputs = evidence + _FEATURES + _WIDTH + classes + 1
+        self.fused = settings.refinement == "semi_global"
+        # What this adds comes last, so that a refinement without it can be grown into one with it.
+        more, fused = (fused_depth.EVIDENCE, fused_depth.CANDIDATES) if self.fused else (0, 0)
+        inputs = evidence + _FEATURES + _WIDTH + classes + 1 + more
         self.enter = nn.Sequential(conv_norm(inputs, _WIDTH, kind=kind), nn.ReLU(inplace=True))
         self.blocks = nn.Sequential(*(_Block(_WIDTH, dilation, kind) for dilation in _DILATIONS))
-        self.choice = nn.Conv2d(_WIDTH, near + len(_FURTHER) + away, 3, padding=1)
+        self.choice = nn.Conv2d(_WIDTH, near + len(_FURTHER) + away + fused, 3, padding=1)
         self.upsampling = nn.Conv2d(_WIDTH, 9 * STRIDE**2, 1)
 
     def keep_depth(self) -> None:
@@ -93,7 +99,10 @@ class Refinement(nn.Module):
         assert self.choice.bias is not None
         with torch.no_grad():
             self.choice.bias[_SIDE] = _KEEP
-            self.choice.bias[-len(_SEARCH_WINDOWS) - 1 :] = _AWAY
+            away = 2 * _SIDE + 1 + len(_FURTHER)
+            self.choice.bias[away : away + len(_SEARCH_WINDOWS) + 1] = _AWAY
+            # Fused depths are near the depth found so far where the pictures do not tell another one.
+            self.choice.bias[away + len(_SEARCH_WINDOWS) + 1 :] = _KEEP
 
     def forward(
         self,
@@ -128,11 +137,12 @@ class Refinement(nn.Module):
         inverse = 1.0 / half
         classes = seg.float().softmax(1)[..., ::STRIDE, ::STRIDE]
         with torch.no_grad(), torch.autocast(images.device.type, enabled=False):  # geometry needs 32 bits
-            cameras = world_T_camera.float(), K.float()
-            found = candidates(images.float(), *cameras, planes, inverse.detach(), classes.detach()[:, 1])
+            seen = images.float(), world_T_camera.float(), K.float(), planes, inverse.detach()
+            found = candidates(*seen, classes.detach()[:, 1], self.fused)
         relative = inverse.detach()[:, None] * planes[:, :1, None, None]
         features, pyramid = self.features(normalised[:, 0]), upsample(self.reduce(finest), STRIDE)
-        x = torch.cat([found.evidence, features.float(), pyramid.float(), classes.detach(), relative], dim=1)
+        about = [features.float(), pyramid.float(), classes.detach(), relative]
+        x = torch.cat([found.evidence, *about, found.of_fused], dim=1)
         x = self.blocks(self.enter(x))
         probability = self.choice(x).float().softmax(1)
         # The gradient of the depth found so far passes as if what is chosen were added to it.
@@ -143,7 +153,13 @@ class Refinement(nn.Module):
 
 
 def candidates(
-    images: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor, inverse: Tensor, table: Tensor
+    images: Tensor,
+    world_T_camera: Tensor,
+    K: Tensor,
+    planes: Tensor,
+    inverse: Tensor,
+    table: Tensor,
+    fused: bool = False,
 ) -> Candidates:
     """Return the depths to choose from.
 
@@ -153,6 +169,8 @@ def candidates(
         As in `Refinement.forward`.
     inverse, table : (B, H/2, W/2) Tensor
         Inverse depth found so far [1/m], and the probability of the table.
+    fused : bool
+        Whether depths of semi-global matching that know of the depth found so far are among them (`fused_depth`).
     """
     step = ((1.0 / planes[:, 0] - 1.0 / planes[:, -1]) / (planes.shape[1] - 1))[:, None, None]  # (B, 1, 1)
     contrast = local_contrast(images.flatten(0, 1)).unflatten(0, images.shape[:2])
@@ -166,9 +184,12 @@ def candidates(
     plane = upsample(plane[:, None], 2)[:, 0]
     shifts = [((x - inverse) / (_SHIFT_UNIT * step)).clamp(-_SEEN_SHIFT, _SEEN_SHIFT) for x in (*found, plane)]
     evidence += [torch.stack([*shifts, *peaks, seen, support[:, None, None].expand_as(seen)], dim=1)]
-    away = torch.stack([*further, *found, plane], dim=1)
+    away, of_fused = [1.0 / near, torch.stack([*further, *found, plane], dim=1)], inverse[:, None][:, :0]
+    if fused:
+        more, of_fused = fused_depth.fused_depths(images, contrast, world_T_camera, K, planes, inverse, step)
+        away.append(more)
     least = _LEAST * inverse[:, None]
-    return Candidates(torch.maximum(torch.cat([1.0 / near, away], dim=1), least), torch.cat(evidence, dim=1))
+    return Candidates(torch.maximum(torch.cat(away, dim=1), least), torch.cat(evidence, dim=1), of_fused)
 
 
 def _most_similar(

@@ -89,10 +89,11 @@ class NetworkSettings(Model):
         description="Size of the pictures in which objects are found: full, that of matching; or half of it, where "
         "matching needs finer pictures than recognition",
     )
-    refinement: Literal["none", "half"] = Field(
+    refinement: Literal["none", "half", "semi_global"] = Field(
         default="none",
         description="half: the full-size depth is corrected at 1/2 of the image size, by a choice among planes around "
-        "it, depths at which the pictures are most alike, and the plane of the table",
+        "it, depths at which the pictures are most alike, and the plane of the table; semi_global: also depths of "
+        "semi-global matching whose costs grow with the distance from the depth found so far",
     )
     recompute: Literal["nothing", "early", "features"] = Field(
         default="early",

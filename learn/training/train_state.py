@@ -23,7 +23,7 @@ from ..networks.resnet import load_pretrained
 from ..networks.settings import NetworkSettings
 from .checkpoint import Checkpoint, check_weights, load_weights
 from .frozen import freeze
-from .initial_weights import MAY_BE_ADDED, MAY_DIFFER
+from .initial_weights import MAY_DIFFER, MAY_GROW
 from .methods import samples_of, training_samples, with_data
 from .settings import MachineSettings, TrainSettings
 
@@ -108,8 +108,8 @@ def load_pretrained_context(state: TrainState) -> None:
 def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path) -> TrainSettings:
     """Return settings with the network of trained weights, and their views where the settings leave these open.
 
-    A run on nearer or farther things may ask for other planes, a refinement of depth may be added, and objects may be
-    found at half size (`initial_weights`). What is computed again to save memory is free.
+    A run on nearer or farther things may ask for other planes, a refinement of depth, or more candidates for one, may
+    be added, and objects may be found at half size (`initial_weights`). What is computed again to save memory is free.
 
     Raises
     ------
@@ -119,12 +119,13 @@ def with_network_of(settings: TrainSettings, trained: TrainSettings, where: Path
     wanted, found = settings.network.model_dump(), trained.network.model_dump()
     default = NetworkSettings().model_dump()
     for name, value in wanted.items():
-        free = name in MAY_DIFFER or (name in MAY_BE_ADDED and found[name] == default[name])
+        grown = MAY_GROW.get(name, ())
+        free = name in MAY_DIFFER or value in grown[grown.index(found[name]) if grown else 0 :]
         if not free and value not in (default[name], found[name]):
             raise InputError(f"{where}: network.{name}", f"{value}, as the settings say", found[name])
     of_views = (one.model_dump() for one in (settings.views, trained.views, ViewSettings()))
     views = ViewSettings.model_validate(_with_open_values(*of_views))
-    moved = {name: wanted[name] for name in (*MAY_DIFFER, *MAY_BE_ADDED) if wanted[name] != default[name]}
+    moved = {name: wanted[name] for name in (*MAY_DIFFER, *MAY_GROW) if wanted[name] != default[name]}
     return settings.model_copy(update={"network": trained.network.model_copy(update=moved), "views": views})
 
 

@@ -43,7 +43,7 @@ _SWITCHES: dict[str, tuple[str, tuple[str, ...]]] = {
     "network.densefusion.completion": ("network.densefusion.depth", ("completed",)),
     "views.pool": ("views.rule", ("distance",)),
     "losses.planes": ("network.readout", ("windowed",)),
-    "losses.unrefined_depth": ("network.refinement", ("half",)),
+    "losses.unrefined_depth": ("network.refinement", ("half", "semi_global")),
     "losses.probability": ("network.keypose.head", ("integral",)),
     **dict.fromkeys(("validate_every", "validate_samples"), ("val_split", ("train", "val", "test", "all"))),
 }
