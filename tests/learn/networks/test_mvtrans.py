@@ -41,6 +41,7 @@ def batch(rng: np.random.Generator, samples: int, views: int, height: int, width
         (2, 64, 96, {"norm": "group", "head_norm": "batch", "matching": "group", "fusion": "visibility"}),
         (3, 64, 32, {"heads_see_context": True, "refinement": "half", "matching": "group"}),
         (2, 64, 128, {"heads_see_context": True, "refinement": "half", "matching": "group", "objects_at": "half"}),
+        (2, 64, 32, {"refinement": "semi_global", "spacing": "inverse"}),
         (3, 128, 64, {"objects_at": "half", "recompute": "features"}),
     ],
 )

@@ -34,7 +34,12 @@ def without_session_file() -> Iterator[None]:
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"matching": "group", "spacing": "inverse", "readout": "windowed", "fusion": "visibility"}]
+    "changes",
+    [
+        {},
+        {"matching": "group", "spacing": "inverse", "readout": "windowed", "fusion": "visibility"},
+        {"spacing": "inverse", "refinement": "semi_global"},
+    ],
 )
 def test_onnxruntime_gives_what_torch_gives_for_other_pictures_and_cameras(tiny, tmp_path, changes, capsys):
     settings = NetworkSettings(**(tiny.model_dump() | changes))

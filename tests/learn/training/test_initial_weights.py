@@ -1,4 +1,4 @@
-"""Weights that a run begins with, where its network finds objects at half size for the first time."""
+"""Weights that a run begins with, where its network has more than they know: a size, or candidates for depth."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 import torch
 
+from glassware.core.errors import InputError
 from glassware.learn.networks.build import build_network
+from glassware.learn.networks.fused_depth import CANDIDATES
 from glassware.learn.networks.layers import half_size, upsample
 from glassware.learn.networks.mvtrans import MVTrans
 from glassware.learn.training.checkpoint import TrainedWeights
@@ -53,6 +55,34 @@ def test_objects_are_those_that_were_found_in_the_picture_at_half_its_size(plain
     # Heat is upsampled once, by 8, not twice.
     torch.testing.assert_close(found["heatmap"][:, ::8, ::8], expected["heatmap"][:, ::4, ::4], rtol=1e-4, atol=1e-4)
     assert expected["heatmap"].std() > 0.01
+
+
+def test_a_refinement_with_more_candidates_begins_with_the_weights_for_those_it_had(plain, settings, rng):
+    """Where the new ones are out of the question it finds what it found before."""
+    old = plain.model_copy(update={"refinement": "half"})
+    before, trained = built(old), settings.model_copy(update={"network": old})
+    torch.nn.init.normal_(before.get_parameter("refinement.choice.weight"), std=1e-4)
+    asked = settings.model_copy(update={"network": plain.model_copy(update={"refinement": "semi_global"})})
+    network = with_network_of(asked, trained, WHERE).network
+    assert network.refinement == "semi_global"
+    after = built(network)
+    load_initial_weights(after, TrainedWeights(trained, before.state_dict(), None), WHERE)
+    images = torch.from_numpy(rng.uniform(size=(1, 2, 3, 64, 96))).float()
+    poses = torch.eye(4).repeat(1, 2, 1, 1)
+    poses[0, 1, 0, 3] = 0.05
+    K = torch.tensor([[80.0, 0.0, 48.0], [0.0, 80.0, 32.0], [0.0, 0.0, 1.0]]).repeat(1, 2, 1, 1)
+    with torch.inference_mode():
+        expected, first = before(images, poses, K), after(images, poses, K)["depth"]
+        after.get_parameter("refinement.choice.bias")[-CANDIDATES:] = -1e4
+        found = after(images, poses, K)
+    for name, value in expected.items():
+        torch.testing.assert_close(found[name], value, msg=name)
+    assert (first - expected["depth"]).abs().mean() > 1e-3
+    # A run that leaves it open keeps it; one that asks for fewer candidates is refused.
+    wide = trained.model_copy(update={"network": network})
+    assert with_network_of(settings.model_copy(update={"network": plain}), wide, WHERE).network == network
+    with pytest.raises(InputError, match=r"network\.refinement: expected half, as the settings say, found semi_global"):
+        with_network_of(trained, wide, WHERE)
 
 
 def test_weights_for_half_size_stay_as_they_are(plain, settings):
