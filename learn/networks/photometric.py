@@ -15,42 +15,47 @@ from .plane_sweep import plane_sweep_grid, source_cameras, warp
 
 #: Pictures are compared at 1/2 of their size.
 STRIDE = 2
-#: Side of the window of the local mean and contrast [half-size px].
+#: Side of the window of the local mean and contrast [px].
 _CONTRAST = 5
 #: Variance of colours in [0, 1] that is added to the local one: about that of a noisy camera, 0.02^2.
 _NOISE = 4e-4
 
 
 def local_contrast(images: Tensor) -> Tensor:
-    """Return colours less their mean over a window, divided by their deviation there, at 1/2 of the image size.
+    """Return colours less their mean over a window, divided by their deviation there.
 
     Parameters
     ----------
-    images : (N, 3, H, W) Tensor
-        Images in [0, 1].
+    images : (N, 3, h, w) Tensor
+        Images in [0, 1], or `halved` ones.
 
     Returns
     -------
-    (N, 3, H/2, W/2) Tensor
-        Pixel i lies over pixel 2 i of the images.
+    (N, 3, h, w) Tensor
     """
     residual, variance = _local_moments(images)
     return residual / (variance + _NOISE).sqrt()
 
 
+def halved(images: Tensor) -> Tensor:
+    """Return the images at 1/2 of their size, (N, 3, H/2, W/2); pixel i lies over pixel 2 i of the images."""
+    return functional.avg_pool2d(images, 3, STRIDE, 1, count_include_pad=False)
+
+
 def local_deviation(images: Tensor) -> Tensor:
-    """Return the deviation of colours over a window at 1/2 of the image size, (N, H/2, W/2), of images as there."""
+    """Return the deviation of colours over the window of `local_contrast`, (N, h, w), of images as there."""
     return _local_moments(images)[1][:, 0].sqrt()
 
 
 def _local_moments(images: Tensor) -> tuple[Tensor, Tensor]:
-    """Return colours at 1/2 of the size less their local mean, (N, 3, h, w), and their mean variance, (N, 1, h, w)."""
-    half = functional.avg_pool2d(images, 3, STRIDE, 1, count_include_pad=False)
-    residual = half - window_mean(half, _CONTRAST)
+    """Return colours less their local mean, (N, 3, h, w), and their mean variance, (N, 1, h, w)."""
+    residual = images - window_mean(images, _CONTRAST)
     return residual, window_mean(residual.square(), _CONTRAST).mean(1, keepdim=True)
 
 
-def photometric_similarity(contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor) -> Tensor:
+def photometric_similarity(
+    contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor, finer: int = 1
+) -> Tensor:
     """Return the similarity of the reference view and the others along the planes, (B, D, H/2, W/2) in [0, 1].
 
     The mean over the views that see a point of exp(-|difference|), with the mean difference of the three colours; 0
@@ -58,19 +63,23 @@ def photometric_similarity(contrast: Tensor, world_T_camera: Tensor, K: Tensor, 
 
     Parameters
     ----------
-    contrast : (B, V, 3, H/2, W/2) Tensor
-        Of `local_contrast`; the first view is the reference.
+    contrast : (B, V, 3, H/2, W/2) or (B, V, 3, H, W) Tensor
+        Of `local_contrast`; the first view is the reference. At full size every second pixel of it is matched, in the
+        finer views.
     world_T_camera, K : (B, V, 4, 4) and (B, V, 3, 3) Tensor
         Poses [m], and intrinsic matrices at full size [px].
     planes : (B, D) or (B, D, H/2, W/2) Tensor
         Depths of the planes [m].
+    finer : int
+        Size of `contrast` over 1/2 of that of the images: 1 or 2.
     """
-    size = (contrast.shape[-2], contrast.shape[-1])
+    size = (contrast.shape[-2] // finer, contrast.shape[-1] // finer)
+    reference = contrast[:, 0, :, None, ::finer, ::finer]
     total, count = torch.zeros((), device=contrast.device), torch.zeros((), device=contrast.device)
     for view, camera in enumerate(source_cameras(world_T_camera, K, STRIDE), start=1):
         pixels, visible = plane_sweep_grid(*camera, planes, size)
-        warped = warp(contrast[:, view], pixels)  # (B, 3, D, H/2, W/2)
-        difference = (contrast[:, 0, :, None] - warped).abs().mean(1)
+        warped = warp(contrast[:, view], finer * pixels)  # (B, 3, D, H/2, W/2)
+        difference = (reference - warped).abs().mean(1)
         total = total + torch.where(visible, torch.exp(-difference), 0.0)
         count = count + visible
     return total / count.clamp_min(1)

@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from . import fused_depth
 from .layers import conv_norm, convex_upsample, upsample
-from .photometric import STRIDE, local_contrast, photometric_similarity, seen_by_others, window_mean
+from .photometric import STRIDE, halved, local_contrast, photometric_similarity, seen_by_others, window_mean
 from .plane_sweep import plane_depths
 from .settings import NetworkSettings, Norm
 from .table_plane import table_plane
@@ -173,7 +173,7 @@ def candidates(
         Whether depths of semi-global matching that know of the depth found so far are among them (`fused_depth`).
     """
     step = ((1.0 / planes[:, 0] - 1.0 / planes[:, -1]) / (planes.shape[1] - 1))[:, None, None]  # (B, 1, 1)
-    contrast = local_contrast(images.flatten(0, 1)).unflatten(0, images.shape[:2])
+    contrast = local_contrast(halved(images.flatten(0, 1))).unflatten(0, images.shape[:2])
     near = planes_around(inverse, step)
     alike = photometric_similarity(contrast, world_T_camera, K, near)
     evidence = [window_mean(alike, side) for side in _NEAR_WINDOWS]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from glassware.learn.networks.photometric import local_contrast, photometric_similarity, seen_by_others
+from glassware.learn.networks.photometric import halved, local_contrast, photometric_similarity, seen_by_others
 
 from .walls import BASELINE, DEPTH, DISPARITY, FOCAL, wall_pair
 
@@ -20,16 +20,32 @@ def pair(rng):
 
 
 def contrast_of(images):
+    return local_contrast(halved(images.flatten(0, 1))).unflatten(0, images.shape[:2])
+
+
+def fine_contrast_of(images):
     return local_contrast(images.flatten(0, 1)).unflatten(0, images.shape[:2])
 
 
-def test_pictures_are_alike_at_the_depth_of_the_surface_alone(pair):
+@pytest.mark.parametrize(("contrast", "finer"), [(contrast_of, 1), (fine_contrast_of, 2)])
+def test_pictures_are_alike_at_the_depth_of_the_surface_alone(pair, contrast, finer):
     images, poses, K = pair
-    similarity = photometric_similarity(contrast_of(images), poses, K, PLANES)
+    similarity = photometric_similarity(contrast(images), poses, K, PLANES, finer)
     seen = similarity[0, :, 4:-4, 24:-4]  # away from the border, where windows and views end
     assert (seen[ON_WALL] > 0.99).all()
     others = torch.cat([seen[:ON_WALL], seen[ON_WALL + 1 :]])
     assert (others.mean((1, 2)) < 0.6).all()
+
+
+def test_finer_views_tell_planes_apart_that_are_a_pixel_of_disparity_away(pair):
+    """At full size a wall one pixel off is no more alike than one far away; at half size a part of it is."""
+    images, poses, K = pair
+    near = torch.tensor([[FOCAL * BASELINE / disparity for disparity in (DISPARITY + 1, DISPARITY)]])
+    coarse = photometric_similarity(contrast_of(images), poses, K, near)[0, :, 4:-4, 24:-4].mean((1, 2))
+    fine = photometric_similarity(fine_contrast_of(images), poses, K, near, 2)[0, :, 4:-4, 24:-4].mean((1, 2))
+    assert coarse[1] > 0.99
+    assert fine[1] > 0.99
+    assert fine[0] < coarse[0] - 0.1
 
 
 def test_what_the_other_view_does_not_see_is_not_alike(pair):
