@@ -30,6 +30,11 @@ _SEARCHED = 64
 _NEAR_WINDOWS, _SEARCH_WINDOWS = (3, 7), (5, 9)
 #: Channels of the image features and of the layers, and dilations of its residual blocks.
 _FEATURES, _WIDTH, _DILATIONS = 16, 32, (1, 2, 4, 8, 1)
+#: Channels of the evidence, which come first, and then those of what the image shows: features of it and of the
+#: pyramid. With fused depths these are left out: on scenes that no training saw, opaque things are 18.8 mm off without
+#: them and 19.5 mm with them, glass 32.9 and 33.0 mm (40 pairs, 200 and 400 steps on 169 scenes).
+EVIDENCE = (2 * _SIDE + 1) * len(_NEAR_WINDOWS) + 3 * len(_SEARCH_WINDOWS) + 3
+APPEARANCE = _FEATURES + _WIDTH
 #: Logit of the depth found so far in a new network, where those of all others are 0, and of the candidates that may be
 #: far from it.
 _KEEP, _AWAY = 5.0, -3.0
@@ -75,18 +80,19 @@ class Refinement(nn.Module):
         super().__init__()
         kind = settings.norm
         near, away = 2 * _SIDE + 1, len(_SEARCH_WINDOWS) + 1
-        evidence = near * len(_NEAR_WINDOWS) + 3 * len(_SEARCH_WINDOWS) + 3
-        self.features = nn.Sequential(
-            conv_norm(3, _FEATURES, stride=STRIDE, kind=kind),
-            nn.ReLU(inplace=True),
-            conv_norm(_FEATURES, _FEATURES, kind=kind),
-            nn.ReLU(inplace=True),
-        )
-        self.reduce = nn.Conv2d(settings.pyramid_channels, _WIDTH, 1)
         self.fused = settings.refinement == "semi_global"
-        # What this adds comes last, so that a refinement without it can be grown into one with it.
-        more, fused = (fused_depth.EVIDENCE, fused_depth.CANDIDATES) if self.fused else (0, 0)
-        inputs = evidence + _FEATURES + _WIDTH + classes + 1 + more
+        fused = fused_depth.CANDIDATES if self.fused else 0
+        if self.fused:
+            inputs = EVIDENCE + classes + 1 + fused_depth.EVIDENCE
+        else:
+            inputs = EVIDENCE + APPEARANCE + classes + 1
+            self.features = nn.Sequential(
+                conv_norm(3, _FEATURES, stride=STRIDE, kind=kind),
+                nn.ReLU(inplace=True),
+                conv_norm(_FEATURES, _FEATURES, kind=kind),
+                nn.ReLU(inplace=True),
+            )
+            self.reduce = nn.Conv2d(settings.pyramid_channels, _WIDTH, 1)
         self.enter = nn.Sequential(conv_norm(inputs, _WIDTH, kind=kind), nn.ReLU(inplace=True))
         self.blocks = nn.Sequential(*(_Block(_WIDTH, dilation, kind) for dilation in _DILATIONS))
         self.choice = nn.Conv2d(_WIDTH, near + len(_FURTHER) + away + fused, 3, padding=1)
@@ -140,10 +146,10 @@ class Refinement(nn.Module):
             seen = images.float(), world_T_camera.float(), K.float(), planes, inverse.detach()
             found = candidates(*seen, classes.detach()[:, 1], self.fused)
         relative = inverse.detach()[:, None] * planes[:, :1, None, None]
-        features, pyramid = self.features(normalised[:, 0]), upsample(self.reduce(finest), STRIDE)
-        about = [features.float(), pyramid.float(), classes.detach(), relative]
-        x = torch.cat([found.evidence, *about, found.of_fused], dim=1)
-        x = self.blocks(self.enter(x))
+        about = [classes.detach(), relative, found.of_fused]
+        if not self.fused:
+            about = [self.features(normalised[:, 0]).float(), upsample(self.reduce(finest), STRIDE).float(), *about]
+        x = self.blocks(self.enter(torch.cat([found.evidence, *about], dim=1)))
         probability = self.choice(x).float().softmax(1)
         # The gradient of the depth found so far passes as if what is chosen were added to it.
         chosen = (probability * found.inverse).sum(1) + (inverse - inverse.detach())

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from ..networks.mvtrans import MVTrans
+from ..networks.refinement import APPEARANCE, EVIDENCE
 from ..networks.settings import NetworkSettings
 from .checkpoint import TrainedWeights, load_weights
 from .plane_weights import on_planes
@@ -34,7 +35,8 @@ def load_initial_weights(network: nn.Module, trained: TrainedWeights, where: Pat
     weights, own = dict(trained.weights), network.state_dict()
     if isinstance(network, MVTrans):
         weights = on_planes(weights, trained.settings.network, network.settings)
-        weights |= _grown_refinement(_part(weights, _REFINEMENT), _part(own, _REFINEMENT))
+        refinement = _grown_refinement(_part(weights, _REFINEMENT), _part(own, _REFINEMENT))
+        weights = {name: value for name, value in weights.items() if not name.startswith(_REFINEMENT)} | refinement
         weights = _objects_at_half(weights, own, trained.settings.network, network.settings)
     load_weights(network, weights, where)
 
@@ -43,13 +45,15 @@ def _grown_refinement(weights: Mapping[str, Tensor], own: Mapping[str, Tensor]) 
     """Return the weights of a refinement, with the network's own for candidates that they do not know.
 
     New evidence comes last among the inputs, and counts nothing at first; new candidates come last among the outputs.
+    What the image shows is not seen with them.
     """
-    if not weights or weights[_ENTER].shape[1] == own[_ENTER].shape[1]:
+    if not weights or weights.keys() == own.keys():
         return dict(weights or own)
     enter = torch.zeros_like(own[_ENTER])
-    enter[:, : weights[_ENTER].shape[1]] = weights[_ENTER]
+    kept = torch.cat([weights[_ENTER][:, :EVIDENCE], weights[_ENTER][:, EVIDENCE + APPEARANCE :]], dim=1)
+    enter[:, : kept.shape[1]] = kept
     last = {name: torch.cat([weights[name], own[name][len(weights[name]) :]]) for name in _CHOICE}
-    return {**weights, _ENTER: enter, **last}
+    return {**{name: weights[name] for name in own}, _ENTER: enter, **last}
 
 
 def _objects_at_half(

@@ -12,6 +12,7 @@ from glassware.learn.networks.build import build_network
 from glassware.learn.networks.fused_depth import CANDIDATES
 from glassware.learn.networks.layers import half_size, upsample
 from glassware.learn.networks.mvtrans import MVTrans
+from glassware.learn.networks.refinement import APPEARANCE, EVIDENCE
 from glassware.learn.training.checkpoint import TrainedWeights
 from glassware.learn.training.initial_weights import load_initial_weights
 from glassware.learn.training.train_state import with_network_of
@@ -58,10 +59,12 @@ def test_objects_are_those_that_were_found_in_the_picture_at_half_its_size(plain
 
 
 def test_a_refinement_with_more_candidates_begins_with_the_weights_for_those_it_had(plain, settings, rng):
-    """Where the new ones are out of the question it finds what it found before."""
+    """Where the new ones are out of the question it finds what it found before, but for what it saw of the image."""
     old = plain.model_copy(update={"refinement": "half"})
     before, trained = built(old), settings.model_copy(update={"network": old})
     torch.nn.init.normal_(before.get_parameter("refinement.choice.weight"), std=1e-4)
+    with torch.no_grad():
+        before.get_parameter("refinement.enter.0.0.weight")[:, EVIDENCE : EVIDENCE + APPEARANCE] = 0.0
     asked = settings.model_copy(update={"network": plain.model_copy(update={"refinement": "semi_global"})})
     network = with_network_of(asked, trained, WHERE).network
     assert network.refinement == "semi_global"
