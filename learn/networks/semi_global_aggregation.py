@@ -5,10 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import torch
 from torch import Tensor
+from torch._higher_order_ops.scan import scan
 from torch.nn import functional
 
 #: Added to the curvature of a parabola through three costs, so that a flat one has a lowest point.
@@ -34,23 +33,38 @@ def aggregate(costs: Tensor, small: float, large: float) -> Tensor:
     """
     sums = []
     for axis in (1, 2):
-        lines = costs.unbind(axis)
-        ahead, back = _along(lines, small, large), _along(lines[::-1], small, large)[::-1]
-        sums.append(torch.stack([first + second for first, second in zip(ahead, back, strict=True)], axis))
+        lines = costs.movedim(axis, 0)
+        both = _along(lines, small, large, False) + _along(lines, small, large, True)
+        sums.append(both.movedim(0, axis))
     return sums[0] + sums[1]
 
 
-def _along(lines: Sequence[Tensor], small: float, large: float) -> list[Tensor]:
-    """Return the costs of the best paths through the lines of an image, each (N, m, D), in order."""
-    paths = [lines[0]]
-    for line in lines[1:]:
-        last = paths[-1]
-        least = last.amin(-1, keepdim=True)
-        # Beyond the ends stands the cost of the end itself, which a step makes greater: it has no effect.
-        beside = functional.pad(last, (1, 1), mode="replicate")
-        step = torch.minimum(beside[..., :-2], beside[..., 2:]) + small
-        paths.append(line + torch.minimum(torch.minimum(step, last), least + large) - least)
-    return paths
+def _along(lines: Tensor, small: float, large: float, backwards: bool) -> Tensor:
+    """Return the costs of the best paths through the lines of an image, (n, N, m, D), from the first or the last."""
+    if torch.compiler.is_exporting():  # one node of ONNX, where the loop would be thousands
+        return _scanned(lines, small, large, backwards)
+    order = range(len(lines) - 1, -1, -1) if backwards else range(len(lines))
+    paths, last = [torch.empty(0)] * len(lines), torch.zeros_like(lines[0])
+    for index in order:
+        paths[index] = last = _next(last, lines[index], small, large)
+    return torch.stack(paths)
+
+
+def _scanned(lines: Tensor, small: float, large: float, backwards: bool) -> Tensor:
+    def combine(last: Tensor, line: Tensor) -> tuple[Tensor, Tensor]:
+        path = _next(last, line, small, large)
+        return path, path.clone()  # what is carried on and what is kept must not share memory
+
+    return scan(combine, torch.zeros_like(lines[0]), lines, dim=0, reverse=backwards)[1]
+
+
+def _next(last: Tensor, line: Tensor, small: float, large: float) -> Tensor:
+    """Return the costs of the best paths to a line, (N, m, D), of those to the line before; zeros before the first."""
+    least = last.amin(-1, keepdim=True)
+    # Beyond the ends stands the cost of the end itself, which a step makes greater: it has no effect.
+    beside = functional.pad(last, (1, 1), mode="replicate")
+    step = torch.minimum(beside[..., :-2], beside[..., 2:]) + small
+    return line + torch.minimum(torch.minimum(step, last), least + large) - least
 
 
 def lowest(costs: Tensor) -> Tensor:
