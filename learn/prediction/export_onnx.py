@@ -38,6 +38,9 @@ OUTPUTS = ("seg", "depth", "heatmap", "offset", "vertex", "z_centroid", "covaria
 _OPSET = 18
 #: Largest difference from torch of an output, over its largest value or 1.
 TOLERANCE = 1e-4
+#: Fraction of the pixels of depth that may differ by more, where it is chosen among depths of semi-global matching: of
+#: two matches that are equally good, rounding takes one. Of the noise that is compared 4e-4 did (`large`).
+TIES = 1e-3
 #: Entry of the file's metadata with network and views.
 ENTRY = "glassware"
 #: Baseline of the pair that is compared [m], and its focal length over its width [1].
@@ -95,7 +98,8 @@ def export_onnx(predictor: Predictor, out: Path, size: tuple[int, int] | None = 
     assert program is not None
     model = program.model_proto
     onnx.helper.set_model_props(model, {ENTRY: json_text(_record(predictor, size, views))})
-    difference = greatest_difference(wrapped, model, size, views)
+    ties = TIES if network.settings.refinement == "semi_global" else 0.0
+    difference = greatest_difference(wrapped, model, size, views, ties)
     if difference > TOLERANCE:
         raise WorkFailed(f"{out}: expected outputs within {TOLERANCE:g} of torch's, found {difference:.3g}")
     write_atomically(out, model.SerializeToString())
@@ -124,16 +128,21 @@ def session(model: onnx.ModelProto | Path, threads: int | None = None) -> onnxru
     return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
 
 
-def greatest_difference(network: nn.Module, model: onnx.ModelProto, size: tuple[int, int], views: int) -> float:
-    """Return the largest difference between torch and onnxruntime over two samples, relative as for `TOLERANCE`."""
+def greatest_difference(
+    network: nn.Module, model: onnx.ModelProto, size: tuple[int, int], views: int, ties: float = 0.0
+) -> float:
+    """Return the largest difference between torch and onnxruntime over two samples, relative as for `TOLERANCE`.
+
+    Of depth the fraction `ties` of the pixels, those that differ most, is left out.
+    """
     runtime, worst = session(model, torch.get_num_threads()), 0.0
     for seed in (1, 2):  # others than the one that was traced: noise and cameras must not be constants of the file
         inputs = example_inputs(size, views, seed)
         with torch.inference_mode():
             expected = network(*inputs)
         found = runtime.run(list(OUTPUTS), {name: value.numpy() for name, value in zip(INPUTS, inputs, strict=True)})
-        for ours, theirs in zip(expected, found, strict=True):
-            error = np.abs(ours.numpy() - np.asarray(theirs)).max()
+        for name, ours, theirs in zip(OUTPUTS, expected, found, strict=True):
+            error = np.quantile(np.abs(ours.numpy() - np.asarray(theirs)), 1.0 - ties if name == "depth" else 1.0)
             worst = max(worst, float(error / max(1.0, ours.abs().max())))
     return worst
 
