@@ -54,12 +54,11 @@ def _local_moments(images: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def photometric_similarity(
-    contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor, finer: int = 1
+    contrast: Tensor, world_T_camera: Tensor, K: Tensor, planes: Tensor, finer: int = 1, unseen: float = 0.0
 ) -> Tensor:
     """Return the similarity of the reference view and the others along the planes, (B, D, H/2, W/2) in [0, 1].
 
-    The mean over the views that see a point of exp(-|difference|), with the mean difference of the three colours; 0
-    where no view does.
+    The mean over the views that see a point of exp(-|difference|), with the mean difference of the three colours.
 
     Parameters
     ----------
@@ -72,6 +71,8 @@ def photometric_similarity(
         Depths of the planes [m].
     finer : int
         Size of `contrast` over 1/2 of that of the images: 1 or 2.
+    unseen : float
+        Similarity of a point that lies in none of the other images.
     """
     size = (contrast.shape[-2] // finer, contrast.shape[-1] // finer)
     reference = contrast[:, 0, :, None, ::finer, ::finer]
@@ -82,7 +83,7 @@ def photometric_similarity(
         difference = (reference - warped).abs().mean(1)
         total = total + torch.where(visible, torch.exp(-difference), 0.0)
         count = count + visible
-    return total / count.clamp_min(1)
+    return torch.where(count > 0, total / count.clamp_min(1), unseen)
 
 
 def seen_by_others(depth: Tensor, world_T_camera: Tensor, K: Tensor, stride: int) -> Tensor:

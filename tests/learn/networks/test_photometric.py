@@ -54,6 +54,8 @@ def test_what_the_other_view_does_not_see_is_not_alike(pair):
     first = DISPARITY // 2
     assert (similarity[0, ON_WALL, :, : first - 1] == 0.0).all()
     assert (similarity[0, ON_WALL, :, first + 1 : -4] > 0.0).all()
+    neutral = photometric_similarity(contrast_of(images), poses, K, PLANES, unseen=0.7)
+    torch.testing.assert_close(neutral, torch.where(similarity == 0.0, 0.7, similarity))
 
 
 def test_exposure_and_black_level_of_one_view_do_not_matter(pair):
