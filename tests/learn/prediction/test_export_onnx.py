@@ -58,12 +58,12 @@ def test_onnxruntime_gives_what_torch_gives_for_other_pictures_and_cameras(tiny,
     import onnxruntime
 
     from glassware.learn import load
+    from glassware.learn.prediction.export_onnx import example_inputs
 
     session = onnxruntime.InferenceSession(str(out), providers=["CPUExecutionProvider"])
     record = json.loads(session.get_modelmeta().custom_metadata_map["glassware"])
     assert record["size"] == [96, 128]
-    generator = torch.Generator().manual_seed(5)
-    images = torch.rand(1, 2, 3, 96, 128, generator=generator)
+    images, _, _ = example_inputs((96, 128), 2, seed=5)
     poses = torch.eye(4).repeat(1, 2, 1, 1)
     poses[0, 1, :3, 3] = torch.tensor([0.07, 0.01, -0.02])
     K = torch.tensor([[90.0, 0.0, 60.0], [0.0, 95.0, 50.0], [0.0, 0.0, 1.0]]).repeat(1, 2, 1, 1)
@@ -76,6 +76,19 @@ def test_onnxruntime_gives_what_torch_gives_for_other_pictures_and_cameras(tiny,
         scale = max(1.0, float(expected[name].abs().max()))
         assert np.abs(value - expected[name].numpy()).max() / scale < 1e-4, name
     assert float(expected["heatmap"].abs().max()) > 0.01
+
+
+def test_what_is_compared_shows_one_plane_from_all_views():
+    """The second view is the first one, moved by the disparity; none of it is the same at another place."""
+    from glassware.learn.prediction.export_onnx import example_inputs
+
+    images, poses, K = example_inputs((96, 128), 2, seed=0)
+    assert images.shape == (1, 2, 3, 96, 128)
+    assert images.std() > 0.1
+    disparity = float(K[0, 0, 0, 0] * poses[0, 1, 0, 3]) / 0.8
+    assert disparity == pytest.approx(16.0)
+    torch.testing.assert_close(images[0, 1, ..., :-16], images[0, 0, ..., 16:], atol=1e-4, rtol=0.0)
+    assert (images[0, 1, ..., :-17] - images[0, 0, ..., 17:]).abs().mean() > 0.03
 
 
 def test_other_networks_and_sizes_are_one_clear_line(tiny, tmp_path):
