@@ -303,6 +303,11 @@ def liquid_solid(body: GlassBody, number: int = 0, others: Iterable[tuple[Mesh, 
     return joined(sides, f"{body.name}-liquid")
 
 
+def is_filled(item: SceneObject) -> bool:
+    """Return whether something is in a body that keeps its place only while the body stands: a liquid, beads, ice."""
+    return isinstance(item, GlassBody) and (item.liquid is not None or bool(item.contents))
+
+
 def content_solid(body: GlassBody, number: int) -> Mesh:
     """Return the closed surface of one of a vessel's contents, object frame, normals out of it."""
     return joined([part.mesh for part in body.interfaces if part.content == number], f"{body.name}-content-{number}")

@@ -26,7 +26,7 @@ _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
 
 def solid_of(item: SceneObject) -> Solid:
-    """Return a body as others meet it, in the world frame: glass with its liquid, or a prop."""
+    """Return a body as others meet it, in the world frame: glass with its liquid or what lies dry in it, or a prop."""
     if isinstance(item, Prop):
         return in_world(item.mesh, item.world_T_object)
     # Bodies that reach through a liquid's surface leave holes in it, so a flat lid stands for it.
@@ -34,7 +34,8 @@ def solid_of(item: SceneObject) -> Solid:
     closing = [part.mesh for part in item.interfaces if part.part == "liquid_surface"]
     if item.liquids and lid(joined([outside, *closing], "body")) is not None:
         closing = [some for some in [lid(outside)] if some is not None]
-    return in_world(joined([outside, *closing], f"{item.name}-body"), item.world_T_object)
+    dry = [] if item.liquids else [part.mesh for part in item.interfaces if part.part == "content"]
+    return in_world(joined([outside, *closing, *dry], f"{item.name}-body"), item.world_T_object)
 
 
 def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:

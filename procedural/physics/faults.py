@@ -7,7 +7,7 @@ from itertools import chain, combinations, product
 
 import numpy as np
 
-from ..description.bodies import SceneObject, liquid_solid
+from ..description.bodies import GlassBody, SceneObject, liquid_solid
 from ..description.edits import in_world, solid_of
 from ..placement.overlap import ALLOWANCE, Solid, overlap
 from ..placement.placement import CONTACT_GAP, inside
@@ -49,7 +49,10 @@ def strays(run: Run) -> list[int]:
     upset = set(_upset(run.case, current))
     culprits = {one for pair in contacts(run.world) if upset & set(pair) for one in pair} & set(run.case.falls)
     middles = current[:, 2, 3]
-    liquids = [in_world(liquid_solid(run.case.objects[i]), current[i]) for i in run.case.filled]  # pyright: ignore
+    bodies = [(run.case.objects[i], current[i]) for i in run.case.filled]
+    liquids = [
+        in_world(liquid_solid(item), pose) for item, pose in bodies if isinstance(item, GlassBody) and item.liquid
+    ]
     for number in sorted(run.here):
         lost = middles[number] < -_LOST or number in culprits or not _is_over_table(run.case, number, current[number])
         if not lost and number in run.case.falls and liquids:
@@ -97,7 +100,7 @@ def made_upright(case: Case, found: np.ndarray) -> str:
         pose = found[number].copy()
         standing = CONTACT_GAP - float(case.bodies[number].parts.hull[:, 2].min())
         if _leans(case, number, pose) or abs(pose[2, 3] - standing) > CONTACT_GAP + _HIGH:
-            return f"upset {case.objects[number].name}, which holds a liquid"
+            return f"upset {case.objects[number].name}, which is filled"
         found[number] = turn_about_z(float(np.arctan2(pose[1, 0], pose[0, 0])))
         found[number, :3, 3] = [*pose[:2, 3], standing]
     return ""

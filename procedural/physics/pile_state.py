@@ -22,7 +22,7 @@ class Case:
     bodies: list[RigidBody]
     falls: list[int]  #: numbers of the objects that fall
     stands: list[int]  #: numbers of those that stand from the beginning
-    filled: list[int]
+    filled: list[int]  #: numbers of those that hold something, which keeps its place while they stand
     board: np.ndarray
     settings: PhysicsSettings
     placement: PlacementSettings

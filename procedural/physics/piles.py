@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import InputError
 from ...core.randomness import stream
-from ..description.bodies import TABLE_ID, GlassBody, SceneObject
+from ..description.bodies import TABLE_ID, SceneObject, is_filled
 from ..description.material import OpaqueMaterial
 from ..description.rest import Rest, no_rest
 from ..placement.placement import CONTACT_GAP, PlacementSettings, draw_positions
@@ -114,17 +114,13 @@ def _case(
         bodies=bodies,
         falls=[number for number in numbers if not stands[number]],
         stands=[number for number in numbers if stands[number]],
-        filled=[number for number in numbers if _is_filled(objects[number])],
+        filled=[number for number in numbers if is_filled(objects[number])],
         board=board,
         settings=settings,
         placement=placement,
         attached=parts,
         world=build_world(bodies, board, substance_of(table).friction),
     )
-
-
-def _is_filled(item: SceneObject) -> bool:
-    return isinstance(item, GlassBody) and item.liquid is not None
 
 
 def _begun(case: Case, rng: np.random.Generator) -> Run:

@@ -9,8 +9,9 @@ import numpy as np
 
 from ...core.mesh import Mesh
 from ...core.randomness import stream
+from ..description.bodies import is_filled
 from ..description.rest import Rest
-from ..description.scene import FIRST_OBJECT_ID, GlassBody, MeshVessel, Prop, SceneObject, Vessel
+from ..description.scene import FIRST_OBJECT_ID, MeshVessel, Prop, SceneObject, Vessel
 from ..description.surroundings import Table
 from ..physics.bodies import mechanics_of
 from ..physics.faults import placed_parts
@@ -86,11 +87,11 @@ def arranged(
 
 
 def _stands(item: SceneObject, parts: Parts, settings: SceneSettings, seed: int, scene_id: int) -> bool:
-    """Return whether an object stands upright: vessels, but for those that lie. A liquid needs a level surface."""
+    """Return whether an object stands upright: vessels, but for those that lie. What is in one would not stay there."""
     if not isinstance(item, Vessel | MeshVessel):
-        return isinstance(item, GlassBody) and item.liquid is not None
+        return is_filled(item)
     drawn = stream(seed, scene_id, f"lies/{item.name}").random() < settings.physics.lying_probability
-    return item.liquid is not None or not (drawn or lies(item, parts.get(item.name, ())))
+    return is_filled(item) or not (drawn or lies(item, parts.get(item.name, ())))
 
 
 def _apart(

@@ -77,7 +77,8 @@ class TableSettings(Model):
     print_kinds: Weighted = Field(
         default=DEFAULT_PRINTS,
         min_length=1,
-        description="Kinds of prints to draw from, equally likely or by weights (mat=3)",
+        description="Kinds of prints to draw from, equally likely or by weights (mat=3); those that do not fit on a "
+        "table are not drawn on it",
         json_schema_extra={"range": f"one or more of {', '.join(PRINT_KINDS)}"},
     )
 

@@ -93,7 +93,7 @@ def draw_prints(
     rng : numpy.random.Generator
         Source of all draws.
     kinds : mapping of str to float
-        Weights of kinds.
+        Weights of kinds. One that finds no place on the table is not drawn on it.
     count : int
         How many are drawn; a group of markers counts as one.
     outline : (k, 2) float
@@ -104,21 +104,35 @@ def draw_prints(
     Raises
     ------
     InputError
-        Where a print of a kind finds no place on the table.
+        Where none of the kinds finds a place on the table.
     """
-    names: list[PrintKind] = [kind for kind in PRINT_KINDS if kind in kinds]
-    weights = np.array([kinds[name] for name in names])
+    left: dict[PrintKind, float] = {kind: kinds[kind] for kind in PRINT_KINDS if kind in kinds}
     found: list[TablePrint] = []
     for _ in range(count):
-        kind = names[int(rng.choice(len(names), p=weights / weights.sum()))]
-        looks = _markers(rng) if kind == "markers" else [_DRAWN[kind]]
-        found += [_placed(rng, kind, look, outline, wear) for look in looks]
+        found += _some(rng, left, outline, wear)
     return tuple(sorted(found, key=lambda item: _LAYERS.index(item.kind)))
 
 
-def _placed(rng: np.random.Generator, kind: PrintKind, look: Draw, outline: np.ndarray, wear: float) -> TablePrint:
-    """Return a print at a place where all of it lies on the top."""
-    drawn = None
+def _some(rng: np.random.Generator, left: dict[PrintKind, float], outline: np.ndarray, wear: float) -> list[TablePrint]:
+    """Return a print, or a group of markers; kinds that find no place are taken out of those that are left."""
+    while True:
+        names, weights = list(left), np.array([*left.values()])
+        kind = names[int(rng.choice(len(names), p=weights / weights.sum()))]
+        looks = _markers(rng) if kind == "markers" else [_DRAWN[kind]]
+        placed = [_placed(rng, kind, look, outline, wear) for look in looks]
+        if all(placed):
+            return [item for item in placed if item is not None]
+        if len(left) == 1:
+            (length, width), size = np.ptp(outline, axis=0), looks[0](rng, wear).size
+            expected = f"prints that have a place on the flat top of {length:.2f} x {width:.2f} m"
+            raise InputError("table.print_kinds", expected, f"{kind}, such as one of {size[0]:.2f} x {size[1]:.2f} m")
+        del left[kind]
+
+
+def _placed(
+    rng: np.random.Generator, kind: PrintKind, look: Draw, outline: np.ndarray, wear: float
+) -> TablePrint | None:
+    """Return a print at a place where all of it lies on the top, or None where none of those tried is one."""
     for _ in range(TRIES):
         drawn = look(rng, wear)
         angle = rng.uniform(-np.pi, np.pi)
@@ -130,13 +144,7 @@ def _placed(rng: np.random.Generator, kind: PrintKind, look: Draw, outline: np.n
         )
         if lies_on(item, outline, EDGE):
             return item
-    assert drawn is not None
-    length, width = np.ptp(outline, axis=0)
-    raise InputError(
-        "table.print_kinds",
-        f"prints that have a place on the flat top of {length:.2f} x {width:.2f} m",
-        f"{kind}, such as one of {drawn.size[0]:.2f} x {drawn.size[1]:.2f} m",
-    )
+    return None
 
 
 def lies_on(item: TablePrint, outline: np.ndarray, edge: float = 0.0) -> bool:

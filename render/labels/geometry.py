@@ -206,6 +206,9 @@ def straight_hits(
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
         absorbed, through = straight_passage(table, surface, ray, start_normal, unblocked)
+        # The eye is in air, whatever the first surface says: at a waterline rays slip past the liquid to what stands
+        # in it.
+        absorbed = dr.select(nearest, 1.0, absorbed)
         write_transmission(recorder, layer, dr.select(surface.opaque, 0.0, through), absorbed, unblocked)
         transmittance *= dr.select(unblocked, absorbed * dr.select(surface.opaque, 1.0, through), 1.0)
         start_normal = mi.Normal3f(surface.ns)

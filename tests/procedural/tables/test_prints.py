@@ -87,6 +87,17 @@ def test_a_print_that_fits_nowhere_is_refused_with_its_size() -> None:
         TableSettings.model_validate({"print_kinds": ["matt"]})
 
 
+def test_a_kind_that_does_not_fit_gives_way_to_those_that_do() -> None:
+    """On a shelf 20 cm deep no newspaper lies whole, and no place mat."""
+    shelf = np.array([[-0.6, -0.1], [0.6, -0.1], [0.6, 0.1], [-0.6, 0.1]])
+    kinds = {"newspaper": 5.0, "mat": 5.0, "sticker": 1.0}
+    for seed in range(10):
+        drawn = draw_prints(stream(seed, 0, "p"), kinds, 3, shelf, 0.0)
+        assert [item.kind for item in drawn] == ["sticker"] * 3
+    with pytest.raises(InputError, match=r"table.print_kinds.*1.20 x 0.20 m"):
+        draw_prints(stream(1, 0, "p"), {"newspaper": 5.0, "mat": 5.0}, 1, shelf, 0.0)
+
+
 @pytest.mark.parametrize("kind", ["wood", "tiles", "plain"])
 @pytest.mark.parametrize("angle", [0.0, 0.4])
 def test_a_print_has_its_size_and_place_in_metres_to_a_texel(kind: str, angle: float) -> None:
