@@ -99,7 +99,7 @@ class Refinement(nn.Module):
         self.upsampling = nn.Conv2d(_WIDTH, 9 * STRIDE**2, 1)
 
     def keep_depth(self) -> None:
-        """Set the last layers so that a new refinement prefers the depth found so far."""
+        """Set the last layers so that a new refinement prefers the depth found so far, and fused depths as much."""
         nn.init.zeros_(self.choice.weight)
         nn.init.zeros_(self.upsampling.weight)
         assert self.choice.bias is not None

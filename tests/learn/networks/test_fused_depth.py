@@ -56,7 +56,7 @@ def test_outside_the_other_picture_all_stay_at_the_depth_found_so_far(rng):
     inverse = torch.full((1, 32, 64), 1.0 / DEPTH + 0.3 * STEP)
     found, _ = fused(images, poses, K, inverse)
     error = (found - inverse[:, None]).abs()[0, :, 4:-4, : DISPARITY // 2 - 4] / STEP
-    assert (error.mean((1, 2)) < 0.5).all()
+    assert (error.mean((1, 2)) < 0.33).all()  # where planes outside cost as much as a mismatch it is 0.38 and more
 
 
 def test_evidence_says_which_candidate_the_pictures_agree_with(rng):
