@@ -31,7 +31,7 @@ from glassware.procedural.description.scene import (
     glass_solid,
     liquid_solid,
 )
-from glassware.procedural.description.standing import standing_in
+from glassware.procedural.description.standing import wetted_surfaces
 from glassware.procedural.optics.catalogue import water
 from glassware.procedural.placement.overlap import Solid, overlap
 
@@ -85,7 +85,7 @@ def _overlap(one: SceneObject, other: SceneObject, solids: dict[str, Solid]) -> 
 
 def _surfaces(vessel: GlassBody, scene: Scene) -> list[tuple[str, Mesh]]:
     """Return the surfaces of a vessel that have to be closed: of its glass, its liquids and what is in them."""
-    pieces = [piece for other in standing_in(scene.objects, vessel) for piece in other.pieces]
+    pieces = wetted_surfaces(scene.objects, vessel)
     liquids = [liquid_solid(vessel, number, pieces) for number in range(len(vessel.liquids))]
     contents = [content_solid(vessel, number) for number in range(len(vessel.contents))]
     return [(f"{vessel.name} ({vessel.category})", mesh) for mesh in (glass_solid(vessel), *liquids, *contents)]
@@ -106,7 +106,7 @@ def _measure(vessel: Vessel | MeshVessel, scene: Scene, found: dict[str, Any]) -
         ratio = _wall_of_mesh(vessel) / vessel.wall
         # Below the level alone, and so without what is thinnest near the rim.
         found["walls"][vessel.name] = [vessel.category, ratio if abs(ratio - 1.0) < WALL else _wall_by_rays(vessel)]
-    pieces = [piece for other in standing_in(scene.objects, vessel) for piece in other.pieces]
+    pieces = wetted_surfaces(scene.objects, vessel)
     for number, liquid in enumerate(vessel.liquids):
         solid = liquid_solid(vessel, number, pieces)
         ratio = liquid.volume / monte_carlo(solid, scene.scene_id)

@@ -26,6 +26,7 @@ from ...procedural.description.scene import (
     Vessel,
     glass_solid,
 )
+from ...procedural.description.standing import wetted_surfaces
 from ...procedural.optics.medium import Medium
 from ...procedural.physics.bodies import Mechanics, mechanics_of
 from ...procedural.profiles.liquid import brimful_volume
@@ -145,7 +146,7 @@ def objects_file(scene: Scene, points: SceneKeypoints) -> ObjectsFile:
     """Return the records of a scene's objects, with the keypoints of its labels."""
     rows = zip(scene.objects, points.local, strict=True)
     return ObjectsFile(
-        objects=tuple(_record(item, local, scene.rest) for item, local in rows),
+        objects=tuple(_record(item, local, scene) for item, local in rows),
         materials=tuple(_material_record(material) for material in materials_of(scene)),
     )
 
@@ -154,7 +155,7 @@ def _material_record(material: Medium | OpaqueMaterial) -> MediumRecord | Opaque
     return MediumRecord(medium=material) if isinstance(material, Medium) else _opaque(material)
 
 
-def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRecord:
+def _record(item: SceneObject, local: np.ndarray, scene: Scene) -> ObjectRecord:
     symmetry = symmetry_of(item)
     axes = ((0.0, 0.0, 1.0),) * symmetry.turns + ((1.0, 0.0, 0.0),) * symmetry.ball
     return ObjectRecord(
@@ -177,9 +178,13 @@ def _record(item: SceneObject, local: np.ndarray, rest: Rest | None) -> ObjectRe
         openings=_lines(openings(item)),
         fill_lines=_lines(fill_lines(item)),
         volumes=_volumes(item),
-        mechanics=mechanics_of(item),
-        touches=None if rest is None or rest.given_up else touched(rest, item.id),
+        mechanics=mechanics_of(item, wetted_surfaces(scene.objects, item)),
+        touches=_touched(item, scene.rest),
     )
+
+
+def _touched(item: SceneObject, rest: Rest | None) -> tuple[int, ...] | None:
+    return None if rest is None or rest.given_up else touched(rest, item.id)
 
 
 def _lines(lines: tuple[np.ndarray, ...]) -> tuple[tuple[Vector3, ...], ...]:

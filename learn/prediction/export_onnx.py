@@ -149,6 +149,8 @@ def greatest_difference(
 ) -> float:
     """Return the largest difference between torch and onnxruntime over two samples, relative as for `TOLERANCE`.
 
+    It is infinite where one of them gives what is no number.
+
     Of depths the fraction `ties` of the pixels, those that differ most, is left out.
     """
     runtime, worst = session(model, torch.get_num_threads()), 0.0
@@ -159,7 +161,8 @@ def greatest_difference(
         found = runtime.run(list(OUTPUTS), {name: value.numpy() for name, value in zip(INPUTS, inputs, strict=True)})
         for name, ours, theirs in zip(OUTPUTS, expected, found, strict=True):
             error = np.quantile(np.abs(ours.numpy() - np.asarray(theirs)), 1.0 - ties if name in _CHOSEN else 1.0)
-            worst = max(worst, float(error / max(1.0, ours.abs().max())))
+            relative = float(error / max(1.0, ours.abs().max()))
+            worst = max(worst, relative if math.isfinite(relative) else math.inf)
     return worst
 
 

@@ -7,7 +7,7 @@ bodies and pieces that share an edge have the same points of the line, bit for b
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -105,6 +105,22 @@ def whole(pieces: Sequence[Mesh], name: str) -> Mesh:
     columns = [[getattr(piece, field) for piece in pieces] for field in ("normals", "uv", "colours")]
     others = [None if any(x is None for x in column) else np.concatenate(column) for column in columns]
     return Mesh(name, np.concatenate([piece.vertices for piece in pieces]), faces, *others)
+
+
+def without_folds(mesh: Mesh) -> Mesh:
+    """Return a surface without faces that have two equal corners, and without pairs that lie on each other face down.
+
+    Where a body was cut there are points a step of single precision apart. Some become one when it moves.
+    """
+    _, index = np.unique(np.ascontiguousarray(mesh.vertices + np.float32(0.0)).view("V12").ravel(), return_inverse=True)
+    corners = index.reshape(-1)[mesh.faces].astype(np.int64)
+    proper = (corners != np.roll(corners, 1, axis=1)).all(1)
+    kinds, number = np.unique(np.sort(corners, axis=1), axis=0, return_inverse=True)
+    # Of three numbers the order is even or odd, and turning a face over changes it.
+    steps = np.sign(np.roll(corners, -1, axis=1) - corners).sum(1)
+    turns = np.bincount(number.reshape(-1), np.where(proper, steps, 0), len(kinds))
+    kept = proper & (turns[number.reshape(-1)] != 0.0)
+    return mesh if kept.all() else replace(mesh, faces=mesh.faces[kept])
 
 
 def _with_cuts(

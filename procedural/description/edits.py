@@ -13,29 +13,48 @@ from ...core.mesh import Mesh, joined
 from ...core.pose import check_rigid
 from ..cavities.pierce import lid
 from ..optics.medium import Medium
-from ..placement.overlap import ALLOWANCE, Solid, contains, overlap
+from ..placement.overlap import ALLOWANCE, Solid, contains, overlap, union
 from ..profiles.clearance import along_edges, clearance
-from .bodies import Prop, SceneObject, Vessel, glass_solid
+from .bodies import GlassBody, Prop, SceneObject, Vessel, content_solid, glass_solid, is_filled
 
 #: Distance of points on edges that are looked at [m]: walls are at least a millimetre thick.
 _ALONG = 8e-4
 #: Most corners of a part that are looked at in its vessel [1]: they are 5 mm apart on a label.
 TOUCH_POINTS = 200
+#: How far the vertical may be off a vessel's axis and still be that axis [rad]: 10 um across a vessel.
+UPRIGHT = 1e-4
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
 
 def solid_of(item: SceneObject) -> Solid:
-    """Return a body as others meet it, in the world frame: glass with its liquid or what lies dry in it, or a prop."""
+    """Return a body as others meet it, in the world frame: glass with all that is in it, or a prop."""
     if isinstance(item, Prop):
         return in_world(item.mesh, item.world_T_object)
+    body = in_world(_closed(item), item.world_T_object)
+    for number in _risen(item):
+        body = union(body, in_world(content_solid(item, number), item.world_T_object))
+    return body
+
+
+def _closed(item: GlassBody) -> Mesh:
+    """Return the surface of the glass with its liquids, as if nothing rose out of them."""
     # Bodies that reach through a liquid's surface leave holes in it, so a flat lid stands for it.
     outside = joined([part.mesh for part in item.interfaces if part.part == "outside"], f"{item.name}-outside")
     closing = [part.mesh for part in item.interfaces if part.part == "liquid_surface"]
     if item.liquids and lid(joined([outside, *closing], "body")) is not None:
         closing = [some for some in [lid(outside)] if some is not None]
-    dry = [] if item.liquids else [part.mesh for part in item.interfaces if part.part == "content"]
-    return in_world(joined([outside, *closing, *dry], f"{item.name}-body"), item.world_T_object)
+    return joined([outside, *closing], f"{item.name}-body")
+
+
+def _risen(item: GlassBody) -> list[int]:
+    """Return which of a vessel's contents lie dry, or rise out of its liquids."""
+    if not item.liquids:
+        return list(range(len(item.contents)))
+    top = item.liquids[-1]
+    solids = [content_solid(item, number) for number in range(len(item.contents))]
+    up = np.array(top.up or (0.0, 0.0, 1.0))
+    return [number for number, solid in enumerate(solids) if float((solid.vertices @ up).max()) > top.contact]
 
 
 def in_world(mesh: Mesh, world_T_mesh: np.ndarray) -> Solid:
@@ -113,6 +132,20 @@ def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     check_above_table(item.name, solid)
     for other in others:
         check_pair(item, solid, other, solid_of(other))
+
+
+def check_level(item: SceneObject) -> None:
+    """Refuse a pose of a vessel in which its liquid is not level, or what lies dry in it would roll."""
+    if not isinstance(item, GlassBody) or not is_filled(item):
+        return
+    up = np.array((0.0, 0.0, 1.0) if item.liquid is None else item.liquid.up or (0.0, 0.0, 1.0))
+    tilt = float(np.arccos(np.clip(item.world_T_object[2, :3] @ up, -1.0, 1.0)))
+    if tilt <= UPRIGHT:
+        return
+    held = item.contents[0].kind if item.liquid is None else item.liquid.medium.name
+    found = f"one tilted by {np.degrees(tilt):.3g} degrees"
+    hint = "" if item.contents else "; tilted.poured_in_pose pours it anew"
+    raise InputError(f"{item.name}, world_T_object", f"a pose in which its {held} stays as it is", found + hint)
 
 
 def moved(item: SceneObject, world_T_object: object) -> SceneObject:

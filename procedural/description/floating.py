@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...core.mesh import Mesh, volume_of
-from ..cavities.split import volume_below
+from ..cavities.split import volume_below, without_folds
 from ..profiles.clearance import floor_under
 
 #: Heights at which the volume of a body below them is known [1]; between them it is interpolated. Few for those that
@@ -137,4 +137,4 @@ def lying_rise(mesh: Mesh, inner: np.ndarray) -> float:
 
 def raised(mesh: Mesh, rise: float) -> Mesh:
     """Return a body that is higher by some length [m]."""
-    return replace(mesh, vertices=mesh.vertices.astype(np.float64) + np.array([0.0, 0.0, rise]))
+    return without_folds(replace(mesh, vertices=mesh.vertices.astype(np.float64) + np.array([0.0, 0.0, rise])))

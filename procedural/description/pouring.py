@@ -22,10 +22,12 @@ def poured(
     pours: Sequence[Pour],
     objects: Sequence[SceneObject] = (),
     inside: Interior | None = None,
+    melted: bool = False,
 ) -> tuple[Vessel | MeshVessel, tuple[SceneObject, ...]]:
     """Return a vessel with other liquids in it, and the objects of a scene that stand in it.
 
-    Ice floats at its new level, beads stay, and bubbles are gone with the liquid that they were in.
+    Ice floats at its new level or lies on the floor, beads stay, and bubbles are gone with the liquid that they were
+    in.
 
     Parameters
     ----------
@@ -37,6 +39,8 @@ def poured(
         The objects of its scene.
     inside : Interior, optional
         Cavities of a `MeshVessel`, where they are known.
+    melted : bool
+        Whether ice is gone as well.
 
     Raises
     ------
@@ -44,7 +48,8 @@ def poured(
         Where they do not fit (`filling.fill_vessel`), or a body has no room at its new place.
     """
     standing = standing_in(objects, vessel)
-    bodies = [body for body in bodies_in(vessel) if body.record is not None and body.record.kind != "bubbles"]
+    gone = ("bubbles", "ice cube") if melted else ("bubbles",)
+    bodies = [body for body in bodies_in(vessel) if body.record is not None and body.record.kind not in gone]
     others = [Body(one.solid) for one in standing]
     filled = fill_vessel(vessel, pours, [*bodies, *others], inside)
     changed = tuple(

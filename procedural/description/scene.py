@@ -38,7 +38,7 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_place, made_unique, moved_with_parts, surrounded
+from .edits import check_level, check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
 from .polarisation_camera import PolarisationCamera
 from .rest import Rest
@@ -277,12 +277,14 @@ class Scene(Model):
         Raises
         ------
         InputError
-            Where there is no such object, the pose is not rigid, or the object would be in the table or in another one.
+            Where there is no such object, the pose is not rigid, the object would be in the table or in another one, or
+            what is in a vessel would flow or roll out of its place.
         """
         before = self._object(name)
         if before.within is not None:
             raise InputError(name, f"a pose of the vessel that it stands in ({before.within})", "one of its own")
         changed = moved_with_parts(before, world_T_object, self.objects)
+        check_level(changed[name])
         rest = [other for other in self.objects if other.name not in changed]
         for item in changed.values():
             check_place(item, rest)

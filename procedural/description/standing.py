@@ -56,6 +56,13 @@ def standing_in(objects: Sequence[SceneObject], vessel: GlassBody) -> tuple[Stan
     return tuple(found)
 
 
+def wetted_surfaces(objects: Sequence[SceneObject], item: SceneObject) -> list[tuple[Mesh, Medium]]:
+    """Return the surfaces of the objects that stand in one, in its frame, each with the medium before it."""
+    if not isinstance(item, GlassBody):
+        return []
+    return [piece for other in standing_in(objects, item) for piece in other.pieces]
+
+
 def restood(item: SceneObject, pieces: Sequence[tuple[Medium, Mesh]], world_T_vessel: np.ndarray) -> SceneObject:
     """Return an object in a vessel with other pieces of its surface, given in the vessel's frame."""
     item_T_vessel = np.linalg.inv(item.world_T_object) @ world_T_vessel

@@ -14,13 +14,10 @@ from ..cavities.interior import interior_of, most_volume
 from ..cavities.split import whole
 from ..profiles.liquid import brimful_volume
 from .bodies import Cavity, MeshVessel, Vessel
-from .edits import moved
+from .edits import UPRIGHT, moved
 from .filling import fill_vessel
 from .mesh_vessel import dry_interfaces_of, mesh_vessel
 from .stack import Pour
-
-#: How far the vertical may be off a vessel's axis and still be that axis [rad]: 10 um across a vessel.
-UPRIGHT = 1e-4
 
 
 def poured_in_pose(

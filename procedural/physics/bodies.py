@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +10,12 @@ from pydantic import Field
 
 from ...core.mesh import Mesh
 from ...core.model import Model
-from ..description.bodies import GlassBody, Prop, SceneObject, glass_solid, liquid_solid
+from ..description.bodies import GlassBody, Prop, SceneObject, content_solid, glass_solid, liquid_solid
 from ..description.material import OpaqueMaterial
+from ..optics.medium import AIR, Medium
 from .mass import MassProperties, combined, moved_mass, shell_mass, solid_mass
 from .substances import (
+    GLASS_DENSITY,
     LIQUID_DENSITY,
     WHOLE_DENSITIES,
     Substance,
@@ -28,9 +30,11 @@ _LEAST_VOLUME = 1e-3
 class Mechanics(Model):
     """Mechanical properties of an object as it is in the scene."""
 
-    whole: MassProperties = Field(description="With its liquid")
+    whole: MassProperties = Field(description="With its liquids, and the beads and ice in it")
     empty: MassProperties | None = Field(
-        default=None, exclude_if=lambda empty: empty is None, description="Of a filled vessel, the vessel alone"
+        default=None,
+        exclude_if=lambda empty: empty is None,
+        description="Of a vessel with something in it, the vessel alone",
     )
     density: float = Field(gt=0.0, description="Of what the body is made of, or of the whole where it is full [kg/m^3]")
     wall: float | None = Field(default=None, description="Wall of a hollow body [m]; null where it is solid")
@@ -38,16 +42,24 @@ class Mechanics(Model):
     source: str = Field(description="Where density and friction come from")
 
 
-def mechanics_of(item: SceneObject) -> Mechanics:
-    """Return the mechanical properties of an object.
+def mechanics_of(item: SceneObject, others: Iterable[tuple[Mesh, Medium]] = ()) -> Mechanics:
+    """Return the mechanical properties of an object, with what it holds: liquids, beads, ice.
 
     Glass has the volume of its mesh, and so have the walls of cups and other open shapes. Closed props of plastic,
     ceramic, metal, terracotta and cardboard are hollow; those of wood, stone, rubber, cloth and paper are solid. Tins
     and cartons are full, and books are paper. A thing of closed parts has the mass of each; density and friction are
     those of its first.
+
+    Parameters
+    ----------
+    item : Prop or GlassBody
+        The object.
+    others : iterable of (Mesh, Medium)
+        Surfaces of objects that stand in its liquids (`standing.standing_in`): they take the place of some. Without
+        them the mass of a liquid in which a straw stands is up to 0.4 % off.
     """
     if isinstance(item, GlassBody):
-        return _of_glass(item)
+        return _of_glass(item, list(others))
     substance = substance_of(item.material)
     if item.category in WHOLE_DENSITIES:
         density, source = WHOLE_DENSITIES[item.category]
@@ -78,13 +90,19 @@ def with_attached(mechanics: Mechanics, attached: Sequence[SceneObject]) -> Mech
     return mechanics.model_copy(update={"whole": combined([mechanics.whole, *others])})
 
 
-def _of_glass(item: GlassBody) -> Mechanics:
+def _of_glass(item: GlassBody, others: Sequence[tuple[Mesh, Medium]]) -> Mechanics:
     substance = glass_substance(item.glass)
     glass = solid_mass(glass_solid(item), substance.density)
-    if item.liquid is None:
-        return _record(glass, substance)
-    liquid = solid_mass(liquid_solid(item), item.liquid.medium.density or LIQUID_DENSITY)
-    return _record(combined([glass, liquid]), substance, glass)
+    held = [
+        solid_mass(liquid_solid(item, number, others), liquid.medium.density or LIQUID_DENSITY)
+        for number, liquid in enumerate(item.liquids)
+    ]
+    held += [
+        solid_mass(content_solid(item, number), content.medium.density or GLASS_DENSITY)
+        for number, content in enumerate(item.contents)
+        if content.medium != AIR
+    ]
+    return _record(combined([glass, *held]), substance, glass) if held else _record(glass, substance)
 
 
 def _of_prop(item: Prop, substance: Substance) -> Mechanics:

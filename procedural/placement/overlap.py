@@ -46,6 +46,14 @@ class Solid:
         return found if found.status() == Error.NoError and found.volume() > 0.0 else None
 
 
+def union(a: Solid, b: Solid) -> Solid:
+    """Return what is in one of two bodies or in both; where a surface is not closed, both surfaces as they are."""
+    if a.exact is None or b.exact is None:
+        return Solid(np.concatenate([a.points, b.points]), np.concatenate([a.faces, b.faces + len(a.points)]))
+    mesh = (a.exact + b.exact).to_mesh64()
+    return Solid(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64))
+
+
 def overlap(a: Solid, b: Solid) -> bool:
     """Return whether the bodies overlap by more than `ALLOWANCE` of depth.
 

@@ -12,7 +12,8 @@ from ...core.errors import InputError
 from ...core.randomness import stream
 from ..description.bodies import Interface
 from ..description.material import OpaqueMaterial
-from ..description.scene import GlassBody, MeshVessel, Scene, Vessel
+from ..description.pouring import poured
+from ..description.scene import GlassBody, MeshVessel, Scene, SceneObject, Vessel
 from ..description.twin import Twin, TwinKind
 from ..materials.draw import draw_plain_material
 from ..optics.medium import AIR
@@ -39,10 +40,10 @@ def twin_of(scene: Scene, kind: TwinKind, settings: SceneSettings, files: AssetF
         As it was drawn.
     kind : str
         ``"opaque"``: all glass is painted, each vessel in a colour of its own, and so are the surfaces of liquids.
-        ``"empty"``: no vessel holds liquid, and so neither ice nor bubbles. ``"clean-plate"``: no vessel, nor what
-        belongs to one; all else stays where it is, also what leaned on one. ``"light"``: other surroundings and lamps
-        of the same settings, with the exposure that they need. ``"media"``: other glasses and liquids of the same
-        settings; a liquid keeps its volume.
+        ``"empty"``: no vessel holds liquid, ice or bubbles; beads and what stands in it stay. ``"clean-plate"``: no
+        vessel, nor what belongs to one; all else stays where it is, also what leaned on one. ``"light"``: other
+        surroundings and lamps of the same settings, with the exposure that they need. ``"media"``: other glasses and
+        liquids of the same settings; a liquid keeps its volume.
     settings, files : SceneSettings, AssetFiles
         What the scene was drawn from.
     """
@@ -80,11 +81,17 @@ def _coated(part: Interface, paint: OpaqueMaterial) -> Interface:
 
 
 def emptied(scene: Scene) -> Scene:
-    """Return a scene whose vessels hold no liquid, nor what was in it: ice and bubbles."""
+    """Return a scene whose vessels hold no liquid, nor ice and bubbles; beads and what stands in them stay."""
+    changed: dict[str, SceneObject] = {}
     for body in scene.vessels:
-        if body.liquids:
-            scene = scene.with_liquid(body.name, None)
-    return scene
+        melts = any(content.kind == "ice cube" for content in body.contents)
+        if isinstance(body, Vessel | MeshVessel) and (body.liquids or melts):
+            empty, standing = poured(body, (), scene.objects, melted=True)
+            changed |= {item.name: item for item in (empty, *standing)}
+    vessels = tuple(changed.get(body.name, body) for body in scene.vessels)
+    return scene.model_copy(
+        update={"vessels": vessels, "props": tuple(changed.get(prop.name, prop) for prop in scene.props)}
+    )
 
 
 def _is_host(body: GlassBody) -> bool:

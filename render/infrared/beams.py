@@ -29,6 +29,7 @@ from ..scene.surfaces import (
     SurfaceTable,
     registry_id,
     relative_index_d,
+    seen_from_air,
     surface_media,
     transmittance_rgb,
 )
@@ -128,7 +129,7 @@ def _followed(loaded: LoadedScene, receiver: Receiver, ray: mi.Ray3f, mirrored: 
         si = scene.ray_intersect(ray, mi.RayFlags.All, bounces == 0, active)
         si = without_crack(si, robust, ray, offset, active)
         hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.label, registry_id(si.shape), active) > 0)
-        surface = surface_media(table, si, ray, hit)
+        surface = seen_from_air(surface_media(table, si, ray, hit), bounces == 0)
         path += surface.distance * dr.gather(mi.Float, receiver.group, surface.before, hit)
         length += surface.distance
         fraction *= transmittance_rgb(table.sigma_a_rgb, surface, hit).x

@@ -15,7 +15,7 @@ from .._mitsuba import dr, mi, syntax
 from ..frame import Eye, Geometry, Layers, LineOfSight, Transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import pinhole, pixel_rays, straight_on, where_met, without_crack
-from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, surface_media
+from ..scene.surfaces import SurfaceMedia, SurfaceTable, registry_id, relative_index_d, seen_from_air, surface_media
 from .layers import (
     LayerRecorder,
     RayHit,
@@ -186,7 +186,8 @@ def straight_hits(
         row = registry_id(si.shape)
         # Without a room in its place an area light is part of the surroundings, as the sky behind it.
         active &= si.is_valid() & (dr.gather(mi.UInt32, table.label, row, si.is_valid()) > 0)
-        surface = surface_media(table, si, ray, active)
+        nearest = active & (first_id == 0)
+        surface = seen_from_air(surface_media(table, si, ray, active), nearest)
         instance = dr.gather(mi.UInt32, table.label, row, active)
         item = dr.gather(mi.Int32, table.object, row, active)
         # Along the whole ray: a sum over its segments would miss their offsets from the surfaces.
@@ -196,7 +197,6 @@ def straight_hits(
         layer = mi.UInt32(count)
         count += dr.select(active, mi.UInt32(1), mi.UInt32(0))
 
-        nearest = active & (first_id == 0)
         first = dr.select(nearest, distance, first)
         first_id = dr.select(nearest, instance, first_id)
         normal = dr.select(nearest, si.sh_frame.n, normal)
@@ -206,9 +206,6 @@ def straight_hits(
         background = dr.select(stops, distance, background)
         background_id = dr.select(stops, instance, background_id)
         absorbed, through = straight_passage(table, surface, ray, start_normal, unblocked)
-        # The eye is in air, whatever the first surface says: at a waterline rays slip past the liquid to what stands
-        # in it.
-        absorbed = dr.select(nearest, 1.0, absorbed)
         write_transmission(recorder, layer, dr.select(surface.opaque, 0.0, through), absorbed, unblocked)
         transmittance *= dr.select(unblocked, absorbed * dr.select(surface.opaque, 1.0, through), 1.0)
         start_normal = mi.Normal3f(surface.ns)

@@ -18,7 +18,7 @@ from ..frame import HIT, LOST, SURROUNDINGS, Eye, Refraction
 from ..interfaces.dielectric import transmission
 from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays, where_met, without_crack
-from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
+from ..scene.surfaces import registry_id, relative_index_d, seen_from_air, surface_media, transmittance_rgb
 
 #: Maximum number of interfaces of a ray [1]; a ray that meets more is lost. In eight drawn scenes (32 views) 4 % of the
 #: pixels on glass meet 16 or more, 2 % meet 32, and 1 % (0.04 % of all pixels) are lost at 64: total internal
@@ -113,7 +113,7 @@ def _refracted(
         row = registry_id(si.shape)
         # An area light is part of the surroundings, as the sky behind it.
         hit = active & si.is_valid() & (dr.gather(mi.UInt32, table.label, row, active) > 0)
-        surface = surface_media(table, si, ray, hit)
+        surface = seen_from_air(surface_media(table, si, ray, hit), bounces == 0)
         length += surface.distance
         transmittance *= transmittance_rgb(sigma_a, surface, hit)
 

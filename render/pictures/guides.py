@@ -25,7 +25,7 @@ from ..scene.loaded_scene import LoadedScene
 from ..scene.rays import Pinhole, leave, pinhole, pixel_rays
 from ..scene.spectrum import to_guide
 from ..scene.surface_maps import mapped_normal, values_at
-from ..scene.surfaces import registry_id, relative_index_d, surface_media, transmittance_rgb
+from ..scene.surfaces import registry_id, relative_index_d, seen_from_air, surface_media, transmittance_rgb
 from .sampler import sample_4d, sobol_sampler
 
 #: Rays of every pixel, and additional rays of a pixel that, like one of its neighbours, has first rays that differ by
@@ -224,7 +224,7 @@ def _through_smooth_glass(loaded: LoadedScene, ray: mi.Ray3f, active: bool | mi.
         pi = scene.ray_intersect_preliminary(ray, True, active)
         si = pi.compute_surface_interaction(ray, mi.RayFlags.ShadingFrame, active)
         hit = active & si.is_valid()
-        surface = surface_media(table, si, ray, hit)
+        surface = seen_from_air(surface_media(table, si, ray, hit), bounces == 0)
         weight *= transmittance_rgb(table.sigma_a_rgb, surface, active)
         alpha = dr.gather(mi.Float, table.alpha, surface.row, hit)
         active = hit & ~surface.opaque & (alpha == 0.0) & (bounces < _MAX_INTERFACES)

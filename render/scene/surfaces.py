@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -161,6 +161,15 @@ def surface_media(table: SurfaceTable, si: mi.SurfaceInteraction3f, ray: mi.Ray3
     sign = dr.select(from_front, mi.Float(1.0), mi.Float(-1.0))
     n, ns, distance = sign * si.n, sign * si.sh_frame.n, dr.select(hit, si.t, 0.0)
     return SurfaceMedia(row, opaque, before, behind, n, ns, distance)
+
+
+def seen_from_air(surface: SurfaceMedia, first: mi.Bool) -> SurfaceMedia:
+    """Return the surface at the end of a segment, before which there is air where it is the `first` one of its ray.
+
+    The eye is in air. At a waterline rays slip between the liquid and what stands in it, and meet that first; its side
+    towards them says that they came through the liquid.
+    """
+    return replace(surface, before=dr.select(first, AIR_INDEX, surface.before))
 
 
 def medium_at_end(surface: SurfaceMedia, medium: mi.UInt32) -> mi.UInt32:

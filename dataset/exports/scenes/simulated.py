@@ -12,6 +12,7 @@ import numpy as np
 from ....annotate.projection import inverse_pose
 from ....core.mesh import Mesh, some_faces
 from ....procedural.description.scene import Prop, Scene, SceneObject, content_solid, glass_solid, liquid_solid
+from ....procedural.description.standing import wetted_surfaces
 from ....procedural.physics.bodies import Mechanics, mechanics_of
 from ....procedural.physics.parts import ON_THE_WALL, BodyParts, body_parts
 from ....procedural.physics.substances import substance_of
@@ -90,7 +91,7 @@ def simulated_bodies(scene: Scene, records: Sequence[ObjectRecord], ids: Sequenc
             item=item,
             surfaces=tuple(_surfaces(item, names[item.id])),
             shape=body_parts(item),
-            mechanics=stated.get(item.id) or mechanics_of(item),
+            mechanics=stated.get(item.id) or mechanics_of(item, wetted_surfaces(scene.objects, item)),
             attached_to=by_name.get(item.part_of) if item.part_of else None,
         )
         for item in chosen.values()

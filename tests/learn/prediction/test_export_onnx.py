@@ -13,6 +13,7 @@ import pytest
 import torch
 
 from glassware.core.errors import InputError
+from glassware.core.exit_codes import WorkFailed
 from glassware.dataset.commands.glassware import main
 from glassware.learn import NetworkSettings, build_network
 from glassware.learn.data.settings import ViewSettings
@@ -89,6 +90,16 @@ def test_what_is_compared_shows_one_plane_from_all_views():
     assert disparity == pytest.approx(16.0)
     torch.testing.assert_close(images[0, 1, ..., :-16], images[0, 0, ..., 16:], atol=1e-4, rtol=0.0)
     assert (images[0, 1, ..., :-17] - images[0, 0, ..., 17:]).abs().mean() > 0.03
+
+
+def test_a_network_that_gives_no_numbers_is_not_written(tiny, tmp_path):
+    from glassware.learn.prediction.export_onnx import export_onnx
+
+    network = build_network(tiny)
+    torch.nn.init.constant_(dict(network.named_parameters())["z_centroid_head.predictor.bias"], float("nan"))
+    with pytest.raises(WorkFailed, match=r"expected outputs within 0\.0001 of torch's, found inf$"):
+        export_onnx(Predictor(network, TrainSettings(), None, "cpu"), tmp_path / "a.onnx", (96, 128))
+    assert not (tmp_path / "a.onnx").exists()
 
 
 def test_other_networks_and_sizes_are_one_clear_line(tiny, tmp_path):

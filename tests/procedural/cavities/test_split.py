@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial.transform import Rotation
 
 from glassware.core.mesh import Mesh, volume_of
-from glassware.procedural.cavities.split import split_at
+from glassware.procedural.cavities.split import split_at, without_folds
 from glassware.procedural.contents.shapes import rod
 
 
@@ -47,3 +48,11 @@ def test_both_halves_together_are_the_body(leaning_rod):
             corners = half.vertices.astype(np.float64)[half.faces] - [0.0, 0.0, level]  # about a point of the cut
             volumes.append(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0)
         assert sum(volumes) == pytest.approx(whole, rel=1e-4)
+
+
+def test_two_faces_that_lie_on_each_other_face_down_are_left_out():
+    box = trimesh.creation.box()
+    flap = np.array([[1, 2, 7], [1, 7, 2], [3, 4, 4]])
+    faces = np.concatenate([flap[:1], box.faces, flap[1:]])
+    kept = without_folds(Mesh("box", box.vertices.astype(np.float32), faces))
+    assert kept.faces.tolist() == box.faces.tolist()

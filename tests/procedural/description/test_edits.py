@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from glassware.core.errors import InputError
 from glassware.core.mesh import volume_of
@@ -132,6 +133,18 @@ def test_a_straw_goes_with_its_vessel_and_takes_no_pose_of_its_own(iced):
     np.testing.assert_allclose(there.world_T_object[:3, 3] - straw.world_T_object[:3, 3], (0.02, 0.01, 0.3), atol=1e-12)
     with pytest.raises(InputError, match=rf"^{straw.name}: expected a pose of the vessel that it stands in"):
         iced.with_pose(straw.name, pose)
+
+
+def test_a_vessel_is_not_tilted_with_what_is_in_it(iced):
+    (vessel,) = iced.vessels
+    pose = vessel.world_T_object.copy()
+    pose[:3, :3] = Rotation.from_euler("x", 5.0, degrees=True).as_matrix() @ pose[:3, :3]
+    pose[2, 3] += 0.3
+    expected = "a pose in which its water stays as it is, found one tilted by 5 degrees"
+    with pytest.raises(InputError, match=rf"^vessel-00, world_T_object: expected {expected}$"):
+        iced.with_pose("vessel-00", pose)
+    turned = vessel.world_T_object @ np.diag([-1.0, -1.0, 1.0, 1.0])
+    assert np.array_equal(iced.with_pose("vessel-00", turned).vessels[0].world_T_object, turned)
 
 
 def test_without_its_straw_a_liquid_keeps_its_volume_and_falls(iced):

@@ -25,7 +25,7 @@ def _drawn(**settings: object) -> Scene:
         "vessels": {
             "categories": ["tumbler"],
             "fill_probability": 1.0,
-            "contents": {"ice": 0.5, "standing": 0.5, "layered": 0.0, "turbid": 0.0},
+            "contents": {"ice": 0.999, "standing": 0.5, "layered": 0.0, "turbid": 0.0},
         },
         "props": {"kinds": ["shape"]},
         "physics": {"piled_probability": 0.0},

@@ -9,6 +9,7 @@ from glassware.dataset.settings.draw import draw
 from glassware.procedural.description.bodies import Prop
 from glassware.render._mitsuba import mi
 from glassware.render.labels.geometry import straight_hits
+from glassware.render.labels.refraction import refract
 from glassware.render.scene.loaded_scene import load
 
 #: Rays to each vertex of the line, and how far from it [m].
@@ -51,7 +52,12 @@ def test_nothing_lies_before_the_first_surface_where_a_liquid_ends(backend, rng,
     direction = (line[:, None] + away).reshape(-1, 3) - eye
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     ray = mi.Ray3f(mi.Point3f(*eye.tolist()), mi.Vector3f(*direction.T.astype(np.float32)))
-    hits = straight_hits(load(scene), ray)
+    loaded = load(scene)
+    hits = straight_hits(loaded, ray)
     first = np.array(hits.first_id) == prop.id
     assert first.sum() > 10_000
     assert (np.array(hits.transmittance)[:, first] == 1.0).all()
+    end = refract(loaded, ray)
+    at_once = (np.array(end.bounces) == 0) & (np.array(end.instance) == prop.id)
+    assert at_once.sum() > 10_000
+    assert (np.array(end.transmittance)[:, at_once] == 1.0).all()
