@@ -161,8 +161,8 @@ def greatest_difference(
         found = runtime.run(list(OUTPUTS), {name: value.numpy() for name, value in zip(INPUTS, inputs, strict=True)})
         for name, ours, theirs in zip(OUTPUTS, expected, found, strict=True):
             error = np.quantile(np.abs(ours.numpy() - np.asarray(theirs)), 1.0 - ties if name in _CHOSEN else 1.0)
-            relative = float(error / max(1.0, ours.abs().max()))
-            worst = max(worst, relative if math.isfinite(relative) else math.inf)
+            finite = bool(ours.isfinite().all()) and bool(np.isfinite(theirs).all())
+            worst = max(worst, float(error / max(1.0, ours.abs().max())) if finite else math.inf)
     return worst
 
 

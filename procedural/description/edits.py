@@ -23,6 +23,8 @@ _ALONG = 8e-4
 TOUCH_POINTS = 200
 #: How far the vertical may be off a vessel's axis and still be that axis [rad]: 10 um across a vessel.
 UPRIGHT = 1e-4
+#: How far a liquid may be off level [rad]: 0.1 mm across a vessel, less than its meniscus.
+LEVEL = 1.5e-3
 #: What the name of a mesh, and so of its file, does not hold.
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]")
 
@@ -128,6 +130,7 @@ def check_place(item: SceneObject, others: Sequence[SceneObject]) -> None:
     for other in others:
         if other.name == item.name:
             raise InputError(f"{item.name}, name", "one of its own", "that of another object in the scene")
+    check_level(item)
     solid = solid_of(item)
     check_above_table(item.name, solid)
     for other in others:
@@ -139,13 +142,13 @@ def check_level(item: SceneObject) -> None:
     if not isinstance(item, GlassBody) or not is_filled(item):
         return
     up = np.array((0.0, 0.0, 1.0) if item.liquid is None else item.liquid.up or (0.0, 0.0, 1.0))
-    tilt = float(np.arccos(np.clip(item.world_T_object[2, :3] @ up, -1.0, 1.0)))
-    if tilt <= UPRIGHT:
+    vertical = item.world_T_object[2, :3]
+    tilt = float(np.arctan2(np.linalg.norm(np.cross(vertical, up)), vertical @ up))
+    if tilt <= LEVEL:
         return
     held = item.contents[0].kind if item.liquid is None else item.liquid.medium.name
     found = f"one tilted by {np.degrees(tilt):.3g} degrees"
-    hint = "" if item.contents else "; tilted.poured_in_pose pours it anew"
-    raise InputError(f"{item.name}, world_T_object", f"a pose in which its {held} stays as it is", found + hint)
+    raise InputError(f"{item.name}, world_T_object", f"a pose in which its {held} stays as it is", found)
 
 
 def moved(item: SceneObject, world_T_object: object) -> SceneObject:

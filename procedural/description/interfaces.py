@@ -142,11 +142,12 @@ def clouded(part: Interface) -> Interface:
     turbid = next((medium for medium in (part.back, part.front) if is_turbid(medium)), None)
     if turbid is None:
         return part
-    index = INTO_GLASS if part.part == "wet_wall" else INTO_AIR
+    behind_glass = part.part == "wet_wall" or (part.part == "outside" and is_turbid(part.front))
+    index = INTO_GLASS if behind_glass else INTO_AIR
     look = OpaqueMaterial(
         name=turbid.name,
         base_colour=UniformTexture(colour=diffuse_reflectance(turbid.name, index)),
         # In air the surface mirrors as a smooth one of water does, nearly; behind glass there is next to no step.
-        roughness=1.0 if part.part == "wet_wall" else _CLEAR_SURFACE,
+        roughness=1.0 if behind_glass else _CLEAR_SURFACE,
     )
     return part.model_copy(update={"opaque": look, "seen_from_back": is_turbid(part.front)})

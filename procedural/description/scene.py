@@ -38,7 +38,7 @@ from .bodies import content_solid as content_solid
 from .bodies import glass_solid as glass_solid
 from .bodies import liquid_solid as liquid_solid
 from .camera import Camera
-from .edits import check_level, check_place, made_unique, moved_with_parts, surrounded
+from .edits import LEVEL, check_place, made_unique, moved_with_parts, surrounded
 from .picture import Picture
 from .polarisation_camera import PolarisationCamera
 from .rest import Rest
@@ -49,8 +49,6 @@ from .twin import Twin
 
 #: Version of the description; the last part changes when an old reader would be misled.
 SCENE_SCHEMA = "glassware/scene/1"
-#: Least vertical part of the z axis of a vessel that stands upright [1]: a tilt of 1.5 mrad.
-UPRIGHT = 1.0 - 1e-6
 
 
 def _kind_of_body(body: object) -> str:
@@ -284,7 +282,6 @@ class Scene(Model):
         if before.within is not None:
             raise InputError(name, f"a pose of the vessel that it stands in ({before.within})", "one of its own")
         changed = moved_with_parts(before, world_T_object, self.objects)
-        check_level(changed[name])
         rest = [other for other in self.objects if other.name not in changed]
         for item in changed.values():
             check_place(item, rest)
@@ -383,6 +380,6 @@ class Scene(Model):
 def _check_upright(body: GlassBody) -> None:
     """Refuse to fill a vessel that leans or lies: liquids are level."""
     upright = float(body.world_T_object[2, 2])
-    if upright < UPRIGHT:
+    if upright < np.cos(LEVEL):
         found = f"one tilted by {np.degrees(np.arccos(max(upright, -1.0))):.0f} degrees"
         raise InputError(f"{body.name}, liquid", "a vessel that stands upright, as liquids are level", found)

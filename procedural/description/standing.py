@@ -13,6 +13,7 @@ from ...core.mesh import Mesh, joined, on_border, some_faces
 from ..cavities.split import whole
 from ..optics.medium import AIR, Medium
 from .bodies import GlassBody, Prop, PropPart, SceneObject
+from .interfaces import clouded
 
 #: Points on the borders of such an object's pieces that are nearer to one of the vessel's are that one [m]: both lie on
 #: the line where it meets a liquid's surface, and each is rounded to single precision in the frame of its own object.
@@ -76,10 +77,12 @@ def restood(item: SceneObject, pieces: Sequence[tuple[Medium, Mesh]], world_T_ve
         alone = len(parts) == 1 and parts[0].surrounding is None
         mesh = whole([mesh for _, mesh in local], name)
         return item.model_copy(update={"mesh": mesh, "parts": () if alone else parts})
-    outside = item.interfaces[0]
+    outside = item.interfaces[0].model_copy(update={"opaque": None, "seen_from_back": False})
     interfaces = tuple(
-        outside.model_copy(
-            update={"mesh": replace(mesh, name=f"{item.name}-outside" + (f"-{k}" if k else "")), "front": medium}
+        clouded(
+            outside.model_copy(
+                update={"mesh": replace(mesh, name=f"{item.name}-outside" + (f"-{k}" if k else "")), "front": medium}
+            )
         )
         for k, (medium, mesh) in enumerate(local)
     )

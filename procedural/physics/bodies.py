@@ -56,7 +56,7 @@ def mechanics_of(item: SceneObject, others: Iterable[tuple[Mesh, Medium]] = ()) 
         The object.
     others : iterable of (Mesh, Medium)
         Surfaces of objects that stand in its liquids (`standing.standing_in`): they take the place of some. Without
-        them the mass of a liquid in which a straw stands is up to 0.4 % off.
+        them the mass of a liquid in which a straw or a rod stands is up to 1 % off.
     """
     if isinstance(item, GlassBody):
         return _of_glass(item, list(others))

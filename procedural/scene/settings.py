@@ -56,8 +56,8 @@ class SceneSettings(Model):
     strict: bool = Field(default=False, description="End where a file of the folders cannot be used, not pass over it")
     twin: Literal["none"] | TwinKind = Field(
         default="none",
-        description="Make a counterfactual twin of each scene: painted glass (opaque), vessels without liquid (empty), "
-        "no vessels (clean-plate), other light, or other glasses and liquids (media); all else is the same",
+        description="Make a counterfactual twin of each scene: painted glass (opaque), vessels without liquid and ice "
+        "(empty), no vessels (clean-plate), other light, or other glasses and liquids (media); all else is the same",
     )
     vessels: VesselSettings = VesselSettings()
     props: PropSettings = PropSettings()

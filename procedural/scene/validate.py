@@ -12,7 +12,7 @@ from ...core.errors import InputError
 from ...core.mesh import Mesh, check_closed, volume_of
 from ...core.pose import check_rigid
 from ..description.camera import LONGEST_SIDE, Camera
-from ..description.edits import check_above_table, check_pair, in_world, solid_of
+from ..description.edits import check_above_table, check_level, check_pair, in_world, solid_of
 from ..description.scene import (
     FIRST_OBJECT_ID,
     GlassBody,
@@ -83,6 +83,7 @@ def check_scene(scene: Scene) -> None:
     for number, camera in enumerate(scene.cameras):
         _check_camera(f"camera {number}", camera)
     for body in scene.vessels:
+        check_level(body)
         _check_media(body)
         check_contents(scene, body)
     check_sun(scene)

@@ -143,6 +143,13 @@ def test_a_vessel_is_not_tilted_with_what_is_in_it(iced):
     expected = "a pose in which its water stays as it is, found one tilted by 5 degrees"
     with pytest.raises(InputError, match=rf"^vessel-00, world_T_object: expected {expected}$"):
         iced.with_pose("vessel-00", pose)
+    with pytest.raises(InputError, match=expected):
+        iced.without("vessel-00").add(vessel.model_copy(update={"world_T_object": pose}))
+    with pytest.raises(InputError, match=expected):
+        check_scene(iced.model_copy(update={"vessels": (vessel.model_copy(update={"world_T_object": pose}),)}))
+    rounded = vessel.world_T_object.copy()
+    rounded[:3, :3] *= 1.0 - 4e-7  # as of poses typed with seven digits
+    iced.with_pose("vessel-00", rounded)
     turned = vessel.world_T_object @ np.diag([-1.0, -1.0, 1.0, 1.0])
     assert np.array_equal(iced.with_pose("vessel-00", turned).vessels[0].world_T_object, turned)
 
@@ -308,3 +315,18 @@ def test_a_plain_copy_whose_label_says_something_else_is_refused(scene, field, v
     with pytest.raises(InputError) as error:
         check_scene(changed)
     assert str(error.value).startswith(line)
+
+
+def test_a_rod_in_milk_shows_its_colour_and_in_water_again_what_is_behind():
+    """Light went from the rod into milk, where none travels: pictures were refused."""
+    contents = PLAIN | {"turbid": 1.0, "turbid_liquids": ["milk"], "standing": 1.0, "standing_kinds": ["stirring rod"]}
+    scene = _drawn(3, {"fill_probability": 1.0, "categories": ["beaker"], "fill": (0.4, 0.5), "contents": contents})
+    for changed, turbid in ((scene, True), (scene.with_liquid("vessel-00", "water", 0.3), False)):
+        check_scene(changed)
+        (rod,) = [item for item in changed.vessels if item.within]
+        wet = [part for part in rod.interfaces if part.front.name != "air"]
+        assert wet
+        for part in wet:
+            assert (part.opaque is not None, part.seen_from_back) == (turbid, turbid), part.front.name
+        (dry,) = [part for part in rod.interfaces if part.front.name == "air"]
+        assert dry.opaque is None

@@ -70,6 +70,7 @@ def test_objects_that_a_twin_keeps_stand_where_they_stood_before_the_same_camera
 
 def test_each_kind_of_twin_changes_what_it_is_named_after(scene, twins):
     assert all(body.liquids for body in scene.vessels if body.category == "tumbler")
+    assert any(body.contents for body in scene.vessels)
     assert not any(body.liquids or body.contents for body in twins["empty"].vessels)
     assert twins["clean-plate"].vessels == ()
     assert [prop.name for prop in twins["clean-plate"].props] == ["prop-00"]
