@@ -67,8 +67,8 @@ def mechanics_of(item: SceneObject, others: Iterable[tuple[Mesh, Medium]] = ()) 
         return _record(solid_mass(item.mesh, density), whole)
     parts = [_only(item, part) for part in _parts_of(item)]
     if len(parts) > 1 and all(_encloses(part.mesh) for part in parts):
-        first, *others = [_of_prop(part, substance_of(part.material)) for part in parts]
-        return first.model_copy(update={"whole": combined([part.whole for part in (first, *others)])})
+        first, *rest = [_of_prop(part, substance_of(part.material)) for part in parts]
+        return first.model_copy(update={"whole": combined([part.whole for part in (first, *rest)])})
     return _of_prop(item, substance)
 
 
